@@ -71,7 +71,7 @@ def ran(
         controller = control.cascade(plant, policy)
         done = dynamics.simulate(plant, controller, demand, start=start, substeps=2)
         worth = control.control_metrics(controller, done, demand)
-        air = float(np.maximum(done.seen.drawn[:last], 0.0).sum() * DT)
+        air = float(np.maximum(done.outputs.drawn[:last], 0.0).sum() * DT)
         least = least or air
         found[policy] = Ran(worth.drawdown / worth.dip, worth.rms, air, 100 * (air / least - 1))
         one = found[policy]

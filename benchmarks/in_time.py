@@ -67,13 +67,13 @@ def rows(small: bool = False) -> list[Row]:
         def one(rows: jax.Array) -> jax.Array:
             return dynamics.simulate(
                 moved, rows, dt=DT, start=begin, substeps=SUBSTEPS
-            ).seen.position
+            ).outputs.position
 
         return jax.vmap(one)(commands)
 
     def cost(gains: jax.Array) -> jax.Array:
         act = Proportional(gains[0], gains[1])
-        seen = dynamics.simulate(moved, act, wanted, dt=DT, start=begin, substeps=SUBSTEPS).seen
+        seen = dynamics.simulate(moved, act, wanted, dt=DT, start=begin, substeps=SUBSTEPS).outputs
         return jnp.mean((seen.position[1:] - wanted) ** 2)
 
     value, slope = jax.jit(cost), jax.jit(jax.value_and_grad(cost))

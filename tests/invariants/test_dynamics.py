@@ -57,7 +57,7 @@ def _varied(plant, numbers):
 
 
 def _account(run):
-    return dict(zip(LEDGER, np.asarray(run.account).T, strict=True))
+    return dict(zip(LEDGER, np.asarray(run.ledger).T, strict=True))
 
 
 def _commands(seed, columns=2):
@@ -70,7 +70,7 @@ def _commands(seed, columns=2):
 def _keeps_the_laws(plant, run):
     audit = dynamics.audit(plant, run)
     assert audit.closes, str(audit)
-    a, store = _account(run), run.seen.store
+    a, store = _account(run), run.outputs.store
     # nothing that is lost comes back, at any moment
     size = 1e-9 * max(np.max(np.abs(x)) for x in a.values())
     for loss in ("valve", "exhaust", "mixing", "wall", "damper", "friction"):
@@ -80,8 +80,8 @@ def _keeps_the_laws(plant, run):
     kept = np.sum(store - store[0], axis=1)
     # a table's cells: as far as the audit closes
     assert np.min(given - kept) >= -1e-5 * np.max(np.abs(given) + np.abs(kept))
-    assert_allclose(run.seen.masses.sum(axis=1) - run.seen.masses[0].sum(), a["mass"],
-                    rtol=0, atol=1e-12 * np.max(run.seen.masses.sum(axis=1)))  # fmt: skip
+    assert_allclose(run.outputs.masses.sum(axis=1) - run.outputs.masses[0].sum(), a["mass"],
+                    rtol=0, atol=1e-12 * np.max(run.outputs.masses.sum(axis=1)))  # fmt: skip
 
 
 @few
@@ -113,12 +113,12 @@ def _fast(plant, seed, dead):
     C, wall, dead = 10 ** rng.uniform(-9, -7.7), rng.uniform(0, 3), dead * rng.uniform(0.5, 4.5)
     at = lambda p: (p.valve.C, p.exhaust_valve.C, p.chamber.conductance, p.chamber.dead_volume)  # noqa: E731
     fast = eqx.tree_at(at, plant, (C, 0.7 * C, np.float64(wall), dead))
-    if fast.load.moved:
+    if fast.load.prescribed:
         frequency = np.float64(rng.uniform(2, 6))
         fast = eqx.tree_at(lambda p: p.load.frequency, fast, frequency)
     return (
         fast,
-        dynamics.equilibrium_state(fast, 0.5e5 if fast.load.moved else 1.5e5),
+        dynamics.equilibrium_state(fast, 0.5e5 if fast.load.prescribed else 1.5e5),
         rng.integers(10**6),
     )
 
@@ -197,7 +197,7 @@ def test_oil_that_passes_no_pressure_keeps_energy(bundle):
         run = dynamics.simulate(
             some, _commands(rng.integers(10**6)), start=dynamics.equilibrium_state(some, 0.0)
         )
-        assert run.substeps == 16 and np.min(run.seen.pressures) < 100
+        assert run.substeps == 16 and np.min(run.outputs.pressures) < 100
         audit = dynamics.audit(some, run)
         assert all(one.closes for one in audit.balances), f"{seed}: {audit}"
 

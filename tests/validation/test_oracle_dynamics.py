@@ -108,17 +108,17 @@ def _near(run, expected, plant):
     adaptive steps may leave as much as their tolerance, fixed ones of 1 ms left 2e-10.
     """
     unit = _shortest(plant)
-    assert np.all(run.seen.status == 0)
+    assert np.all(run.outputs.status == 0)
     assert np.ptp(expected.position) > 0.02 * unit  # it moves
-    assert_allclose(run.seen.position / unit, expected.position / unit, rtol=0, atol=1e-8)
-    assert_allclose(run.seen.pressures / SUPPLY, expected.pressures / SUPPLY, rtol=0, atol=1e-7)
-    assert_allclose(run.seen.masses, expected.masses, rtol=1e-7)
+    assert_allclose(run.outputs.position / unit, expected.position / unit, rtol=0, atol=1e-8)
+    assert_allclose(run.outputs.pressures / SUPPLY, expected.pressures / SUPPLY, rtol=0, atol=1e-7)
+    assert_allclose(run.outputs.masses, expected.masses, rtol=1e-7)
 
 
 def _every(run, step):
     pick = lambda x: x[::step]  # noqa: E731
-    seen = run.seen._replace(**{name: pick(x) for name, x in run.seen._asdict().items()})
-    return run._replace(seen=seen, account=pick(run.account))
+    seen = run.outputs._replace(**{name: pick(x) for name, x in run.outputs._asdict().items()})
+    return run._replace(outputs=seen, ledger=pick(run.ledger))
 
 
 def test_a_plant_rests_where_the_oracle_s_does(ran):
@@ -135,7 +135,7 @@ def test_fixed_steps_follow_the_oracle(ran):
 
 def test_what_was_drawn_and_done_is_the_oracle_s(ran):
     plant, expected, _, _, run, _ = ran
-    account = dict(zip(LEDGER, _every(run, 5).account.T, strict=True))
+    account = dict(zip(LEDGER, _every(run, 5).ledger.T, strict=True))
     # both from states that agree to 1e-7, summed up by quadratures of their own
     works = expected.works.sum(axis=1)
     assert_allclose(account["fluid_work"], works, rtol=0, atol=1e-7 * np.max(np.abs(works)))
@@ -155,7 +155,7 @@ def test_what_was_drawn_and_done_is_the_oracle_s(ran):
         ])
         for k, unit in enumerate(plant.units)
     )  # fmt: skip
-    assert_allclose(run.seen.store[::100, STORES.index("fluid")], stored, rtol=1e-6)
+    assert_allclose(run.outputs.store[::100, STORES.index("fluid")], stored, rtol=1e-6)
 
 
 def test_audits_close(ran):

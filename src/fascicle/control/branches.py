@@ -83,7 +83,7 @@ class Branches(Module):
         """
         supply = resolve_supply_pressure(bundle, supply_pressure)
         muscles = [unit.muscle for unit in bundle.motor_units]
-        return cls.tabulated(Tables.of(muscles, supply, shape), supply)
+        return cls.tabulated(Tables.from_muscles(muscles, supply, shape), supply)
 
     @classmethod
     def tabulated(cls, muscles: Tables, top: float) -> "Branches":
@@ -92,7 +92,7 @@ class Branches(Module):
         columns = table.coefficients.shape[-3]
         rows = []
         for indices in range(len(table.coefficients)):
-            unit = int(np.flatnonzero(muscles.which == indices)[0])
+            unit = int(np.flatnonzero(muscles.indices == indices)[0])
             low, high = (float(end[unit]) for end in table.strains)
             rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
         parts = (np.stack(piece) for piece in zip(*rows, strict=True))
@@ -177,7 +177,7 @@ class Branches(Module):
         columns = self.onsets.shape[-1] - 1
         x = minimum(maximum((strain - low) / (high - low) * columns, 0.0), float(columns))
         j = minimum(xp.floor(x), columns - 1.0).astype(int)
-        return j, x - j, self.muscles.which
+        return j, x - j, self.muscles.indices
 
     def _looked_up(self, fraction: Numbers, strain: Numbers) -> Numbers:
         j, w, indices = self._column(strain)
@@ -209,7 +209,7 @@ def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple
     def force(pressure: np.ndarray) -> np.ndarray:
         P, eps = np.broadcast_arrays(pressure[..., None], strain[:, None])
         # of all units the one that is meant
-        count = np.shape(muscles.which)
+        count = np.shape(muscles.indices)
         unit_branches = muscles.at(
             np.broadcast_to(P, (*P.shape[:-1], *count)), eps + np.zeros(count)
         )

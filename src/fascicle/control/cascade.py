@@ -201,7 +201,7 @@ class Cascade(Module):
         joint = len(self.units) == 2
         policies, targets, lacks = [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
-            indices = plant.places(side)
+            indices = plant.unit_indices(side)
             arm = plant.load.arms[side][1]
             shared = (1 / (2 * arm)) if joint else 1 / arm
             extra = self.co_contraction if joint else 0.0
@@ -251,7 +251,7 @@ class Cascade(Module):
         """Commands [-], equation (K3)."""
         commands = []
         for side, units in enumerate(self.units):
-            indices = self.plant.places(side)
+            indices = self.plant.unit_indices(side)
             P, eps, v = measurement.pressures[indices], strains[indices], speed[indices]
             P_r = minimum(maximum(target[indices], 0.0), self.highest_pressure)
             m = units.content(P, eps)
@@ -277,7 +277,7 @@ class Cascade(Module):
         queue = per * (reference - before)
         speed = queue / (self.dt * self.every)
         at = plant.muscles.at(P, plant.strains(reference))
-        slid = self.friction.slid(memory.reckoned, queue, speed, (P, P), at.force_by_pressure)
+        slid = self.friction.advance(memory.reckoned, queue, speed, (P, P), at.force_by_pressure)
         return array_namespace(P).sum(plant.counts * per * slid.force), slid.spring_forces
 
     def _delayed(self, memory: Memory, measurement: Measurement) -> tuple[Measurement, Numbers]:

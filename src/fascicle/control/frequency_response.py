@@ -100,7 +100,7 @@ def frequency_response(
 
     def run(reference: Numbers) -> PlantOutputs:
         how = {"dt": dt, "start": start, "substeps": outputs_batch.substeps}
-        return simulate(plant, controller, reference, **how).seen
+        return simulate(plant, controller, reference, **how).outputs
 
     outputs = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(batch)))
     late = slice(round(_GROWS / dt), steps)

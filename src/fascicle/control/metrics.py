@@ -86,7 +86,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
 
     **Raises:** `ValueError` for a reference of another length.
     """
-    outputs = run.seen
+    outputs = run.outputs
     target = np.asarray(reference, float)
     if target.shape != (len(run.time) - 1,):
         raise InvalidInputError("reference", "must have one for each step", target.size)
@@ -100,7 +100,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     error = np.where(can, y - target, 0.0)
     count = max(1, int(can.sum()))
     drawn = np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
-    spent = np.asarray(run.account)[:, LEDGER.index("supplied")]
+    spent = np.asarray(run.ledger)[:, LEDGER.index("supplied")]
     dip, recruited = _units(controller, run)
     return ControlMetrics(
         drawdown(y, target, can),
@@ -124,9 +124,9 @@ def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
     position, or the pull of all muscles on the load [SI].
     """
     if controller.of == "position":
-        return np.asarray(run.seen.position)
+        return np.asarray(run.outputs.position)
     plant = controller.plant
-    return np.sum(plant.lengths * plant.gains * np.asarray(run.seen.forces), axis=-1)
+    return np.sum(plant.lengths * plant.gains * np.asarray(run.outputs.forces), axis=-1)
 
 
 def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
@@ -159,7 +159,7 @@ def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers)
     highest = np.minimum(supply, float(controller.highest_pressure))
     lower, upper = 0.0, 0.0
     for side, units in enumerate(controller.units):
-        indices = plant.places(side)
+        indices = plant.unit_indices(side)
         eps, arm = strains[:, indices], float(plant.load.arms[side][1])
         pulls = [
             np.sum(units.counts * units.branches.force(P[:, None] + 0.0 * eps, eps), axis=-1)
@@ -175,10 +175,10 @@ def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
     """The deepest dip [N] that was passed, and how often a unit was recruited [-]."""
     plant, deepest, switches = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
-        indices = plant.places(side)
+        indices = plant.unit_indices(side)
         eps, P = (
-            np.asarray(run.seen.strains)[:, indices],
-            np.asarray(run.seen.pressures)[:, indices],
+            np.asarray(run.outputs.strains)[:, indices],
+            np.asarray(run.outputs.pressures)[:, indices],
         )
         depth, _ = units.branches.dip(eps)
         deepest = max(deepest, float(np.max((units.counts * depth)[:, 1:], initial=0.0)))

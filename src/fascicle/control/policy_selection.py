@@ -85,13 +85,13 @@ def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
     if of == "position":
         q = np.clip(target, low, high)
         return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
-    q = float(plant.load.placed(0.0, 0.0, 0.0)[0])
+    q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
     return Path.of(time, target, float(np.atleast_1d(plant.strains(q))[0]))
 
 
 def _ratio(plant: Plant, path: Path) -> float:
     """$t_c \\sqrt{k/M}$ [-], the unit's valve wide open, at the path's middle strain."""
-    if plant.load.moved:
+    if plant.load.prescribed:
         return np.inf
     eps = float(np.median(path.strain))
     bundle, supply = plant.bundles[0], plant.supply_pressure

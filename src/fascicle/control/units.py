@@ -41,7 +41,7 @@ class Units(Module):
         key = "control.units", top
         if key not in bundle.cache:
             bundle.cache[key] = Branches.of(bundle, top)
-        indices = plant.places(side)
+        indices = plant.unit_indices(side)
         chamber, valve, exhaust = (
             of_units(piece, indices, plant.units)
             for piece in (plant.chamber, plant.valve, plant.exhaust_valve)

@@ -34,13 +34,13 @@ from .loads import Stop as Stop
 from .step_size import StepSizeEstimate as StepSizeEstimate
 from .step_size import estimate_substeps as estimate_substeps
 from .plant import Plant as Plant
+from .plant import State as State
 from .equilibrium import equilibrium_state as equilibrium_state
 from .schedule import Measurement as Measurement
 from .schedule import Schedule as Schedule
 from .outputs import PlantOutputs as PlantOutputs
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
-from .state import State as State
 
 
 # names of the last release

@@ -1,22 +1,22 @@
 r"""Energy and mass balances of a run, each term an integral of its own.
 
-Of a gas, in exergy, what a room at $p_a$, $T_a$ would let it still do; of a liquid, in energy,
+Of a gas, in exergy, the work that it can do in a room at $p_a$, $T_a$; of a liquid, in energy,
 
 $$E_{supplied} = E_{valve} + E_{exhaust} + E_{mixing} + E_{wall} + W + \Delta E_{fluid}; \tag{A1}$$
 
-the muscles, which store and give back what their law says,
+of the muscles, which store energy by their law,
 
 $$W = \int F\,\mathrm{d}x + \Delta(P V^* - \Pi^*) + E_{mismatch}, \tag{A2}$$
 
-where the last is what a volume makes that isn't the conjugate one: work out of nothing, so that it
-is left over, by its name, and no such run is trusted; and the motion,
+with the $E_{mismatch}$ that a volume makes that isn't the conjugate one: work out of nothing, so it
+is part of the residual, is named, and no such run can be trusted; and of the motion,
 
 $$\int F\,\mathrm{d}x + W_{motor} = \Delta E_{kinetic} + \Delta U + E_{damper} + E_{stop}
   + E_{friction} + \Delta E_{friction}. \tag{A3}$$
 
-With them go a liquid supply's own energy, with what drives it, the fluid's mass, and where a wall
-is simulated the first law. No term is what the others leave, so that what is left says how well a
-run can be believed.
+Further balances are those of a liquid supply's own energy with its drive, of the fluid's mass, and
+with a simulated wall the first law. No term is the remainder of others, so that the residual
+measures how far a run can be trusted.
 
 **Source:** first and second law for open systems: Bejan (2016).
 """
@@ -35,33 +35,32 @@ from .plant import Plant
 from .simulate import Trajectory
 
 
-# of the largest term: what Runge-Kutta's steps leave where the law is smooth, where a table's cells
-# are crossed, and where springs begin to slip or a stop is met, a kink of force within a step
+# of the largest term, the residual of Runge-Kutta's steps: for a smooth law, when a table's cells
+# are crossed, for a kink of force within a step (springs that begin to slip, a stop), and rounding
 SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
-WORDS = {
-    "folded": "a muscle's volume fell with pressure by more than its fluid and hose give way:"
+MESSAGES = {
+    "folded": "a muscle's volume fell with pressure by more than its fluid and hose expand:"
     " its pressure isn't unique; give the chamber more dead volume or compliance",
     "cavitates": "a unit was sucked empty: its fluid can't follow",
-    "off_table": "a strain or pressure left what the muscles are known at; forces go on linearly"
-    " there",
+    "off_table": "a strain or pressure left the muscles' tables; forces go on linearly there",
     "unsettled": "a pressure wasn't found to rounding in two steps; take a smaller `dt`",
     "supply_empty": "the supply has nothing left to give",
     "stop": "the load touched its stop",
     "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
-    "broken": "numbers that are none came up; take a smaller `dt`",
+    "broken": "numbers are not finite; take a smaller `dt`",
 }
-_SPENT = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
+_LOSSES = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
 _BY_VOLUME = "made by the volume"
 _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
-# what happened, but is no reason to doubt the run
-_HARMLESS = ("supply_empty", "stop")
+_HARMLESS = ("supply_empty", "stop")  # events, but no reason to doubt the run
 
 
 class Balance(NamedTuple):
-    """One balance. `name`; `unit`; what came `into` it and where it `went`, each by its name [J or
-    kg]; what is `left` over [J or kg], and as a `share` of the largest term [-]; up to which share
-    it `closes_within` [-]; where it doesn't, and the reason is known, what to do, its `remedy` [-].
+    """One balance: its `name` and `unit`; terms that come `into` it and that `went` out of it, by
+    name [J or kg]; the residual that is `left` [J or kg], and its `share` of the largest term [-];
+    the largest share that it `closes_within` [-]; a `remedy` if it doesn't close for a known
+    reason.
     """
 
     name: str
@@ -75,7 +74,7 @@ class Balance(NamedTuple):
 
     @property
     def closes(self) -> bool:
-        """True if the rest is small enough."""
+        """True if the residual is small enough."""
         return bool(self.share <= self.closes_within)
 
 
@@ -93,7 +92,7 @@ class Event(NamedTuple):
 
 
 class Audit(NamedTuple):
-    """Balances of a run and what happened in it."""
+    """Balances and events of a run."""
 
     balances: tuple[Balance, ...]
     events: tuple[Event, ...]
@@ -101,35 +100,29 @@ class Audit(NamedTuple):
     @property
     def closes(self) -> bool:
         """True if all balances close and every event can be trusted."""
-        return all(balance.closes for balance in self.balances) and all(
-            e.trusted for e in self.events
-        )
+        return all(x.closes for x in self.balances) and all(x.trusted for x in self.events)
 
     def __str__(self) -> str:
-        """A table in words."""
+        """Balances and events as text."""
         lines = []
         for balance in self.balances:
             verdict = "closes" if balance.closes else "DOES NOT CLOSE"
-            lines.append(
-                f"{balance.name}: {verdict}, {balance.share:.1e} of its largest term is left over"
-            )
+            residual = f"{balance.share:.1e} of its largest term is left over"
+            lines += [f"{balance.name}: {verdict}, {residual}"]
             lines += [f"  {balance.remedy}"] if balance.remedy else []
             for side, terms in (("in", balance.into), ("out", balance.went)):
                 lines += [
                     f"  {side:>3} {name:<28} {value:>14.6g} {balance.unit}"
                     for name, value in terms.items()
                 ]
-        lines += [f"{e.name} from {e.first:.4g} s: {e.words}" for e in self.events]
+        lines += [f"{event.name} from {event.first:.4g} s: {event.words}" for event in self.events]
         return "\n".join(lines)
 
 
 def audit(plant: Plant, run: Trajectory) -> Audit:
-    """The balances of a run, (A1) to (A3), and what happened in it.
+    """Balances of a run, (A1) to (A3), and its events.
 
-    **Arguments:**
-
-    - `plant`: that ran [-].
-    - `run`: one run, not a batch of them [-].
+    **Arguments:** `plant`: the plant of the run; `run`: one run, not a batch of them.
 
     **Returns:** an `Audit` [J].
 
@@ -137,57 +130,60 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     """
     if not plant.chamber.physical:
         kind = type(plant.chamber).__name__
-        remedy = "take AdiabaticWall or Isothermal"
-        raise InvalidInputError(
-            "chamber", f"{kind} is a fit that keeps no balance", kind, remedy, shown=""
-        )
-    if np.ndim(run.time) != 1 or np.ndim(run.account) != 2:
-        raise InvalidInputError("run", "must be one run", np.shape(run.account), shown="a batch")
-    rows = np.asarray(run.account)
-    a: dict[str, Any] = dict(zip(LEDGER, rows[-1] - rows[0], strict=True))
-    largest: dict[str, Any] = dict(zip(LEDGER, np.abs(rows - rows[0]).max(axis=0), strict=True))
-    store = np.asarray(run.seen.store)
-    d = dict(zip(STORES, store[-1] - store[0], strict=True))
-    largest |= {
-        f"Δ{name}": x for name, x in zip(STORES, np.abs(store - store[0]).max(axis=0), strict=True)
-    }
+        rule, remedy = f"{kind} is a fit that keeps no balance", "take AdiabaticWall or Isothermal"
+        raise InvalidInputError("chamber", rule, kind, remedy, shown="")
+    if np.ndim(run.time) != 1 or np.ndim(run.ledger) != 2:
+        raise InvalidInputError("run", "must be one run", np.shape(run.ledger), shown="a batch")
+    ledger, largest = _changes(LEDGER, run.ledger)
+    stores, largest_stores = _changes(STORES, run.outputs.store)
+    largest |= {f"Δ{name}": value for name, value in largest_stores.items()}
 
-    exact = isinstance(plant.muscles, Exact)
-    law = SMOOTH if exact else TABULATED
-    what = "energy" if plant.liquid else "exergy"
-    lost = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
+    law = SMOOTH if isinstance(plant.muscles, Exact) else TABULATED
+    is_kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
+    quantity = "energy" if plant.liquid else "exergy"
+    losses = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
     balances = [
-        _balance(f"{what} of the fluid", law, largest, {"supplied": a["supplied"]},
-                 {**{name: a[name] for name in lost}, "work on the muscles": a["fluid_work"],
-                  "stored in the fluid": d["fluid"]}, ("supplied", *lost, "fluid_work", "Δfluid")),
-        _balance("energy of the muscles", law, largest, {"work of the fluid": a["fluid_work"]},
-                 {"pull on the load": a["pull"], "stored in the muscles": d["muscles"]},
-                 ("fluid_work", "pull", "Δmuscles"), volume=a["mismatch"]),
-        _balance("energy of the motion", _motion_tolerance(plant, law), largest,
-                 {"pull of the muscles": a["pull"], "motor": a["motor"]},
-                 {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
-                  "stop, lost": a["stop"], "stop, stored": d["stop"],
-                  "friction, lost": a["friction"], "friction, stored": d["friction"]},
+        _balance(f"{quantity} of the fluid", law, largest, {"supplied": ledger["supplied"]},
+                 {**{name: ledger[name] for name in losses},
+                  "work on the muscles": ledger["fluid_work"],
+                  "stored in the fluid": stores["fluid"]},
+                 ("supplied", *losses, "fluid_work", "Δfluid")),
+        _balance("energy of the muscles", law, largest, {"work of the fluid": ledger["fluid_work"]},
+                 {"pull on the load": ledger["pull"], "stored in the muscles": stores["muscles"]},
+                 ("fluid_work", "pull", "Δmuscles"), volume=ledger["mismatch"]),
+        _balance("energy of the motion", KINKED if is_kinked else law, largest,
+                 {"pull of the muscles": ledger["pull"], "motor": ledger["motor"]},
+                 {"kinetic": stores["motion"], "potential": stores["load"],
+                  "damper": ledger["damper"], "stop, lost": ledger["stop"],
+                  "stop, stored": stores["stop"], "friction, lost": ledger["friction"],
+                  "friction, stored": stores["friction"]},
                  ("pull", "motor", "Δmotion", "Δload")),
-        _mass_balance(run, a, largest),
+        _mass_balance(run, ledger, largest),
     ]  # fmt: skip
     if plant.liquid and plant.supply.count:
-        balances.append(_supply_balance(plant, run, a, largest))
+        balances.append(_supply_balance(plant, run, ledger, largest))
     if isinstance(plant.chamber, AdiabaticWall):
-        balances.append(_first_law_balance(plant, run, a, largest))
+        balances.append(_first_law_balance(plant, run, ledger, largest))
     return Audit(tuple(balances), events(run))
 
 
 def events(run: Trajectory) -> tuple[Event, ...]:
     """Events of a run, by their first time."""
-    status, time, seen = np.asarray(run.seen.status), np.asarray(run.time), []
+    status, time, result = np.asarray(run.outputs.status), np.asarray(run.time), []
     for bit, name in enumerate(STATUS):
-        indices = np.flatnonzero(status & (1 << bit))
-        if indices.size:
-            first, last = float(time[indices[0]]), float(time[indices[-1]])
-            count = int(indices.size)
-            seen.append(Event(name, first, last, count, WORDS[name], name in _HARMLESS))
-    return tuple(sorted(seen, key=lambda event: event.first))
+        times = time[np.flatnonzero(status & (1 << bit))].tolist()
+        if times:
+            is_harmless = name in _HARMLESS
+            event = Event(name, times[0], times[-1], len(times), MESSAGES[name], is_harmless)
+            result.append(event)
+    return tuple(sorted(result, key=lambda event: event.first))
+
+
+def _changes(names: tuple[str, ...], rows: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Changes of named quantities over a run, and the largest meanwhile."""
+    change = np.asarray(rows) - np.asarray(rows)[0]
+    largest = np.abs(change).max(axis=0)
+    return dict(zip(names, change[-1], strict=True)), dict(zip(names, largest, strict=True))
 
 
 def _balance(
@@ -197,53 +193,47 @@ def _balance(
     into = {key: float(value) for key, value in into.items()}
     went = {key: float(value) for key, value in went.items()}
     left = sum(into.values()) - sum(went.values())
-    # of the most that any term was meanwhile: at the end of a cycle all may be zero again
-    size = max(
-        [largest[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())]
-    )
+    # the largest of any term meanwhile: at the end of a cycle all may be zero again
+    size = max([*(largest[term] for term in terms), *map(abs, (*into.values(), *went.values()))])
     remedy = ""
-    if volume is not None:  # named, and left over all the same: it came from nowhere
+    if volume is not None:  # named, but part of the residual all the same: it comes from nowhere
         went[_BY_VOLUME] = volume = float(volume)
         if abs(volume) > tolerance * size:
             remedy = f"{volume:.3g} J of it are {_BY_VOLUME}: {_CONJUGATE}"
-    share = abs(left) / size if size > 0 else 0.0
-    return Balance(name, unit, into, went, left, share, tolerance, remedy)
+    relative = abs(left) / size if size > 0 else 0.0
+    return Balance(name, unit, into, went, left, relative, tolerance, remedy)
 
 
-def _motion_tolerance(plant: Plant, law: float) -> float:
-    kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
-    return KINKED if kinked else law
-
-
-def _mass_balance(run: Trajectory, a: dict[str, Any], largest: dict[str, Any]) -> Balance:
-    stored = np.sum(np.asarray(run.seen.masses), axis=-1)
-    into, went = {"flowed in": a["mass"]}, {"held": stored[-1] - stored[0]}
-    largest = largest | {"held": float(np.max(stored))}
+def _mass_balance(run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]) -> Balance:
+    mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
+    into, went = {"flowed in": ledger["mass"]}, {"held": mass[-1] - mass[0]}
+    largest = largest | {"held": float(np.max(mass))}
     return _balance("mass of the fluid", COUNTED, largest, into, went, ("mass", "held"), unit="kg")
 
 
 def _supply_balance(
-    plant: Plant, run: Trajectory, a: dict[str, Any], largest: dict[str, Any]
+    plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
-    reserve = np.asarray(run.seen.reserve)
+    reserve = np.asarray(run.outputs.reserve)
     stored = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
     into = {"shaft": spent.pop("shaft_work", 0.0)}
-    spent = {_SPENT.get(name, name): x for name, x in spent.items()}
-    went = {"supplied": a["supplied"], "stored in the supply": stored[-1] - stored[0], **spent}
+    losses = {_LOSSES.get(name, name): x for name, x in spent.items()}
+    went = {"supplied": ledger["supplied"], "stored in the supply": stored[-1] - stored[0]}
     largest = largest | {"held": float(np.max(np.abs(stored - stored[0])))}
-    return _balance("energy of the supply", SMOOTH, largest, into, went, ("supplied", "held"))
+    terms = ("supplied", "held")
+    return _balance("energy of the supply", SMOOTH, largest, into, went | losses, terms)
 
 
 def _first_law_balance(
-    plant: Plant, run: Trajectory, a: dict[str, Any], largest: dict[str, Any]
+    plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
-    # U = p V/(γ − 1), from what is seen rather than from the state that was integrated
-    p = np.asarray(run.seen.pressures) + plant.chamber.room_pressure
-    V = np.asarray(run.seen.volumes) + plant.chamber.dead_volume
+    # U = p V/(γ − 1), from the outputs rather than from the state that was integrated
+    p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
+    V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
     U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
-    went = {"heat through the wall": a["heat"], "work, absolute": a["displaced"],
+    went = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
             "internal energy": U[-1] - U[0]}  # fmt: skip
     terms = ("enthalpy", "heat", "displaced", "held")
     largest = largest | {"held": float(np.max(U))}
-    return _balance("first law", SMOOTH, largest, {"enthalpy": a["enthalpy"]}, went, terms)
+    return _balance("first law", SMOOTH, largest, {"enthalpy": ledger["enthalpy"]}, went, terms)

@@ -1,17 +1,17 @@
-r"""Chamber states from which volume work is integrated out, for energy-conserving fixed steps.
+r"""Conserved states of chambers, for fixed steps that conserve energy.
 
-A wall that moves works on what is behind it. Where a muscle collapses, the slope of its volume
-jumps, and a method of fixed steps that adds up $\dot V$ of its stages misses some of the volume
-that it goes: energy is made. A chamber's state $s$, whose rates are affine in $\dot V$ with a slope
-$\dot s_{\dot V}$ that is affine in pressure, holds
+A moving wall does work on the fluid behind it. When a muscle collapses, the slope of its volume
+jumps, and a method of fixed steps that adds up $\dot V$ of its stages misses some of the change of
+volume: it creates energy. A chamber's state $s$, whose rates are affine in $\dot V$ with a slope
+$\dot s_{\dot V}$ that is affine in pressure, has a conserved state
 
 $$k = s - \dot s_{\dot V}(P)\, V, \qquad
   \dot k = \dot s|_{\dot V = 0} - \frac{\mathrm{d} \dot s_{\dot V}}{\mathrm{d} P} \dot P\, V,
   \tag{T6}$$
 
-which asks for the volume alone: of gas behind a wall, mass and enthalpy. At the end of a substep
-the state follows from $k$ and the volume that was reached, so that no volume is lost; where its
-pressure is set right, the wall works along.
+which depends on the volume alone: of gas behind a wall, mass and enthalpy. At the end of a substep
+the state follows from $k$ and the volume then, so that no volume is lost; the correction of its
+pressure includes the wall's work.
 
 **Source:** the first law, by parts.
 """
@@ -26,9 +26,9 @@ from .plant import Plant
 
 
 class ProjectedChambers(NamedTuple):
-    """Chambers whose pressures have been set right: states of the `chambers` [SI], `pressures`
-    [Pa], and what setting them right adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to
-    the `work` and to its `mismatch`.
+    """Chambers with corrected pressures: states of the `chambers` [SI], `pressures` [Pa], and what
+    the correction adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to the `work` and to
+    its `mismatch`.
     """
 
     chambers: Numbers
@@ -40,8 +40,8 @@ class ProjectedChambers(NamedTuple):
 def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
-    """$k$ [SI] of `chambers` [SI] of a kind of `chamber` [-] at `pressures` [Pa], with `volumes`
-    [m³] of muscles, equation (T6).
+    """$k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` at `pressures` [Pa], with
+    `volumes` of muscles [m³].
     """
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 
@@ -53,9 +53,8 @@ def conserved_rates(
     pressure_rates: Numbers,
     volumes: Numbers,
 ) -> Numbers:
-    """$\\dot k$ [SI], equation (T6), of `chambers` [SI] of a kind of `chamber` that change by
-    `fixed_volume_rate` [SI] in constant volumes, at `pressure_rates` [Pa/s] and `volumes` [m³] of
-    muscles.
+    """$\\dot k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` with a
+    `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` of muscles [m³].
     """
     push, P_dot = chamber.per_volume_rate, pressure_rates
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
@@ -63,28 +62,27 @@ def conserved_rates(
 
 
 def project_chambers(
-    plant: Plant, holds: Numbers, strains: Numbers, guess: Numbers, steps: int
+    plant: Plant, conserved: Numbers, strains: Numbers, guess: Numbers, steps: int
 ) -> ProjectedChambers:
-    """Chambers of a `plant` [-] that hold $k$, `holds` [SI], at `strains` [-] and led to pressures
-    `guess` [Pa], set right in so many `steps` [-] of Newton's method.
+    """Chambers of a `plant` with the `conserved` states $k$ [SI] at `strains` [-], in `steps` of
+    Newton's method from pressures `guess` [Pa].
     """
     n, chamber = plant.counts, plant.chamber
     push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
-    at_0, first = at, chambers_now = muscle_volumes(plant, strains, guess)
-    V_0 = first.volume
-    s = s_0 = holds + push(holds, guess) * V_0[..., None]
+    start, start_volumes = muscles, volumes = muscle_volumes(plant, strains, guess)
+    V_0 = start_volumes.volume
+    s = s_0 = conserved + push(conserved, guess) * V_0[..., None]
     P = before = guess
-    for turn in range(steps):
-        if turn:
-            at, chambers_now = muscle_volumes(plant, strains, P)
-            s = s_0 + push(s_0, (guess + P) / 2) * (chambers_now.volume - V_0)[..., None]
-        step = assemble_chambers(plant, s, P, at, chambers_now).working_step
-        # half of the way to no fluid at all at most
-        P, before = maximum(P + step, (P + lowest) / 2), P
+    for i in range(steps):
+        if i:
+            muscles, volumes = muscle_volumes(plant, strains, P)
+            s = s_0 + push(s_0, (guess + P) / 2) * (volumes.volume - V_0)[..., None]
+        step = assemble_chambers(plant, s, P, muscles, volumes).working_step
+        P, before = maximum(P + step, (P + lowest) / 2), P  # half-way to no fluid at most
     last = P - before
-    V = chambers_now.volume + chambers_now.by_pressure * last
+    V = volumes.volume + volumes.by_pressure * last
     s = s_0 + push(s_0, (guess + P) / 2) * (V - V_0)[..., None]
     add, change = array_namespace(P).sum, guess - P
     work = (V_0 + V) / 2 * change
-    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * change
+    conjugate = n * (start.volume + muscles.volume + muscles.volume_by_pressure * last) / 2 * change
     return ProjectedChambers(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))

@@ -1,6 +1,6 @@
 r"""Energy ledger of a plant: powers of its parts, and stored energies.
 
-Energies are powers of their own, integrated beside the motion; none is what others leave. Of a gas
+Each energy is the integral of its own power; none is the remainder of others. Of a gas
 they are exergies: a kilogram that is throttled from $p_1$ to $p_2$ loses $R T_a \ln(p_1/p_2)$; one
 that comes at $T_{in}$ into a chamber at $T$ loses
 $c_p T_a (\ln(T/T_{in}) + T_{in}/T - 1)$; heat $\dot Q$ that leaves at $T$ takes
@@ -14,34 +14,31 @@ from ..core.array_namespace import array_namespace, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Numbers
 from ..fluid.chamber import stack_last
-from .flows import Flows
-from .motion import FrictionMemory, PlantEvaluation, friction_step
-from .plant import Plant
-from .state import State
+from .motion import Flows, FrictionMemory, PlantEvaluation, friction_step
+from .plant import Plant, State
 
 
-# each is an integral of its own power; none is what the others leave
-_OF_FLUID = (
+_FLUID = (
     "supplied",  # exergy of the gas that was drawn, energy of the liquid [J]
     "valve",  # lost in throttling, on the way in and out [J]
-    "exhaust",  # what is left in a gas that leaves: its temperature [J]
+    "exhaust",  # left in a gas that leaves by its temperature [J]
     "mixing",  # of gases of unlike temperature in a chamber [J]
     "wall",  # of heat that leaves at a temperature above or below the room's [J]
     "fluid_work",  # of the fluid on the muscles, ∫ P dV = P V − ∫ V dP [J]
-    "mismatch",  # of it what a volume that isn't the conjugate one makes [J]
+    "mismatch",  # made of it by a volume that isn't the conjugate one [J]
     "mass",  # of fluid that flowed into the chambers [kg]
-    "enthalpy",  # that it brought along, less what was taken out [J]
+    "enthalpy",  # that this fluid brought, less that of outflow [J]
     "heat",  # through the walls [J]
     "displaced",  # ∫ p dV, absolute [J]
 )
-_OF_LOAD = (
+_LOAD = (
     "pull",  # ∫ F dx of the muscles on the load [J]
     "damper",  # lost in the load's damper [J]
-    "stop",  # lost in its stop's [J]
-    "friction",  # lost in the muscles' [J]
-    "motor",  # work of a motion that is given [J]
+    "stop",  # lost in its stop's damper [J]
+    "friction",  # lost in the muscles [J]
+    "motor",  # work of a prescribed motion [J]
 )
-LEDGER = (*_OF_FLUID, *_OF_LOAD)
+LEDGER = (*_FLUID, *_LOAD)
 STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 
@@ -51,33 +48,29 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
     `plant`, its `state` [SI] and the `evaluation` of that state [SI].
     """
     load, P, flows = plant.load, evaluation.fluid.pressures, evaluation.flows
-    V, V_dot, P_dot, v = (
-        evaluation.fluid.volume,
-        evaluation.volume_rates,
-        evaluation.pressure_rates,
-        evaluation.velocity,
-    )
+    V, v = evaluation.fluid.volume, evaluation.velocity
+    V_dot, P_dot = evaluation.volume_rates, evaluation.pressure_rates
     heat = plant.chamber.heat(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
-    of_fluid = (
+    fluid_powers = (
         *_fluid_powers(plant, flows, heat),
         -V * P_dot,
-        -(V - plant.counts * evaluation.fluid.at.volume) * P_dot,
+        -(V - plant.counts * evaluation.fluid.muscles.volume) * P_dot,
         flows.mass,
         flows.enthalpy,
         heat,
         -V * P_dot,
     )
     xp = array_namespace(v, P)
-    # of all units in one sum, which takes a fraction of the time
-    fluid_total = xp.sum(stack_last(*of_fluid), axis=-2)
-    of_load = stack_last(
+    # one sum over all units takes a fraction of the time
+    fluid_total = xp.sum(stack_last(*fluid_powers), axis=-2)
+    load_powers = stack_last(
         evaluation.pull * v,
         load.damper * v**2,
         evaluation.stop_damper * v,
         evaluation.friction_power,
-        -(evaluation.pull - evaluation.friction_force) * v if load.moved else 0.0 * v,
+        -(evaluation.pull - evaluation.friction_force) * v if load.prescribed else 0.0 * v,
     )
-    return xp.concatenate([fluid_total, of_load], axis=-1)
+    return xp.concatenate([fluid_total, load_powers], axis=-1)
 
 
 def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
@@ -85,7 +78,7 @@ def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
     P, V = evaluation.fluid.pressures, evaluation.fluid.volume
     terms = {
         "fluid_work": P * V,
-        "mismatch": P * (V - plant.counts * evaluation.fluid.at.volume),
+        "mismatch": P * (V - plant.counts * evaluation.fluid.muscles.volume),
         "displaced": (P + plant.chamber.room_pressure) * V,
     }
     none = 0.0 * P
@@ -107,7 +100,7 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
     gas, room, T_a = chamber.gas, chamber.room_pressure, chamber.room_temperature
     T, T_s, p = flows.temperatures, flows.supply_temperature, P + room
     unit, c_p = gas.specific_gas_constant * T_a, gas.c_p
-    # each logarithm once, over the room's: they take longer than all the rest
+    # logarithms over the room's values: they take longest, and are each used twice
     ln_p, ln_T = log(guarded(p > 0, p, room) / room), log(T / T_a)
     ln_P, ln_T_s = log((P_s + room) / room), log(T_s / T_a)
     valve = unit * (flows.drawn * (ln_P - ln_p) + flows.vented * ln_p)
@@ -134,13 +127,8 @@ def stored_energies(
     """Energies [J] named in `STORES` of a `plant` in a `state` [SI], with friction's `anchor` [SI]
     and the `evaluation` of that state [SI].
     """
-    q, v, load, P, at = (
-        evaluation.position,
-        evaluation.velocity,
-        plant.load,
-        evaluation.fluid.pressures,
-        evaluation.fluid.at,
-    )
+    q, v, load = evaluation.position, evaluation.velocity, plant.load
+    P, muscles = evaluation.fluid.pressures, evaluation.fluid.muscles
     xp = array_namespace(q, P)
     add, friction_energy = xp.sum, 0.0 * q
     if plant.hysteresis is not None:
@@ -148,8 +136,8 @@ def stored_energies(
         friction_energy = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),
-        add(plant.counts * (P * at.volume - at.coenergy), axis=-1),
-        0.0 * v if load.moved else load.inertia * v**2 / 2,
+        add(plant.counts * (P * muscles.volume - muscles.coenergy), axis=-1),
+        0.0 * v if load.prescribed else load.inertia * v**2 / 2,
         load.potential(q),
         load.stop.energy(q) if load.stop else 0.0 * q,
         friction_energy,

@@ -1,13 +1,12 @@
 r"""Equilibrium of a plant: a state at rest.
 
-At given pressures the load rests where
+At given pressures the load rests at the position of
 
 $$\sum_i n_i F_i(P_i, \varepsilon_i)\, L_i g_i - \frac{\mathrm{d} U}{\mathrm{d} q} - F_{stop}(q)
   = 0; \tag{T5}$$
 
-of several such places it is the one that is reached first from the least contraction, and stable.
-Chambers hold fluid at those pressures in the volume that goes with that strain, as warm as the
-room; friction is relaxed.
+of several the first stable one from the least contraction. Chambers hold fluid at those pressures
+in the volume of that strain, as warm as the room; friction is relaxed.
 """
 
 from typing import Any
@@ -19,11 +18,10 @@ from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..fluid import validate_commands
-from .plant import Plant
-from .state import State
+from .plant import Plant, State
 
 
-_LOOKS = 801  # places at which the balance is looked at: a table has 200 cells
+_POSITIONS = 801  # that bracket an equilibrium: four in each of a table's 200 cells
 
 
 def equilibrium_state(
@@ -33,15 +31,15 @@ def equilibrium_state(
 
     **Arguments:**
 
-    - `plant`: it [-].
-    - `pressures`: gauge, of each unit [Pa]; one for all of them is enough.
-    - `position`: of the load [SI], where it is held until it begins; left out, where it rests.
-    - `command`: at which valves' spools stand [-]; left out, in the middle.
+    - `plant`: the plant.
+    - `pressures`: gauge, of each unit [Pa], or one for all.
+    - `position`: of the load [SI], fixed until the run begins; by default that of rest.
+    - `command`: position of the valves' spools [-]; by default, the middle.
 
     **Returns:** the state [SI].
 
-    **Raises:** `ValueError` for pressures off the domain, for a `position` that muscles aren't
-    known at, and for a load that the bundle can't hold at rest at these pressures.
+    **Raises:** `ValueError` for pressures off the domain, for a `position` outside the muscles'
+    tables, and for a load that the bundle can't hold at rest at these pressures.
     """
     closed = (True, True)
     P = check_interval(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
@@ -54,44 +52,40 @@ def equilibrium_state(
     low, high = plant.stroke
     if not low < high:
         raise InvalidInputError(
-            "load", "must leave a way on which all muscles are within their tables", low,
-            "take other lengths, or another contraction at its beginning", shown="none",
+            "load", "must leave a stroke on which all muscles are within their tables", low,
+            "take other lengths, or another contraction at the start", shown="none",
         )  # fmt: skip
     v = 0.0
-    if load.moved:
-        q, v = (float(x) for x in load.placed(0.0, 0.0, 0.0))
+    if load.prescribed:
+        q, v = (float(x) for x in load.motion_at(0.0, 0.0, 0.0))
         size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
         _check_position(q - size, low, high, load.unit)
         _check_position(q + size, low, high, load.unit)
     elif position is not None:
-        q = _check_position(
-            float(check_interval(position, -np.inf, np.inf, "position", load.unit)),
-            low,
-            high,
-            load.unit,
-        )
+        q = float(check_interval(position, -np.inf, np.inf, "position", load.unit))
+        q = _check_position(q, low, high, load.unit)
     else:
         q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.states(plant.units)
     spool = np.zeros(spools) if command is None else validate_commands(command) + np.zeros(spools)
     supply = np.asarray(plant.supply.start(), float)
-    return State(np.float64(q), np.float64(v), spool, plant.charged(P, q), P, supply)
+    return State(np.float64(q), np.float64(v), spool, plant.chambers_at(P, q), P, supply)
 
 
 def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
-    def left(q: Any) -> Any:
+    def net_force(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
             pull = np.asarray(plant.muscles.force(pressures + 0.0 * eps, eps))
         stop = plant.load.stop
-        stopped = stop.force(q, 0.0 * q)[0] if stop else 0.0
+        stop_force = stop.force(q, 0.0 * q)[0] if stop else 0.0
         return (
             np.sum(plant.counts * plant.lengths * plant.gains * pull, axis=-1)
-            + plant.load.force(q) - stopped
+            + plant.load.force(q) - stop_force
         )  # fmt: skip
 
-    looks = np.linspace(low, high, _LOOKS)
-    residuals = np.asarray(left(looks))
+    positions = np.linspace(low, high, _POSITIONS)
+    residuals = np.asarray(net_force(positions))
     falls = np.flatnonzero((residuals[:-1] > 0) & (residuals[1:] <= 0))
     if not falls.size:
         side = "weak" if residuals[0] <= 0 else "strong"
@@ -108,10 +102,9 @@ def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float)
         )
     k = falls[0]
     if residuals[k + 1] == 0:
-        return float(looks[k + 1])
-    # to rounding of the way
-    residuals = root_scalar(left, bracket=(looks[k], looks[k + 1]), xtol=1e-16, rtol=1e-14)
-    return float(residuals.root)
+        return float(positions[k + 1])
+    bracket = (positions[k], positions[k + 1])
+    return float(root_scalar(net_force, bracket=bracket, xtol=1e-16, rtol=1e-14).root)  # rounding
 
 
 def _check_position(position: float, low: float, high: float, unit: str) -> float:

@@ -1,4 +1,4 @@
-r"""Loads that a bundle moves, and motions that move it.
+r"""Loads that a bundle moves, and motions that are prescribed.
 
 A load has one coordinate $q$, in which a bundle's plates come nearer by $c_0 + a\,q$ [m], and
 
@@ -10,7 +10,7 @@ with its potential $U$ and its damper $d$. A stop is a spring and a damper that 
 $$F_{stop} = \max\left(k s + c \dot s \frac{s}{s + s_0}, 0\right), \qquad
   s = \max(q - q_{high}, 0), \tag{T2}$$
 
-and likewise at the low end, so that no event has to be found.
+and likewise at the low end, so that the integrator needs no search for events.
 
 **Sign:** $q$ rises as the (first) bundle contracts. **Source:** Newton's second law.
 """
@@ -26,7 +26,6 @@ from ..core.module import Module, record
 from ..core.types import Batch, BoolBatch, Values
 from ..core.validation import (
     Range,
-    check_finite,
     check_interval,
     check_plausible,
     check_positive,
@@ -38,6 +37,9 @@ GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
 
 _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
+_OPEN, _FROM_ZERO, _CLOSED = (False, False), (True, False), (True, True)
+# m or rad: a damper that acts in full at once would be a jump of force, which no step resolves
+_DAMPER_DEPTH = 1e-3
 
 
 def _positive_field(name: str, unit: str) -> Any:
@@ -47,90 +49,74 @@ def _positive_field(name: str, unit: str) -> Any:
     return record(converter=checked)
 
 
-def _nonnegative_field(name: str, unit: str, default: float = 0.0) -> Any:
+def _interval_field(
+    name: str,
+    unit: str,
+    low: float = 0.0,
+    default: float = 0.0,
+    closed: tuple[bool, bool] = _FROM_ZERO,
+) -> Any:
     def checked(value: Values) -> Batch:
-        return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
+        return check_interval(value, low, np.inf, name, unit, closed=closed)
 
     return record(converter=checked, default=default)
-
-
-def _finite_field(name: str, unit: str, default: float = 0.0) -> Any:
-    def checked(value: Values) -> Batch:
-        return check_finite(value, name, unit)
-
-    return record(converter=checked, default=default)
-
-
-def _end_field(name: str, default: float) -> Any:
-    def checked(value: Values) -> Batch:
-        return check_interval(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
-
-    return record(converter=checked, default=default)
-
-
-# m or rad: a damper that took hold at once would be a jump of force, which no step resolves
-_TAKES_HOLD = 1e-3
 
 
 class Stop(Module):
-    """Two ends of the way, equation (T2), with $s_0$ of a millimeter or milliradian.
+    """Two ends of a stroke, equation (T2), with $s_0$ of a millimeter or milliradian.
 
-    `low`, `high`: where they begin, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
+    `low`, `high`: the ends, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
     """
 
-    low: Batch = _end_field("low", -np.inf)
-    high: Batch = _end_field("high", np.inf)
-    stiffness: Batch = _nonnegative_field("stiffness", "N/m", 1e5)
-    damping: Batch = _nonnegative_field("damping", "N·s/m", 1e2)
+    low: Batch = _interval_field("low", "m or rad", -np.inf, -np.inf, _CLOSED)
+    high: Batch = _interval_field("high", "m or rad", -np.inf, np.inf, _CLOSED)
+    stiffness: Batch = _interval_field("stiffness", "N/m", default=1e5)
+    damping: Batch = _interval_field("damping", "N·s/m", default=1e2)
 
     def __check_init__(self):
-        if is_concrete(self.low, self.high) and np.any(
-            np.asarray(self.low) >= np.asarray(self.high)
-        ):
+        ends = (self.low, self.high)
+        if is_concrete(*ends) and np.any(np.asarray(self.low) >= np.asarray(self.high)):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Force of the stop [SI] at `position` [SI] and `velocity` [SI], and of that the
-        damper's.
-        """
-        over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
+        """Force of the stop at `position` and `velocity` [SI], and the damper's part of it [SI]."""
+        over, under = self._depths(position)
         depth = over + under
         spring = self.stiffness * (over - under)
-        rate = self.damping * velocity * depth / (depth + _TAKES_HOLD)
-        total = where(
-            over > 0,
-            maximum(spring + rate, 0.0),
-            where(under > 0, -maximum(-(spring + rate), 0.0), 0.0),
-        )
+        total = spring + self.damping * velocity * depth / (depth + _DAMPER_DEPTH)
+        total = where(over > 0, maximum(total, 0.0), where(under > 0, -maximum(-total, 0.0), 0.0))
         return total, total - spring
 
     def energy(self, position: Batch) -> Batch:
-        """In its springs [J] at `position` [SI]."""
-        over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
+        """Energy of its springs [J] at `position` [SI]."""
+        over, under = self._depths(position)
         return self.stiffness * (over**2 + under**2) / 2
 
-    def touched(self, position: Batch) -> BoolBatch:
+    def is_touched(self, position: Batch) -> BoolBatch:
         """True where the stop is touched at `position` [SI]."""
         return (position > self.high) | (position < self.low)
+
+    def _depths(self, position: Batch) -> tuple[Batch, Batch]:
+        return maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
 
 
 class AbstractLoad(Module):
     """A load with one coordinate.
 
     `arms`: for each bundle, by how much its plates are nearer at $q = 0$ [m] and how much more per
-    unit of $q$ [m/m or m/rad]. `unit`: of the coordinate [-]. `moved`: whether the motion is
-    given [-].
+    unit of $q$ [m/m or m/rad]; by default one bundle, as $q$ rises. `unit`: of the coordinate.
+    `prescribed`: the motion is given.
     """
 
-    unit: ClassVar[str]
-    moved: ClassVar[bool]
+    unit: ClassVar[str] = "m"
+    prescribed: ClassVar[bool]
     stop: ClassVar[Stop | None]
 
     @property
-    @abc.abstractmethod
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """See above [m], [SI]."""
+        """Arms of each bundle [m], [SI]."""
+        return ((0.0, 1.0),)
 
     @property
     @abc.abstractmethod
@@ -151,21 +137,21 @@ class AbstractLoad(Module):
         """$d$ [SI]."""
 
     @property
-    @abc.abstractmethod
     def stiffness(self) -> Batch:
-        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
+        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]; zero by default."""
+        return 0.0 * self.inertia
 
     @abc.abstractmethod
-    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Position and velocity [SI] at `time` [s], of a load that would move to `position` [SI]
-        with `velocity` [SI].
+    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Position and velocity [SI] at `time` [s]: a free load's `position` and `velocity` [SI],
+        or the prescribed ones.
         """
 
 
 class AbstractFreeLoad(AbstractLoad):
-    """A load that moves as forces tell it, with a damper of its own."""
+    """A load that forces move, with a damper of its own."""
 
-    moved: ClassVar[bool] = False
+    prescribed: ClassVar[bool] = False
     damping: ClassVar[Batch]
 
     @property
@@ -173,8 +159,8 @@ class AbstractFreeLoad(AbstractLoad):
         """$d$ [SI]."""
         return self.damping
 
-    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Position and velocity: `position` [SI] and `velocity` [SI], at any `time` [s]."""
+    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """The `position` [SI] and `velocity` [SI], at any `time` [s]."""
         del time
         return position, velocity
 
@@ -182,24 +168,18 @@ class AbstractFreeLoad(AbstractLoad):
 class HangingMass(AbstractFreeLoad):
     """A mass on the lower plate, lifted as the bundle contracts.
 
-    `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its way [m], or none.
+    `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its stroke [m], or none.
     """
 
-    unit: ClassVar[str] = "m"
     source: ClassVar[str] = "Newton's second law"
 
     mass: Batch = _positive_field("mass", "kg")
-    gravity: Batch = _nonnegative_field("gravity", "m/s²", GRAVITY)
-    damping: Batch = _nonnegative_field("damping", "N·s/m")
+    gravity: Batch = _interval_field("gravity", "m/s²", default=GRAVITY)
+    damping: Batch = _interval_field("damping", "N·s/m")
     stop: Stop | None = None
 
     def __check_init__(self):
         check_plausible(self.mass, "mass", _MASS)
-
-    @property
-    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """One bundle, as the mass rises [m], [-]."""
-        return ((0.0, 1.0),)
 
     @property
     def inertia(self) -> Batch:
@@ -207,35 +187,29 @@ class HangingMass(AbstractFreeLoad):
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Its weight [N], anywhere: at `position` [m]."""
+        """Its weight [N], at any `position` [m]."""
         return -self.mass * self.gravity + 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
         """$m g q$ [J] at `position` [m]."""
         return self.mass * self.gravity * position
 
-    @property
-    def stiffness(self) -> Batch:
-        """None [N/m]."""
-        return 0.0 * self.mass
-
 
 class InertiaSpringDamper(AbstractFreeLoad):
     """A mass between the bundle, a spring and a damper.
 
-    `mass` [kg]. `stiffness`: of the spring [N/m], slack nowhere. `damping` [N·s/m]. `rest`: where
-    the spring is at rest [m]. `force_outside`: that pulls against the bundle all the time [N].
-    `stop`: of its way [m], or none.
+    `mass` [kg]. `spring_stiffness` [N/m], of a spring that is never slack. `damping` [N·s/m].
+    `rest`: position at which the spring is at rest [m]. `force_outside`: constant force against
+    the bundle [N]. `stop`: of its stroke [m], or none.
     """
 
-    unit: ClassVar[str] = "m"
     source: ClassVar[str] = "Newton's second law"
 
     mass: Batch = _positive_field("mass", "kg")
-    spring_stiffness: Batch = _nonnegative_field("spring_stiffness", "N/m")
-    damping: Batch = _nonnegative_field("damping", "N·s/m")
-    rest: Batch = _finite_field("rest", "m")
-    force_outside: Batch = _finite_field("force_outside", "N")
+    spring_stiffness: Batch = _interval_field("spring_stiffness", "N/m")
+    damping: Batch = _interval_field("damping", "N·s/m")
+    rest: Batch = _interval_field("rest", "m", -np.inf, closed=_OPEN)
+    force_outside: Batch = _interval_field("force_outside", "N", -np.inf, closed=_OPEN)
     stop: Stop | None = None
 
     def __check_init__(self):
@@ -243,21 +217,16 @@ class InertiaSpringDamper(AbstractFreeLoad):
         check_plausible(self.spring_stiffness, "spring_stiffness", _STIFFNESS)
 
     @property
-    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """One bundle [m], [-]."""
-        return ((0.0, 1.0),)
-
-    @property
     def inertia(self) -> Batch:
         """The mass [kg]."""
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Of spring and outside [N] at `position` [m]."""
+        """Force of the spring and from outside [N] at `position` [m]."""
         return -self.spring_stiffness * (position - self.rest) - self.force_outside
 
     def potential(self, position: Batch) -> Batch:
-        """Of both [J] at `position` [m]."""
+        """Potential of both forces [J] at `position` [m]."""
         spring = self.spring_stiffness * (position - self.rest) ** 2 / 2
         return spring + self.force_outside * position
 
@@ -272,7 +241,7 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     `inertia_moment` [kg·m²]. `radius`: of the pulley [m]. `contraction`: of both bundles' plates
     at $q = 0$ [m]. `damping` [N·m·s/rad]. `gravity_moment`: $m g l$ of the pendulum, which hangs at
-    $q = 0$ [N·m]. `stop`: of its way [rad], or none.
+    $q = 0$ [N·m]. `stop`: of its stroke [rad], or none.
     """
 
     unit: ClassVar[str] = "rad"
@@ -280,14 +249,14 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     inertia_moment: Batch = _positive_field("inertia_moment", "kg·m²")
     radius: Batch = _positive_field("radius", "m")
-    contraction: Batch = _finite_field("contraction", "m")
-    damping: Batch = _nonnegative_field("damping", "N·m·s/rad")
-    gravity_moment: Batch = _nonnegative_field("gravity_moment", "N·m")
+    contraction: Batch = _interval_field("contraction", "m", -np.inf, closed=_OPEN)
+    damping: Batch = _interval_field("damping", "N·m·s/rad")
+    gravity_moment: Batch = _interval_field("gravity_moment", "N·m")
     stop: Stop | None = None
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """Two bundles, against each other [m], [m/rad]."""
+        """Arms of two bundles, against each other [m], [m/rad]."""
         return (self.contraction, self.radius), (self.contraction, -self.radius)
 
     @property
@@ -296,11 +265,11 @@ class AntagonisticJoint(AbstractFreeLoad):
         return self.inertia_moment
 
     def force(self, position: Batch) -> Batch:
-        """The pendulum's moment [N·m] at `position` [rad]."""
+        """Moment of the pendulum [N·m] at `position` [rad]."""
         return -self.gravity_moment * sin(position)
 
     def potential(self, position: Batch) -> Batch:
-        """The pendulum's [J] at `position` [rad]."""
+        """Potential of the pendulum [J] at `position` [rad]."""
         return self.gravity_moment * (1 - cos(position))
 
     @property
@@ -316,63 +285,44 @@ class PrescribedMotion(AbstractLoad):
     the plates.
     """
 
-    unit: ClassVar[str] = "m"
-    moved: ClassVar[bool] = True
+    prescribed: ClassVar[bool] = True
     source: ClassVar[str] = "kinematics"
 
-    mean: Batch = _finite_field("mean", "m")
-    amplitude: Batch = _nonnegative_field("amplitude", "m")
-    frequency: Batch = _nonnegative_field("frequency", "Hz")
+    mean: Batch = _interval_field("mean", "m", -np.inf, closed=_OPEN)
+    amplitude: Batch = _interval_field("amplitude", "m")
+    frequency: Batch = _interval_field("frequency", "Hz")
     stop: Stop | None = None
 
     def __check_init__(self):
         if self.stop is not None:
-            raise InvalidInputError(
-                "stop", "can't hold a motion that is given", self.stop, "leave it out"
-            )
+            rule = "can't hold a prescribed motion"
+            raise InvalidInputError("stop", rule, self.stop, "leave it out")
         if is_concrete(self.amplitude, self.frequency):
-            accelerations = np.asarray(self.amplitude) > 0
-            if np.any(accelerations & (np.asarray(self.frequency) <= 0)):
-                raise InvalidInputError(
-                    "frequency", "must be positive where there is an amplitude", 0.0
-                )
-
-    @property
-    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """One bundle [m], [-]."""
-        return ((0.0, 1.0),)
+            moves = np.asarray(self.amplitude) > 0
+            if np.any(moves & (np.asarray(self.frequency) <= 0)):
+                rule = "must be positive if there is an amplitude"
+                raise InvalidInputError("frequency", rule, 0.0)
 
     @property
     def inertia(self) -> Batch:
-        """None that counts [kg]."""
+        """A unit mass [kg], without effect on a prescribed motion."""
         return 1.0 + 0.0 * self.mean
 
     def force(self, position: Batch) -> Batch:
-        """None but the motor's [N], at any `position` [m]."""
+        """No force but the motor's [N], at any `position` [m]."""
         return 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """None [J], at any `position` [m]."""
+        """No potential [J], at any `position` [m]."""
         return 0.0 * position
 
     @property
     def damper(self) -> Batch:
-        """None [SI]."""
+        """No damper [SI]."""
         return 0.0 * self.mean
 
-    @property
-    def stiffness(self) -> Batch:
-        """None [N/m]."""
-        return 0.0 * self.mean
-
-    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Position [m] and velocity [m/s] at `time` [s], whatever `position` [m] and `velocity`
-        [m/s] would be.
-        """
+    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Position [m] and velocity [m/s] at `time` [s], for any `position` and `velocity`."""
         del position, velocity
         w = 2 * np.pi * self.frequency
-        phase = w * time
-        return (
-            self.mean + self.amplitude * sin(phase),
-            self.amplitude * w * cos(phase),
-        )
+        return self.mean + self.amplitude * sin(w * time), self.amplitude * w * cos(w * time)

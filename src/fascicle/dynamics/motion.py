@@ -1,15 +1,58 @@
-"""How fast everything changes, at a moment."""
+"""Rates of change of a plant: flows through its valves, chambers, friction and its load."""
 
 from typing import NamedTuple
 
-from ..core.array_namespace import array_namespace
+import numpy as np
+
+from ..core.array_namespace import array_namespace, where
 from ..core.types import Batch, Numbers
 from .chamber_pressure import ChamberEvaluation, evaluate_chambers
 from .conservative_update import conserved_rates
-from .flows import Flows, evaluate_flows
 from .hysteresis import FrictionStep
-from .plant import Plant
-from .state import State
+from .plant import Plant, State
+
+
+class Flows(NamedTuple):
+    """Flows of each unit's fluid between the supply, its chamber and the room, by open valves.
+
+    `supply_pressure`, `pressures`: gauge [Pa]; `supply_temperature`, `temperatures` [K];
+    openings to `supply` and `exhaust` [-]; into each chamber `mass` [kg/s] and `enthalpy` [W];
+    `drawn` from the supply [kg/s] with its `drawn_enthalpy` [W]; `vented` to the room [kg/s].
+    """
+
+    supply_pressure: Numbers
+    supply_temperature: Batch
+    pressures: Numbers
+    temperatures: Numbers
+    supply: Numbers
+    exhaust: Numbers
+    mass: Numbers
+    enthalpy: Numbers
+    drawn: Numbers
+    drawn_enthalpy: Numbers
+    vented: Numbers
+
+
+def evaluate_flows(plant: Plant, state: State, pressures: Numbers, command: Numbers) -> Flows:
+    """Flows of a `plant` in a `state` [SI] at units' `pressures` [Pa], under a `command` [-]."""
+    chamber, supply, P = plant.chamber, plant.supply, pressures
+    room, T_a = chamber.room_pressure, chamber.room_temperature
+    T = chamber.temperature(state.chambers, P)
+    P_s = supply.pressure_at(state.supply)[..., None]
+    T_s = supply.temperature_at(state.supply)
+    T_s = T_s[..., None] if np.ndim(T_s) else T_s
+    to_supply, to_room = plant.spool.openings(command, state.spool)
+    drawn = plant.valve.flow(P_s + room, P + room, T_s, T, to_supply)
+    # an empty supply takes fluid, but gives none
+    drawn = where(supply.empty(state.supply)[..., None] & (drawn > 0), 0.0, drawn)
+    vented = plant.exhaust_valve.flow(P + room, room, T, T_a, to_room)
+    c_p = 0.0 if plant.liquid else chamber.gas.c_p
+    drawn_H = drawn * c_p * where(drawn > 0, T_s, T)
+    vented_H = vented * c_p * where(vented > 0, T, T_a)
+    return Flows(
+        P_s, T_s, P, T, to_supply + 0.0 * P, to_room + 0.0 * P, drawn - vented,
+        drawn_H - vented_H, drawn, drawn_H, vented,
+    )  # fmt: skip
 
 
 class FrictionMemory(NamedTuple):
@@ -23,13 +66,13 @@ class FrictionMemory(NamedTuple):
 
 
 class PlantEvaluation(NamedTuple):
-    """Everything at a moment.
+    """A plant at a time.
 
     `position` and `velocity` of the load [SI]; of each unit `strains` [-], `strain_rates` [1/s],
-    `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], of the chamber's state and of what
-    it holds, (T6) [SI];
-    on the load [N or N·m] the muscles' `pull`, `rubbing` against it and the damper of its stop,
-    and the power that rubbing loses beyond its way [W]; the load's `acceleration` [SI].
+    `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], of the chamber's state and of its
+    conserved one, (T6) [SI]; on the load [N or N·m] the muscles' `pull`, the friction against it
+    and the damper of its stop; the power of friction without memory [W]; the load's `acceleration`
+    [SI].
     """
 
     position: Batch
@@ -52,58 +95,46 @@ class PlantEvaluation(NamedTuple):
 def evaluate_plant(
     plant: Plant, time: Batch, state: State, command: Numbers, anchor: FrictionMemory
 ) -> PlantEvaluation:
-    """A plant at a moment.
-
-    **Arguments:**
-
-    - `plant`: it [-].
-    - `time`: now [s].
-    - `state`: now [SI], its pressures those that go with its chambers.
-    - `command`: to its valves [-].
-    - `anchor`: of its friction [N], [SI].
-
-    **Returns:** a `Moment` [SI].
+    """A `plant` at a `time` [s] in a `state` [SI], its pressures those of its chambers, under a
+    `command` to its valves [-], with the `anchor` of its friction [SI].
     """
     load, chamber = plant.load, plant.chamber
-    q, v = load.placed(time, state.position, state.velocity)
+    q, v = load.motion_at(time, state.position, state.velocity)
     eps, eps_dot = plant.strains(q[..., None]), plant.gains * v[..., None]
     fluid = evaluate_chambers(plant, state.chambers, eps, state.pressures)
-    P, at = fluid.pressures, fluid.at
+    P = fluid.pressures
 
     flows = evaluate_flows(plant, state, P, command)
     fixed_volume_rate = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
     P_dot = fluid.pressure_rate(fixed_volume_rate, eps_dot)
     V_dot = fluid.by_strain * eps_dot + fluid.by_pressure * P_dot
     filling = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
-
     conserved = conserved_rates(chamber, state.chambers, fixed_volume_rate, P_dot, fluid.volume)
 
     arm = plant.counts * plant.lengths * plant.gains
-    pull = array_namespace(at.force).sum(arm * at.force, axis=-1)
-    rubbing, lost = _friction_force(plant, anchor, q, v, fluid)
-    stopped, damped = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
-    outside = load.force(q) - load.damper * v - stopped
-    a = (pull - rubbing + outside) / load.inertia
+    pull = array_namespace(fluid.muscles.force).sum(arm * fluid.muscles.force, axis=-1)
+    friction, friction_power = _friction_force(plant, anchor, q, v, fluid)
+    stop_force, stop_damper = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
+    outside = load.force(q) - load.damper * v - stop_force
+    a = (pull - friction + outside) / load.inertia
     return PlantEvaluation(
-        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, conserved, pull, rubbing,
-        lost, damped, a,
+        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, conserved, pull, friction,
+        friction_power, stop_damper, a,
     )  # fmt: skip
 
 
 def time_derivative(
     plant: Plant, state: State, evaluation: PlantEvaluation, command: Numbers
 ) -> State:
-    """Time derivative of a `state` [SI] of a `plant` [SI], with its `evaluation` [SI], under a
-    `command` [-].
+    """Time derivative of a `state` [SI] of a `plant`, with its `evaluation` [SI], under a `command`
+    [-].
     """
-    add = array_namespace(evaluation.flows.drawn).sum
-    drawn, enthalpy = (
-        add(evaluation.flows.drawn, axis=-1),
-        add(evaluation.flows.drawn_enthalpy, axis=-1),
-    )
+    flows = evaluation.flows
+    add = array_namespace(flows.drawn).sum
+    drawn, enthalpy = (add(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy))
     return State(
         position=evaluation.velocity,
-        velocity=0.0 * evaluation.velocity if plant.load.moved else evaluation.acceleration,
+        velocity=0.0 * evaluation.velocity if plant.load.prescribed else evaluation.acceleration,
         spool=plant.spool.rate(command, state.spool),
         chambers=evaluation.chamber_rates,
         pressures=evaluation.pressure_rates,
@@ -112,48 +143,46 @@ def time_derivative(
 
 
 def friction_step(
-    plant: Plant, anchor: FrictionMemory, position: Batch, pressures: Numbers
+    plant: Plant,
+    anchor: FrictionMemory,
+    position: Batch,
+    pressures: Numbers,
+    speed: Numbers = 0.0,
+    by_pressure: Numbers = 0.0,
 ) -> FrictionStep:
-    """Friction of each muscle of a `plant` [-] that remembers, at a `position` [SI] and `pressures`
-    [Pa], reached from its `anchor` [SI] without turning.
+    """Friction of each muscle of a `plant` at a `position` [SI] and `pressures` [Pa], reached from
+    its `anchor` [SI] without turning, at a `speed` of contraction [m/s] and the muscles'
+    $\\partial F/\\partial P$, `by_pressure` [m²].
     """
-    none = 0.0 * pressures
-    return _advance_friction(plant, anchor, position, none, pressures, none)
-
-
-def _advance_friction(
-    plant: Plant, anchor: FrictionMemory, q: Batch, speed: Numbers, P: Numbers, by_pressure: Numbers
-) -> FrictionStep:
     assert plant.hysteresis is not None
-    displacement = plant.lengths * plant.gains * (q - anchor.position)[..., None]
-    return plant.hysteresis.slid(
-        anchor.spring_forces, displacement, speed, (anchor.pressures, P), by_pressure
-    )
+    zero = 0.0 * pressures
+    displacement = plant.lengths * plant.gains * (position - anchor.position)[..., None]
+    return plant.hysteresis.advance(
+        anchor.spring_forces, displacement, zero + speed, (anchor.pressures, pressures),
+        zero + by_pressure,
+    )  # fmt: skip
 
 
 def _friction_force(
     plant: Plant, anchor: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
-    """Friction against the load's coordinate [N or N·m], and heat that its way doesn't tell [W]."""
+    """Friction against the load [N or N·m], and heat of friction without memory [W]."""
     if plant.hysteresis is None:
         return 0.0 * q, 0.0 * q
-    add, per, by_pressure = (
-        array_namespace(q).sum,
-        plant.lengths * plant.gains,
-        fluid.at.force_by_pressure,
-    )
-    speed = per * v[..., None]
-    force = _advance_friction(plant, anchor, q, speed, fluid.pressures, by_pressure).force
-    lost = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
-    return add(plant.counts * per * force, axis=-1), add(plant.counts * lost, axis=-1)
+    add, by_pressure = array_namespace(q).sum, fluid.muscles.force_by_pressure
+    lever = plant.lengths * plant.gains
+    speed = lever * v[..., None]
+    force = friction_step(plant, anchor, q, fluid.pressures, speed, by_pressure).force
+    power = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
+    return add(plant.counts * lever * force, axis=-1), add(plant.counts * power, axis=-1)
 
 
 def update_friction(
     plant: Plant, anchor: FrictionMemory, position: Batch, pressures: Numbers
 ) -> tuple[FrictionMemory, Batch]:
-    """Friction after a step to a `position` [SI] at `pressures` [Pa], from where it was looked at
-    last, and the energy that it lost on the way [J].
+    """Memory of friction after a step to a `position` [SI] at `pressures` [Pa] from its `anchor`
+    [SI], and the energy lost meanwhile [J].
     """
     step = friction_step(plant, anchor, position, pressures)
-    lost = array_namespace(step.lost).sum(plant.counts * step.lost, axis=-1)
-    return FrictionMemory(step.spring_forces, position, pressures), lost
+    loss = array_namespace(step.loss).sum(plant.counts * step.loss, axis=-1)
+    return FrictionMemory(step.spring_forces, position, pressures), loss

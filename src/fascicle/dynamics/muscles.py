@@ -1,8 +1,8 @@
 """The muscles of a plant's motor units, as tables of co-energy or by their exact law.
 
-Both give a `Surface`: co-energy, force and conjugate volume with their slopes, of which each is a
-derivative of the first. `volume="geometric"` puts the straight braid's volume in the place of the
-conjugate one, which makes or loses energy where muscles buckle: an audit names how much.
+Both give a `Surface`: co-energy, force and conjugate volume with their slopes, each a derivative of
+the first. `volume="geometric"` takes the straight braid's volume instead of the conjugate one, and
+so makes or loses energy when muscles buckle: an audit reports how much.
 """
 
 import abc
@@ -43,39 +43,38 @@ class AbstractMuscles(Module):
         """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.at(pressure, strain).force
 
-    def volumes(self, at: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
-        """Volume that fluid fills in one muscle of each unit, which is `at` work [SI] at its
-        `strain` [-]; `rest_length` [m].
+    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+        """Volume of fluid in one muscle of each unit, from its `surface` [SI] at a `strain` [-];
+        `rest_length` [m].
         """
         del strain
-        return Volumes(at.volume, rest_length * at.force_by_pressure, at.volume_by_pressure)
+        by_strain = rest_length * surface.force_by_pressure
+        return Volumes(surface.volume, by_strain, surface.volume_by_pressure)
 
     @property
     @abc.abstractmethod
     def strains(self) -> tuple[Numbers, Numbers]:
-        """Ends [-] of the strains that it knows, of each unit."""
+        """Ends of the tabulated strains [-], of each unit."""
 
     @property
     @abc.abstractmethod
     def highest_pressure(self) -> Numbers:
-        """The highest pressure [Pa] that it knows, of each unit."""
+        """Highest tabulated pressure [Pa], of each unit."""
 
 
 class Tables(AbstractMuscles):
-    """Of several units, each muscle's table once: `table`, its numbers one for each unit, `indices`
-    the place of each unit's coefficients [-].
+    """Tables of several units, one for each kind of muscle: `table`, with numbers for each unit,
+    and the `indices` of each unit's coefficients.
     """
 
     table: UnitSurface
-    which: np.ndarray
+    indices: np.ndarray
 
     @classmethod
-    def of(
+    def from_muscles(
         cls, muscles: Sequence[Muscle], highest_pressure: float, shape: tuple[int, int]
     ) -> "Tables":
-        """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], with `shape` [-]
-        nodes.
-        """
+        """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes."""
         unique, indices = unique_indices(muscles)
         tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
         per_unit = [tables[i] for i in indices]
@@ -93,7 +92,7 @@ class Tables(AbstractMuscles):
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """Surface of each at its `pressure` [Pa] and `strain` [-], (V3)."""
-        return lookup(self.table, pressure, strain, self.which)
+        return lookup(self.table, pressure, strain, self.indices)
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
@@ -116,46 +115,42 @@ def _largest_errors(errors: Sequence[tuple[float, float, float]]) -> tuple[float
 
 
 class Exact(AbstractMuscles):
-    """By the law itself, integrated anew each time: right to rounding, and a hundred times slower.
+    """Muscles by their laws, integrated each time: exact to rounding, and a hundred times slower.
 
-    `groups`: muscles of the same laws in a row, as of a bundle, `indices` of their units;
-    `ends`: of the strains that are known [-]; `top`: the highest pressure [Pa].
+    `groups`: muscles of the same laws stacked, as of a bundle, `indices` of their units;
+    `ends`: of the strains [-]; `top`: the highest pressure [Pa].
     """
 
     groups: tuple[Muscle, ...]
-    places: tuple[tuple[int, ...], ...] = static()
+    indices: tuple[tuple[int, ...], ...] = static()
     ends: tuple[Numbers, Numbers]
     top: Numbers
 
     @classmethod
-    def of(
+    def from_muscles(
         cls, muscles: Sequence[Muscle], highest_pressure: float, ends: tuple[Numbers, Numbers]
     ) -> "Exact":
-        """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], between strains
-        `ends` [-].
-        """
-        top = np.full(len(muscles), highest_pressure)
-        rows = stack_muscles(list(muscles))
-        return cls(tuple(m for _, m in rows), tuple(indices for indices, _ in rows), ends, top)
+        """Muscles of each unit, up to `highest_pressure` [Pa], between strains `ends` [-]."""
+        indices, groups = zip(*stack_muscles(list(muscles)), strict=True)
+        return cls(groups, indices, ends, np.full(len(muscles), highest_pressure))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """Surface of each at its `pressure` [Pa] and `strain` [-], (V2)."""
         P = minimum(maximum(pressure, 0.0), self.top)
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
         surfaces = [
-            _exact_surface(muscles, P[..., np.array(indices)], eps[..., np.array(indices)])
-            for indices, muscles in zip(self.places, self.groups, strict=True)
+            _exact_surface(muscles, P[..., np.array(index)], eps[..., np.array(index)])
+            for index, muscles in zip(self.indices, self.groups, strict=True)
         ]
-        order = np.argsort([i for indices in self.places for i in indices])
-        at = Surface(
-            *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*surfaces, strict=True))
-        )
-        past = pressure - P  # the volume stays there, and the force is linear
-        inside = absolute(past) <= PRESSURE_ROUNDING
-        return at._replace(
-            coenergy=at.coenergy + at.volume * past,
-            force=at.force + at.force_by_pressure * past,
-            volume_by_pressure=where(inside, at.volume_by_pressure, 0.0),
+        order = np.argsort([i for index in self.indices for i in index])
+        columns = zip(*surfaces, strict=True)
+        surface = Surface(*(jnp.concatenate(x, axis=-1)[..., order] for x in columns))
+        excess = pressure - P  # past the ends the volume is constant, and the force linear
+        inside = absolute(excess) <= PRESSURE_ROUNDING
+        return surface._replace(
+            coenergy=surface.coenergy + surface.volume * excess,
+            force=surface.force + surface.force_by_pressure * excess,
+            volume_by_pressure=where(inside, surface.volume_by_pressure, 0.0),
         )
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
@@ -166,9 +161,9 @@ class Exact(AbstractMuscles):
             return self.at(pressure, strain).force
         P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.ends))
         force = np.empty(P.shape)
-        for indices, muscles in zip(self.places, self.groups, strict=True):
-            of = np.array(indices)
-            force[..., of] = muscles.law.at(P[..., of]).force(eps[..., of])[0]
+        for indices, muscles in zip(self.indices, self.groups, strict=True):
+            index = np.array(indices)
+            force[..., index] = muscles.law.at(P[..., index]).force(eps[..., index])[0]
         return force
 
     @property
@@ -183,28 +178,33 @@ class Exact(AbstractMuscles):
 
 
 def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
-    """Of `muscles` [-], one for each unit on the last axis."""
-    unit_table, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
+    """Surface of `muscles` [SI], one for each unit on the last axis."""
+    one_pascal = jnp.ones_like(pressure)
+    volume_at_rest = muscles.braid.volume(0.0) - muscles.bladder.volume
 
     def coenergy(P: Numbers) -> Numbers:
-        at = muscles.law.at(P)
-        done = P * empty + muscles.law.tension.rest_coenergy(P)[0] + contraction_work(at, strain)
-        return done + coenergy_at_rest(at) if muscles.ends.is_compliant else done
+        law = muscles.law.at(P)
+        work = (
+            P * volume_at_rest
+            + muscles.law.tension.rest_coenergy(P)[0]
+            + contraction_work(law, strain)
+        )
+        return work + coenergy_at_rest(law) if muscles.ends.is_compliant else work
 
     def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
-        return jax.jvp(coenergy, (P,), (unit_table,))
+        return jax.jvp(coenergy, (P,), (one_pascal,))
 
     def force(P: Numbers) -> tuple[Numbers, Numbers]:
         return muscles.law.at(P).force(strain)
 
-    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (unit_table,))
-    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (unit_table,))
+    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (one_pascal,))
+    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (one_pascal,))
     return Surface(value, pull, volume, slope, by_pressure, volume_by)
 
 
 class Geometric(AbstractMuscles):
-    """`muscles` whose volume is the straight braid's, (V), buckled or not; `braid`: of each unit's,
-    `walls`: volumes of their bladders [m³].
+    """`muscles` with the volume of their straight `braid`, (V), buckled or not; `walls`: volumes of
+    their bladders [m³].
     """
 
     muscles: AbstractMuscles
@@ -216,24 +216,24 @@ class Geometric(AbstractMuscles):
         return self.muscles.at(pressure, strain)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of each [N] at its `pressure` [Pa] and `strain` [-], as of its muscles."""
+        """Force of each muscle [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.muscles.force(pressure, strain)
 
-    def volumes(self, at: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
-        """Volume that fluid fills in one muscle of each unit at its `strain` [-], whatever it is
-        `at` [SI] and its `rest_length` [m].
+    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+        """Volume of fluid in one muscle of each unit at its `strain` [-], at any `surface` [SI]
+        and `rest_length` [m].
         """
         del rest_length
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
         volume = self.braid.volume(strain) - self.walls
-        return Volumes(volume, self.braid.length * swept, 0.0 * at.volume)
+        return Volumes(volume, self.braid.length * swept, 0.0 * surface.volume)
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
-        """Of its muscles [-]."""
+        """Strains of its muscles [-]."""
         return self.muscles.strains
 
     @property
     def highest_pressure(self) -> Numbers:
-        """Of its muscles [Pa]."""
+        """Highest pressure of its muscles [Pa]."""
         return self.muscles.highest_pressure

@@ -1,4 +1,4 @@
-"""Outputs of a plant at a moment, with a status that says if they can be trusted."""
+"""Outputs of a plant at a time, with a status of their reliability."""
 
 from typing import Any, NamedTuple
 
@@ -6,31 +6,30 @@ from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
 from .energy_ledger import stored_energies
 from .motion import FrictionMemory, PlantEvaluation
-from .plant import Plant
-from .state import State
+from .plant import Plant, State
 
 
-# why a run can't be trusted from then on, or what happened in it
+# reasons not to trust a run from then on, and events
 STATUS = (
-    "folded",  # a muscle's volume falls with pressure more than hose and fluid give
-    "cavitates",  # a fluid sucked to where it can't be
-    "off_table",  # a strain or pressure that the muscles aren't known at
-    "unsettled",  # a pressure that wasn't found
+    "folded",  # a muscle's volume falls with pressure by more than hose and fluid expand
+    "cavitates",  # a fluid at a pressure below its vapor's
+    "off_table",  # a strain or pressure outside the muscles' tables
+    "unsettled",  # a pressure that did not converge
     "supply_empty",
     "stop",  # the load is at its stop
-    "stiff",  # it would have needed more substeps
-    "broken",  # numbers that are none
+    "stiff",  # a step that needed more substeps
+    "broken",  # numbers that are not finite
 )
 _NEARLY_ATMOSPHERE = 100.0  # Pa: within a thousandth of an atmosphere of no fluid
 
 
 class PlantOutputs(NamedTuple):
-    """Outputs of a plant at a moment.
+    """Outputs of a plant at a time.
 
     `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
-    `forces` of its muscles together [N], `volumes` [m³], `masses` [kg], openings to `supply` and
+    `forces` of all its muscles [N], `volumes` [m³], `masses` [kg], openings to `supply` and
     `exhaust` [-], flows `drawn` and `vented` [kg/s]; `supply_pressure` [Pa]; energies in `store`:
-    of fluid, muscles, motion, load, stop and friction [J]; `status`: bits of `STATUS` [-];
+    of fluid, muscles, motion, load, stop and friction [J]; `status`: bits of `STATUS`;
     `reserve`: the supply's own state [SI].
     """
 
@@ -63,7 +62,7 @@ def observe(
         flows.pressures,
         flows.temperatures,
         evaluation.strains,
-        plant.counts * evaluation.fluid.at.force,
+        plant.counts * evaluation.fluid.muscles.force,
         evaluation.fluid.volume,
         state.chambers[..., 0],
         flows.supply,
@@ -83,15 +82,15 @@ def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numb
     xp = array_namespace(q, P)
     flags, stop = xp.any, plant.load.stop
     low, high = plant.muscles.strains
-    off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
-    true = (
+    is_outside = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
+    bits = (
         flags(evaluation.fluid.is_folded, axis=-1),
         flags(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
-        flags(off, axis=-1),
+        flags(is_outside, axis=-1),
         flags(evaluation.fluid.is_unsolved, axis=-1),
         plant.supply.empty(state.supply),
-        False if stop is None else stop.touched(q),
-        False,  # `simulate` tells whether it is too stiff
+        False if stop is None else stop.is_touched(q),
+        False,  # stiffness is known to `simulate`
         ~xp.isfinite(xp.sum(store, axis=-1) + xp.sum(P, axis=-1)),
     )
-    return sum(xp.where(flag, 1 << bit, 0) for bit, flag in enumerate(true))
+    return sum(xp.where(flag, 1 << bit, 0) for bit, flag in enumerate(bits))

@@ -1,4 +1,4 @@
-r"""A bundle with its chambers, valves, supply and load: what there is, before anything moves.
+r"""A bundle with its chambers, valves, supply and load, and their state.
 
 Every muscle of a unit shares its unit's chamber, whose volume is that of hose and fittings and
 $n_i V^*_i(P_i, \varepsilon_i)$. A valve joins it to the supply and to the room. A unit's strain is
@@ -6,14 +6,14 @@ linear in the load's coordinate,
 
 $$\varepsilon_i = \varepsilon_{0,i} + g_i\, q, \tag{T3}$$
 
-also where muscles are of unlike length (B7), or pull against each other on a pulley.
+also if muscles are of unequal length (B7), or pull against each other on a pulley.
 
-**Assumes** that hoses have no inertia, that a chamber's fluid is mixed at once, and that the
-muscles of a unit are alike.
+**Assumes** that hoses have no inertia, that a chamber's fluid is well mixed, and that the
+muscles of a unit are equal.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Whole
-from ..core.validation import HIGHEST_PRESSURE, check_choice
+from ..core.validation import HIGHEST_PRESSURE, check_choice, is_concrete
 from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
 from ..fluid.liquid_chamber import LiquidChamber
 from ..muscle.braid import Braid
@@ -31,19 +31,34 @@ from .loads import AbstractLoad
 from .muscles import AbstractMuscles, Exact, Geometric, Tables
 
 
-# a closed chamber that is stretched rises above its supply: by a fifth is far
-_ABOVE_SUPPLY = 1.2
+_ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")
 VOLUMES = ("conjugate", "geometric")
+
+
+class State(NamedTuple):
+    """State of a plant.
+
+    `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
+    of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or a first guess of them;
+    `supply`: its state [SI].
+    """
+
+    position: Batch
+    velocity: Batch
+    spool: Numbers
+    chambers: Numbers
+    pressures: Numbers
+    supply: Numbers
 
 
 class Plant(Module):
     """A bundle with its chambers, valves, supply and load.
 
-    `bundles`: as many as the load takes [-]. `chamber`, `valve`, `exhaust_valve`, `spool`,
-    `supply`, `load`, `hysteresis`: those of the arguments [-]. `muscles`: of all units, in a row.
-    Of each unit: `counts` of its muscles [-], their `lengths` at rest [m], the `distances` of its
-    plates at rest [m], its bundle's place among `sides` [-].
+    `bundles`: as many as the load takes. `chamber`, `valve`, `exhaust_valve`, `spool`, `supply`,
+    `load`, `hysteresis`: those of the arguments. `muscles`: of all units. Of each unit: `counts`
+    of its muscles [-], their `lengths` at rest [m], the `distances` of its plates at rest [m], the
+    index of its bundle among `sides`.
     """
 
     bundles: tuple[Bundle, ...]
@@ -76,64 +91,59 @@ class Plant(Module):
     ):
         """**Arguments:**
 
-        - `bundle`: the bundle [-], or two on an `AntagonisticJoint`.
-        - `load`: what it moves [-].
-        - `supply`: where its fluid comes from [-].
-        - `chamber`: what each unit's fluid is in [-]; its numbers may be one for each unit.
-        - `valve`: from the supply to each unit [-].
-        - `exhaust_valve`: from each unit to the room [-]; left out, like `valve`.
-        - `spool`: from commands to openings [-]; left out, `Direct`.
-        - `hysteresis`: friction of each muscle [-]; left out, none.
-        - `law`: "table" of the muscles' co-energy, or "exact", which is slow [-].
-        - `volume`: "conjugate", which goes with the force, or "geometric" [-].
-        - `shape`: nodes of the tables in pressure and strain [-].
+        - `bundle`: the bundle, or two on an `AntagonisticJoint`.
+        - `load`: the load that it moves.
+        - `supply`: the source of its fluid.
+        - `chamber`: of each unit's fluid; its numbers may be one for each unit [-].
+        - `valve`: from the supply to each unit.
+        - `exhaust_valve`: from each unit to the room; by default, like `valve`.
+        - `spool`: from commands to openings; by default, `Direct`.
+        - `hysteresis`: friction of each muscle; by default, none.
+        - `law`: "table" of the muscles' co-energy, or "exact", which is slow.
+        - `volume`: "conjugate", which goes with the force, or "geometric".
+        - `shape`: nodes of the tables in pressure and strain.
 
-        **Raises:** `ValueError`, one line, for what doesn't go together.
+        **Raises:** `ValueError`, one line, for parts that don't go together, and for a liquid in
+        chambers without compliance.
         """
         self.bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
         for item in self.bundles:
             if not isinstance(item, Bundle):
-                raise InvalidInputError(
-                    "bundle", "must be a Bundle", item, shown=type(item).__name__
-                )
+                kind = type(item).__name__
+                raise InvalidInputError("bundle", "must be a Bundle", item, shown=kind)
         self.load, self.supply, self.chamber = load, supply, chamber
         self.valve = valve
         self.exhaust_valve = valve if exhaust_valve is None else exhaust_valve
         self.spool = Direct() if spool is None else spool
         self.hysteresis = hysteresis
-        units = [
-            (unit, side) for side, item in enumerate(self.bundles) for unit in item.motor_units
-        ]
+        units = [(unit, side) for side, b in enumerate(self.bundles) for unit in b.motor_units]
+        muscles = [unit.muscle for unit, _ in units]
         self.sides = tuple(side for _, side in units)
         self.counts = np.array([float(unit.count) for unit, _ in units])
-        self.lengths = np.array([float(unit.muscle.length) for unit, _ in units])
+        self.lengths = np.array([float(muscle.length) for muscle in muscles])
         self.distances = np.array([float(self.bundles[side].length) for side in self.sides])
         _check_fit(self)
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
-        per_bundle = [unit.muscle for unit, _ in units]
         top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
-        muscles: AbstractMuscles = Tables.of(per_bundle, top, shape)
-        if law == "exact":
-            muscles = Exact.of(per_bundle, top, muscles.strains)
+        tables = Tables.from_muscles(muscles, top, shape)
+        self.muscles = (
+            tables if law == "table" else Exact.from_muscles(muscles, top, tables.strains)
+        )
         if volume == "geometric":
             sizes = ("length", "outer_radius", "braid_angle")
-            braid = Braid(
-                *(np.array([float(getattr(m, name)) for m in per_bundle]) for name in sizes)
-            )
-            muscles = Geometric(
-                muscles, braid, np.array([float(m.bladder.volume) for m in per_bundle])
-            )
-        self.muscles = muscles
+            braid = Braid(*(np.array([float(getattr(m, x)) for m in muscles]) for x in sizes))
+            walls = np.array([float(muscle.bladder.volume) for muscle in muscles])
+            self.muscles = Geometric(self.muscles, braid, walls)
 
     @property
     def units(self) -> int:
-        """How many motor units there are [-], of all bundles."""
+        """Number of motor units of all bundles."""
         return len(self.sides)
 
     @property
     def commands(self) -> int:
-        """How many commands it takes [-]."""
+        """Number of commands."""
         return self.spool.commands(self.units)
 
     @property
@@ -143,35 +153,35 @@ class Plant(Module):
 
     @property
     def supply_pressure(self) -> float:
-        """Gauge pressure [Pa] that its supply begins with."""
+        """Gauge pressure [Pa] of its supply at the start."""
         return float(self.supply.pressure_at(self.supply.start()))
 
-    def places(self, side: int) -> Whole:
-        """Indices of the units of the bundle `side`, counted from 0."""
+    def unit_indices(self, side: int) -> Whole:
+        """Indices of the units of the bundle `side`, counted from 0 [-]."""
         return np.flatnonzero(np.array(self.sides) == side)
 
     @property
     def gains(self) -> Numbers:
-        """$g_i$, how much each unit's muscles contract by the load's coordinate [SI]."""
-        return self._of_sides(1) / self.lengths
+        """$g_i$, contraction of each unit's muscles per unit of the load's coordinate [SI]."""
+        return self._arms(1) / self.lengths
 
     @property
     def offsets(self) -> Numbers:
         """$\\varepsilon_{0,i}$ of each unit's muscles [-]."""
-        return 1 - (self.distances - self._of_sides(0)) / self.lengths
+        return 1 - (self.distances - self._arms(0)) / self.lengths
 
-    def _of_sides(self, side_index: int) -> Numbers:
-        arms = [self.load.arms[side][side_index] for side in self.sides]
+    def _arms(self, index: int) -> Numbers:
+        arms = [self.load.arms[side][index] for side in self.sides]
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 
-    def checked(self, commands: Numbers) -> Numbers:
-        """`commands` [-] as they are [-], refused unless they have a column for each it takes."""
+    def check_commands(self, commands: Numbers) -> Numbers:
+        """The `commands` [-], refused unless they have a column for each command of the plant."""
         if commands.shape[-1] != self.commands:
             rule = f"must have {self.commands} columns, one for each command"
             raise InvalidInputError("commands", rule, commands.shape[-1])
         return commands
 
-    def charged(self, pressures: Numbers, position: Batch) -> Numbers:
+    def chambers_at(self, pressures: Numbers, position: Batch) -> Numbers:
         """States of its chambers [SI] at `pressures` [Pa], as warm as the room, with the load at
         `position` [SI].
         """
@@ -188,7 +198,7 @@ class Plant(Module):
 
     @property
     def stroke(self) -> tuple[float, float]:
-        """Ends of the load's coordinate [SI] between which all muscles' strains are known."""
+        """Ends of the load's coordinate [SI] between which all muscles' strains are tabulated."""
         low, high = self.muscles.strains
         ends = np.stack([(end - self.offsets) / self.gains for end in (low, high)])
         return float(np.max(np.min(ends, axis=0))), float(np.min(np.max(ends, axis=0)))
@@ -204,9 +214,9 @@ def _check_fit(plant: Plant) -> None:
     for name, kind in kinds.items():
         value: Any = getattr(plant, name)
         if not isinstance(value, kind):
-            per_bundle = getattr(kind, "__args__", (kind,))
-            named = " or ".join(item.__name__.removeprefix("Abstract") for item in per_bundle)
-            rule = f"must be a {named}".replace("NoneType", "None")
+            types = getattr(kind, "__args__", (kind,))
+            names = " or ".join(item.__name__.removeprefix("Abstract") for item in types)
+            rule = f"must be a {names}".replace("NoneType", "None")
             raise InvalidInputError(name, rule, value, shown=type(value).__name__)
     sides = len(plant.load.arms)
     if len(plant.bundles) != sides:
@@ -219,4 +229,15 @@ def _check_fit(plant: Plant) -> None:
         if not isinstance(valve, flows[fluid]):
             rule = f"must be of {flows[fluid].__name__} for {fluid}"
             raise InvalidInputError(name, rule, valve, shown=type(valve).__name__)
-    plant.spool.commands(plant.units)
+    if plant.liquid:
+        compliance: Any = getattr(plant.chamber, "compliance", 0.0)
+        if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
+            raise InvalidInputError(
+                "compliance",
+                "must be positive for a liquid, which hardly gives way itself",
+                float(np.min(compliance)),
+                "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings"
+                " of each motor unit",
+                shown=f"{float(np.min(compliance)):g} m³/Pa",
+            )
+    plant.spool.commands(plant.units)  # refuses a number of units that it can't serve

@@ -1,7 +1,7 @@
-"""Commands by the clock, and what a controller is.
+"""Scheduled commands, and the interface of a controller.
 
-A controller is a function of its memory, a measurement and a reference; it returns the memory that
-it wants to see next time, and commands. A `Schedule` is the one that measures nothing.
+A controller is a function of its memory, a measurement and a reference; it returns its next memory
+and commands. A `Schedule` measures nothing.
 """
 
 from typing import Any, NamedTuple, Protocol
@@ -32,20 +32,20 @@ class Controller(Protocol):
 
     @property
     def memory(self) -> Any:
-        """With which it begins [-]."""
+        """Memory at the start."""
         ...
 
     def __call__(
         self, memory: Any, measurement: Measurement, reference: Any
     ) -> tuple[Any, Numbers]:
-        """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
-        the `reference` now [any unit].
+        """Next memory and the commands [-], from the `memory`, a `measurement` [SI] and the present
+        `reference` [any unit].
         """
         ...
 
 
 class Schedule:
-    """Commands that are held from each of its times on.
+    """Commands, each constant until the next of its times.
 
     `times` [s], rising, the first at 0; `commands` [-] in [-1, 1], one row for each of them, one
     column for each command.
@@ -78,6 +78,6 @@ class Schedule:
 
     def at(self, time: Values) -> Numbers:
         """Commands [-] at each `time` [s], on the last axis."""
-        # a time that a step misses by rounding is meant
+        # 1e-9 s: a step that misses a time by rounding has its command
         index = np.searchsorted(self.times, np.asarray(time) + 1e-9, side="right") - 1
         return self.commands[np.maximum(index, 0)]

@@ -1,9 +1,10 @@
 """Simulating a plant with its controller, step by step.
 
 The whole run is one compiled loop of fixed steps, so that it can be batched and differentiated by
-whatever the plant and the controller hold; `integrate` is the reference that it is held against.
+numbers of the plant and the controller; `integrate` is its reference.
 """
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
@@ -23,37 +24,49 @@ from .equilibrium import equilibrium_state
 from .motion import FrictionMemory, evaluate_plant
 from .muscles import Tables
 from .outputs import STATUS, PlantOutputs, observe
-from .plant import Plant
+from .plant import Plant, State
 from .schedule import Controller, Measurement, Schedule
-from .state import State
 from .step_size import StepSizeEstimate, estimate_substeps
 from .stepping import IntegratorState, project_pressures, substep
 
 
 _NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
-
-
-_NEWTON = 8  # a state that is given may be off
-_LEAST, _MUCH = 10, 16  # powers of two of steps
-_AT_ONCE = 20_000  # moments, of which tables' cells fill some megabytes
+_NEWTON = 8  # pressures of a user's `start` may be a rough guess
+_MIN_BITS, _MANY_BITS = 10, 16  # of a number of steps: least, and from which memory counts
+_CHUNK = 20_000  # steps at once: their cells of the tables take some megabytes
 
 
 class Trajectory(NamedTuple):
-    """A run, moments on the first axis.
+    """A run, times on the first axis.
 
-    `time` [s]; `seen`: the `PlantOutputs` at each moment; `commands` from then on [-]; `account`:
-    energies up to then [J], by the names of `LEDGER`; `substeps` in each step [-]; `pace`: the
-    `StepSizeEstimate`, where it was made; `end`: the state [SI] from which another run can go on,
-    with friction relaxed.
+    `time` [s]; `outputs`: the `PlantOutputs` at each time; `commands` from then on [-]; `ledger`:
+    energies up to then [J], by the names of `LEDGER`; `substeps` in each step [-]; `step_size`: the
+    `StepSizeEstimate` that chose them, or none; `end`: the state [SI] from which another run can
+    go on, with friction relaxed.
     """
 
     time: Numbers
-    seen: PlantOutputs
+    outputs: PlantOutputs
     commands: Numbers
-    account: Numbers
+    ledger: Numbers
     substeps: int
-    pace: StepSizeEstimate | None
+    step_size: StepSizeEstimate | None
     end: State
+
+    @property
+    def seen(self) -> PlantOutputs:
+        """Former name of `outputs` [SI]."""
+        return self._former("seen", "outputs")
+
+    @property
+    def account(self) -> Numbers:
+        """Former name of `ledger` [J]."""
+        return self._former("account", "ledger")
+
+    def _former(self, name: str, field: str) -> Any:
+        message = f"`Trajectory.{name}` is now `Trajectory.{field}`."
+        warnings.warn(message, DeprecationWarning, stacklevel=3)
+        return getattr(self, field)
 
 
 def simulate(
@@ -65,24 +78,24 @@ def simulate(
     start: State | None = None,
     substeps: int | None = None,
 ) -> Trajectory:
-    """A run of fixed steps, the commands held in each.
+    """A run of fixed steps, with constant commands in each.
 
     **Arguments:**
 
-    - `plant`: what moves [-].
-    - `controller`: acts at the beginning of each step [-]; or a `Schedule`; or the commands [-]
-      themselves, one row for each step.
-    - `reference`: for the controller, one row for each step, of any unit [-].
+    - `plant`: the plant.
+    - `controller`: acts at the beginning of each step; or a `Schedule`; or the commands
+      themselves [-], one row for each step.
+    - `reference`: for the controller, one row for each step [-], of any unit.
     - `dt`: a step [s].
-    - `duration`: of the run [s], with a `Schedule`; left out, as many steps as there are rows.
-    - `start`: the state it begins with [SI]; left out, at `rest` without pressure.
-    - `substeps`: in each step [-]; left out, as many as `pace` tells: what its stiffest part
-      needs, at most 64, and of a liquid at least 16, so that its energies balance.
+    - `duration`: of the run [s], with a `Schedule`; by default, as many steps as there are rows.
+    - `start`: the state at the start [SI]; by default, at rest without pressure.
+    - `substeps`: of each step; by default those of `estimate_substeps`, as many as the stiffest
+      part needs, at most 64, and of a liquid at least 16, so that its energies balance.
 
-    **Returns:** a `Trajectory` [SI]: one moment more than there are steps.
+    **Returns:** a `Trajectory` [SI]: one time more than there are steps.
 
-    **Raises:** `ValueError` for a `dt` or `duration` that can't be, rows that don't fit, and what
-    `rest` refuses.
+    **Raises:** `ValueError` for an invalid `dt` or `duration`, rows that don't fit, and what
+    `equilibrium_state` refuses.
     """
     dt = float(check_positive(dt, "dt", "s", "such as 0.001"))
     begin = equilibrium_state(plant) if start is None else start
@@ -96,12 +109,16 @@ def simulate(
     if not len(inputs):
         name = "reference" if callable(controller) else "commands"
         raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
-    # numbers that a controller holds may be differentiated; all else about it is fixed
+    # numbers of a controller may be differentiated; all else in it is fixed
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    is_known, steps, count = is_concrete((plant, numbers, memory, inputs, begin)), len(inputs), None
-    if is_known:  # so that another length mostly compiles nothing
+    is_concrete_run, steps, count = (
+        is_concrete((plant, numbers, memory, inputs, begin)),
+        len(inputs),
+        None,
+    )
+    if is_concrete_run:  # so that another length mostly compiles nothing
         count = np.int64(steps)
         inputs = np.concatenate(
             [inputs, np.repeat(inputs[-1:], _padded_steps(steps) - steps, axis=0)]
@@ -109,51 +126,48 @@ def simulate(
     numbered = plant, numbers, memory, inputs, begin, np.float64(dt), count
     history, commands, last = _run(*numbered, (fixed, kind), int(substeps))
     xp = jnp
-    if is_known:
+    if is_concrete_run:
         history, commands, last = to_numpy((history, commands, last))
         history, commands = jax.tree.map(lambda x: x[:steps], (history, commands))
         xp = np
-    history = jax.tree.map(lambda many, one: xp.concatenate([many, one[None]]), history, last)
+    history = jax.tree.map(lambda rows, row: xp.concatenate([rows, row[None]]), history, last)
     commands = xp.concatenate([commands, commands[-1:]])
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
-    # tables are asked without a compiler, which would take as long again as for the run
-    outputs, pv_terms = (_observe_numpy if is_known and tables else _observe_jax)(
-        plant, dt, history, commands
-    )
-    outputs, pv_terms = to_numpy((outputs, pv_terms)) if is_known else (outputs, pv_terms)
-    account = history.account + pv_terms - pv_terms[0]
+    # tables need no compiler, which would take as long again as for the run
+    observe_run = _observe_numpy if is_concrete_run and tables else _observe_jax
+    outputs, pv_terms = observe_run(plant, dt, history, commands)
+    if is_concrete_run:
+        outputs, pv_terms = to_numpy((outputs, pv_terms))
+    ledger = history.ledger + pv_terms - pv_terms[0]
     if step_size is not None and step_size.stiff:
         outputs = outputs._replace(status=outputs.status | (1 << STATUS.index("stiff")))
     return Trajectory(
-        dt * np.arange(steps + 1), outputs, commands, account, int(substeps), step_size, last.state
+        dt * np.arange(steps + 1), outputs, commands, ledger, int(substeps), step_size, last.state
     )
 
 
 class _OpenLoop(Module):
-    """No controller: the reference is what is commanded."""
+    """No controller: references are commands."""
 
 
 def _prepare_controller(
     plant: Plant, controller: Any, reference: Values, dt: float, duration: float | None
 ) -> tuple[Any, Any, Numbers]:
-    """Controller, memory to begin with, and a row for each step."""
+    """Controller, its first memory, and a row for each step."""
     if callable(controller):
         if reference is None:
-            raise InvalidInputError(
-                "reference", "must have a row for each step", None, shown="none"
-            )
+            rule = "must have a row for each step"
+            raise InvalidInputError("reference", rule, None, shown="none")
         return controller, getattr(controller, "memory", ()), jnp.asarray(reference)
     if isinstance(controller, Schedule):
-        end = (
-            controller.times[-1] + dt
-            if duration is None
-            else check_positive(duration, "duration", "s")
-        )
+        end = controller.times[-1] + dt
+        if duration is not None:
+            end = check_positive(duration, "duration", "s")
         rows = controller.at(dt * np.arange(max(1, round(float(end) / dt))))
     else:
         rows = validate_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
-    return _OpenLoop(), (), plant.checked(rows)
+    return _OpenLoop(), (), plant.check_commands(rows)
 
 
 @partial(jax.jit, static_argnames=("fixed", "substeps"))
@@ -161,8 +175,8 @@ def _run(
     plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
-    """Before each step, commanded in it, and after the last: a row of `inputs` for each, of which
-    `count` are made; all of them, where it is none.
+    """Progress before each step, its command, and progress after the last, for the first `count`
+    rows of `inputs`; for all of them if `count` is `None`.
     """
     leaves, kind = fixed
     act = jax.tree.unflatten(
@@ -175,20 +189,20 @@ def _run(
     h = dt / substeps
 
     def step(carry: tuple, numbers: tuple) -> tuple[tuple, tuple]:
-        course, memory = carry
+        progress, memory = carry
         time, reference = numbers
         if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
-            memory, command = act(memory, _measure(plant, time, course), reference)
+            memory, command = act(memory, _measure(plant, time, progress), reference)
 
-        # a derivative goes through a substep again, instead of keeping all that is in it
+        # a derivative computes a substep again, which takes less memory than storing it
         @partial(jax.checkpoint, prevent_cse=False)
-        def sub(i: Any, evaluation: IntegratorState) -> IntegratorState:
-            return substep(plant, time + i * h, evaluation, command, h)
+        def advance(i: Any, progress: IntegratorState) -> IntegratorState:
+            return substep(plant, time + i * h, progress, command, h)
 
-        initial = course._replace(folded=jnp.zeros_like(course.folded))
-        return (lax.fori_loop(0, substeps, sub, initial), memory), (course, command)
+        initial = progress._replace(folded=jnp.zeros_like(progress.folded))
+        return (lax.fori_loop(0, substeps, advance, initial), memory), (progress, command)
 
     initial = IntegratorState(state, anchor, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)), memory
     (last, _), (history, commands) = _scan(
@@ -198,42 +212,40 @@ def _run(
 
 
 def _scan(step: Callable, initial: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
-    """Result of `lax.scan` over the first `count` steps; over all where `count` is `None`."""
+    """Result of `lax.scan` over the first `count` steps, or over all if it is `None`."""
     if count is None:
         return lax.scan(step, initial, inputs)
     step = jax.jit(step, inline=True)  # traced once for both
     row = jax.tree.map(lambda x: x[0], inputs)
     shapes = jax.eval_shape(step, initial, row)[1]
-    room = len(jax.tree.leaves(inputs)[0])
+    rows = len(jax.tree.leaves(inputs)[0])
 
-    def stepped(i: Any, evaluation: tuple) -> tuple:
-        carry, history = evaluation
-        carry, outputs_row = step(
-            carry, jax.tree.map(lambda x: lax.dynamic_index_in_dim(x, i, keepdims=False), inputs)
+    def advance(i: Any, state: tuple) -> tuple:
+        carry, history = state
+        row = jax.tree.map(lambda x: lax.dynamic_index_in_dim(x, i, keepdims=False), inputs)
+        carry, row = step(carry, row)
+        history = jax.tree.map(
+            lambda table, x: lax.dynamic_update_index_in_dim(table, x, i, 0), history, row
         )
-        return carry, jax.tree.map(
-            lambda x, one: lax.dynamic_update_index_in_dim(x, one, i, 0), history, outputs_row
-        )
+        return carry, history
 
-    empty = jax.tree.map(lambda x: jnp.zeros((room, *x.shape), x.dtype), shapes)
-    return lax.fori_loop(0, count, stepped, (initial, empty))
+    empty = jax.tree.map(lambda x: jnp.zeros((rows, *x.shape), x.dtype), shapes)
+    return lax.fori_loop(0, count, advance, (initial, empty))
 
 
 def _padded_steps(steps: int) -> int:
-    """For how many steps there is room in a program that makes so many: a power of four, where
-    that takes little memory, or of two.
-    """
-    bits = max(_LEAST, (steps - 1).bit_length())
-    return 1 << (bits + bits % 2 if bits < _MUCH else bits)
+    """Length of a compiled loop for so many `steps`: a power of four, or of two for many."""
+    bits = max(_MIN_BITS, (steps - 1).bit_length())
+    return 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
 
 
 def _observe_step(
-    plant: Plant, time: Batch, course: IntegratorState, command: Numbers
+    plant: Plant, time: Batch, progress: IntegratorState, command: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
     """Outputs of a plant, and the $P V$ terms of its ledger [J]."""
-    evaluation = evaluate_plant(plant, time, course.state, command, course.anchor)
-    outputs = observe(plant, course.state, course.anchor, evaluation)
-    folded = course.folded * (1 << STATUS.index("folded"))
+    evaluation = evaluate_plant(plant, time, progress.state, command, progress.anchor)
+    outputs = observe(plant, progress.state, progress.anchor, evaluation)
+    folded = progress.folded * (1 << STATUS.index("folded"))
     return outputs._replace(status=outputs.status | folded), pressure_volume_term(plant, evaluation)
 
 
@@ -250,19 +262,19 @@ def _observe_numpy(
 ) -> tuple[PlantOutputs, Numbers]:
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
-    outputs_row = []
+    chunks = []
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        for k in range(0, len(times), _AT_ONCE):
-            chunk = slice(k, k + _AT_ONCE)
-            part = jax.tree.map(lambda x, chunk=chunk: x[chunk], history)
-            outputs_row.append(_observe_step(plant, times[chunk], part, commands[chunk]))
-    return jax.tree.map(lambda *parts: np.concatenate(parts), *outputs_row)
+        for k in range(0, len(times), _CHUNK):
+            chunk = slice(k, k + _CHUNK)
+            progress = jax.tree.map(lambda x, chunk=chunk: x[chunk], history)
+            chunks.append(_observe_step(plant, times[chunk], progress, commands[chunk]))
+    return jax.tree.map(lambda *arrays: np.concatenate(arrays), *chunks)
 
 
-def _measure(plant: Plant, time: Batch, course: IntegratorState) -> Measurement:
-    state = course.state
-    evaluation = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), course.anchor)
-    # what all muscles pull with, friction not in it
+def _measure(plant: Plant, time: Batch, progress: IntegratorState) -> Measurement:
+    state = progress.state
+    evaluation = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), progress.anchor)
+    # the force is the muscles' pull without friction
     return Measurement(
         time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
         plant.supply.pressure_at(state.supply),

@@ -1,8 +1,8 @@
-r"""How many fixed steps a plant needs.
+r"""Number of fixed steps that a plant needs.
 
 Between two actions of a controller there are as many equal substeps as the stiffest part needs: the
-method is stable while $h |\lambda| \le 2.78$, and is used up to 2. That its energies balance, a gas
-has two at least, a liquid more.
+method is stable while $h |\lambda| \le 2.78$, and is used up to 2. For balanced energies, a gas has
+two at least, a liquid more.
 """
 
 import math
@@ -15,18 +15,18 @@ from .chamber_pressure import ChamberEvaluation, evaluate_chambers
 from .plant import Plant
 
 
-MOST_SUBSTEPS = 64
+MAX_SUBSTEPS = 64  # more cost more than a smaller `dt`
 # a volume of oil changes most about P = 0, where a table has a line every few pascals and a bend at
-# zero: passed within a substep, it leaves work over, as the substep squared. Two left up to 3e-3 of
-# it in 80 random cycles, sixteen 5e-5, and in two of them more than 1e-5
-_OF_LIQUID = 16
-_OF_GAS = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
+# zero: passed within a substep, it leaves an error of work, as the substep squared. In 80 random
+# cycles, two substeps left up to 3e-3 of it, sixteen 5e-5, and in two of them more than 1e-5
+_LIQUID = 16
+_GAS = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
 _STABLE = 2.0  # of h|λ|; the method's own limit is 2.78
 
 
 class StepSizeEstimate(NamedTuple):
-    """How stiff a plant is: its fastest `rate` [1/s], the part that is [-], the `substeps` that a
-    step needs, whether they would have to be more.
+    """Stiffness of a plant: its fastest `rate` [1/s], the `part` that has it, the `substeps` of a
+    step, and whether it is too `stiff` for them.
     """
 
     rate: float
@@ -36,15 +36,15 @@ class StepSizeEstimate(NamedTuple):
 
 
 def estimate_substeps(plant: Plant, dt: float) -> StepSizeEstimate:
-    """How many substeps a step of `dt` [s] of a `plant` [-] needs."""
-    fastest = {**_chamber_rates(plant), **_load_rates(plant)}
-    part = max(fastest, key=lambda name: fastest[name])
-    need = max(_OF_LIQUID if plant.liquid else _OF_GAS, math.ceil(dt * fastest[part] / _STABLE))
-    return StepSizeEstimate(fastest[part], part, min(need, MOST_SUBSTEPS), need > MOST_SUBSTEPS)
+    """Estimate the substeps that a step of `dt` [s] of a `plant` needs."""
+    rates = {**_chamber_rates(plant), **_load_rates(plant)}
+    fastest = max(rates, key=lambda name: rates[name])
+    need = max(_LIQUID if plant.liquid else _GAS, math.ceil(dt * rates[fastest] / _STABLE))
+    return StepSizeEstimate(rates[fastest], fastest, min(need, MAX_SUBSTEPS), need > MAX_SUBSTEPS)
 
 
 def _chamber_rates(plant: Plant) -> dict[str, float]:
-    """How fast chambers fill at most, valves wide open, and how fast spools move [1/s]."""
+    """Fastest filling of chambers through open valves, and fastest motion of spools [1/s]."""
     top, chamber = plant.supply_pressure, plant.chamber
     # flow is steepest where pressures are nearly equal
     guess = top * np.logspace(-6, 0, 61)
@@ -53,9 +53,9 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     T_s = plant.supply.temperature_at(plant.supply.start())
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, units=7)
-        rate, none = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
-        rise = fluid.pressure_rate(rate - none, np.zeros(1))  # of pressure with mass [Pa/kg]
+        s, fluid = _charged(plant, P, positions=7)
+        rate, no_flow = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
+        rise = fluid.pressure_rate(rate - no_flow, np.zeros(1))  # of pressure with mass [Pa/kg]
         step = 1e-4 * np.maximum(P, 1e-6 * top)
         filling, venting = (
             np.abs(flow(P + room + step) - flow(P + room - step)) / (2 * step)
@@ -73,18 +73,18 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
 
 
 def _load_rates(plant: Plant) -> dict[str, float]:
-    """How fast a load swings on its muscles with their valves shut, and on its stop, at most, and
-    how fast its dampers slow it [1/s].
+    """Fastest swing of a load on its muscles with valves shut, and on its stop, and fastest decay
+    by its dampers [1/s].
     """
     load, n, L, g = plant.load, plant.counts, plant.lengths, plant.gains
-    if load.moved:
+    if load.prescribed:
         return {}
     M = float(load.inertia)
     P = np.linspace(0.0, plant.supply_pressure, 31)[:, None, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, units=41)
-        at, rise = fluid.at, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
-        spring = -n * L * g**2 * (at.force_by_strain + at.force_by_pressure * rise)
+        s, fluid = _charged(plant, P, positions=41)
+        muscles, rise = fluid.muscles, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
+        spring = -n * L * g**2 * (muscles.force_by_strain + muscles.force_by_pressure * rise)
         stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
         stiff = float(np.nanmax(np.where(fluid.rise > 0, stiff, 0.0)))
     if plant.hysteresis is not None and hasattr(plant.hysteresis, "stiffness"):
@@ -98,9 +98,9 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     return rates
 
 
-def _charged(plant: Plant, pressures: Numbers, units: int) -> tuple[Numbers, ChamberEvaluation]:
-    """Chambers [SI] at rest at `pressures` [Pa] and so many `units` [-] of the load's way."""
-    q = np.linspace(*plant.stroke, units)
+def _charged(plant: Plant, pressures: Numbers, positions: int) -> tuple[Numbers, ChamberEvaluation]:
+    """Chambers [SI] at rest at `pressures` [Pa] and so many `positions` along the stroke."""
+    q = np.linspace(*plant.stroke, positions)
     P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
-    s = plant.charged(P, q)
+    s = plant.chambers_at(P, q)
     return s, evaluate_chambers(plant, s, eps, P)

@@ -213,10 +213,10 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         notes = control.notes
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
-    if plant.load.moved and run.position is not None:
+    if plant.load.prescribed and run.position is not None:
         raise root.error(("run", "position"), "the load's motion is given: drop this key.")
     # a prescribed motion itself may leave the stroke
-    start_location = FileLocation(source, data, kind="motion") if plant.load.moved else root
+    start_location = FileLocation(source, data, kind="motion") if plant.load.prescribed else root
     with start_location.error_context():
         pressures = 0.0 if run.pressures is None else run.pressures
         start = dynamics.equilibrium_state(plant, pressures, run.position)

@@ -101,15 +101,15 @@ def traces(plant: "Plant", run: "Trajectory", demand: Demand | None = None) -> F
     if demand is not None:
         draw_demand(axes[0, 0], axes[1, 0], plant, run, demand)
     _draw_position(position, plant, run)
-    for ax, values in ((pressure, np.asarray(run.seen.pressures) / 1e3),
-                       (force, np.asarray(run.seen.forces))):  # fmt: skip
+    for ax, values in ((pressure, np.asarray(run.outputs.pressures) / 1e3),
+                       (force, np.asarray(run.outputs.forces))):  # fmt: skip
         for unit in range(plant.units):
             # the later the thinner, so that curves on top of one another can be told apart
             width = 1.0 + 1.2 * (plant.units - 1 - unit) / max(plant.units - 1, 1)
             color = CYCLE[unit % len(CYCLE)]
             _draw_line(ax, run, values[:, unit], color, f"unit {unit + 1}", linewidth=width)
         ax.axhline(0, **_ZERO)
-    supply = np.asarray(run.seen.supply_pressure) / 1e3
+    supply = np.asarray(run.outputs.supply_pressure) / 1e3
     _draw_line(pressure, run, supply, BLACK, "supply", linestyle=_DASHED)
     pressure.set_ylabel("Pressure P [kPa]")
     force.set_ylabel("Force F [N]")
@@ -162,7 +162,7 @@ def _draw_line(
 
 def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
     factor, unit = display_unit(plant, "position")
-    q = factor * np.asarray(run.seen.position)
+    q = factor * np.asarray(run.outputs.position)
     _draw_line(ax, run, q, BLACK, "position")
     ax.axhline(q[0], color=GRAY, linewidth=0.8, linestyle=_DOTTED)
     ax.annotate(
@@ -187,8 +187,8 @@ def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
 
 def _draw_valves(ax: Axes, run: "Trajectory") -> None:
     time = np.asarray(run.time)
-    to_supply = np.asarray(run.seen.supply) > _OPEN
-    to_room = np.asarray(run.seen.exhaust) > _OPEN
+    to_supply = np.asarray(run.outputs.supply) > _OPEN
+    to_room = np.asarray(run.outputs.exhaust) > _OPEN
     states = np.where(to_supply, 1, np.where(to_room, 2, 0))
     units = states.shape[1]
     for unit, state in enumerate(states.T):

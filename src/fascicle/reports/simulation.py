@@ -89,7 +89,7 @@ def run_demand(scenario: "Scenario", run: "Trajectory") -> Demand | None:
     if (controlled := scenario.control) is None:
         return None
     controller, reference = controlled.controller, controlled.reference
-    can = reachability(controller, run.seen, reference).can
+    can = reachability(controller, run.outputs, reference).can
     return Demand(controller.of, reference, controlled_output(controller, run), can)
 
 
@@ -126,7 +126,7 @@ def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics"
 
 def _moments(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[list[str]]]:
     """Table of positions and pressures at the start, the end and the extremes."""
-    outputs = run.seen
+    outputs = run.outputs
     factor, unit = display_unit(plant, "position")
     q = factor * np.asarray(outputs.position)
     heads = ["", "time [s]", f"position [{unit}]",

@@ -66,7 +66,7 @@ def simulated(
     from ..dynamics.energy_ledger import LEDGER, STORES
     from ..dynamics.outputs import STATUS
 
-    outputs, unit = run.seen, plant.load.unit
+    outputs, unit = run.outputs, plant.load.unit
     bits = ", ".join(f"{1 << index} {name}" for index, name in enumerate(STATUS))
     columns = (
         ("pressure", outputs.pressures, "Pa", "gauge, in each unit's chamber"),
@@ -98,7 +98,7 @@ def simulated(
     ]
     if controller is not None:
         rows += _tracking_rows(controller, run, reference)
-    for name, energy in zip(LEDGER, np.asarray(run.account).T, strict=True):
+    for name, energy in zip(LEDGER, np.asarray(run.ledger).T, strict=True):
         about = f"cumulative: {_LEDGER[name]}"
         rows.append((f"account_{name}", "time", energy, "kg" if name == "mass" else "J", about))
     for name, energy in zip(STORES, np.asarray(outputs.store).T, strict=True):
@@ -159,7 +159,7 @@ def _tracking_rows(controller: "Cascade", run: "Trajectory", reference: Any) -> 
     from ..control import control_metrics, controlled_output, reachability
 
     unit, force = _units(controller)
-    reach = reachability(controller, run.seen, reference)
+    reach = reachability(controller, run.outputs, reference)
     demand, reachable, lacking = (
         np.append(values, values[-1])
         for values in (np.asarray(reference, float), reach.can, reach.short)

@@ -85,7 +85,7 @@ class Tendons(AbstractLoad):
     """
 
     unit: ClassVar[str] = "m"
-    moved: ClassVar[bool] = True
+    prescribed: ClassVar[bool] = True
 
     bundles: int
     stop: None = None
@@ -118,7 +118,7 @@ class Tendons(AbstractLoad):
         """None that counts here [N/m]."""
         return np.float64(0.0)
 
-    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         """Position [m] and velocity [m/s] of MuJoCo, at any `time` [s]."""
         del time
         return position, velocity

@@ -31,7 +31,7 @@ from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval, is_concrete
 from ..dynamics import Plant, State
 from ..dynamics.chamber_pressure import solve_pressures
-from ..dynamics.flows import evaluate_flows
+from ..dynamics.motion import evaluate_flows
 from ..fluid import (
     AbstractChamber,
     AbstractSpool,

@@ -56,7 +56,7 @@ def test_the_plain_inverse_dips_by_all_of_it_and_a_hand_over_hardly(ran):
     dips, rms, fluid_drawn = {}, {}, {}
     for policy in ("orderly", "threshold", "hand_over", "pre_charge", "fast_cross"):
         run, worth = ran(policy)
-        assert np.all(np.isfinite(run.seen.pressures)) and worth.unreachable == 0
+        assert np.all(np.isfinite(run.outputs.pressures)) and worth.unreachable == 0
         assert_allclose(worth.dip, 6.513, rtol=1e-2)  # between the table's strains
         dips[policy], rms[policy] = worth.drawdown / worth.dip, worth.rms
         fluid_drawn[policy] = worth.fluid
@@ -72,10 +72,10 @@ def test_the_plain_inverse_dips_by_all_of_it_and_a_hand_over_hardly(ran):
 def test_it_lets_go_by_the_same_rule_and_doesnt_chatter(ran, ramp):
     up_and_down = ramp[0] / 0.7 * np.r_[np.linspace(0.7, 1.0, 250), np.linspace(1.0, 0.4, 350)]
     run, worth = ran("hand_over", up_and_down)
-    P2 = np.asarray(run.seen.pressures)[:, 1]
+    P2 = np.asarray(run.outputs.pressures)[:, 1]
     assert worth.recruited == 1 and P2.max() > 145e3 and P2[-1] < 100e3
     # the same dip, the other way, at 65 N/s: as small as the one that is let pass upwards
-    force = np.asarray(run.seen.forces).sum(axis=-1)[1:]
+    force = np.asarray(run.outputs.forces).sum(axis=-1)[1:]
     assert np.abs(force - up_and_down)[250:].max() < 0.1 * worth.dip
     # demand that stays within the band about where it is handed over to
     noisy = 0.9 * ramp[300] + 0.3 * np.sin(0.3 * np.arange(STEPS))
@@ -85,10 +85,10 @@ def test_it_lets_go_by_the_same_rule_and_doesnt_chatter(ran, ramp):
 def test_demands_that_cant_be_reached_are_counted(ran, ramp):
     run, worth = ran("hand_over", np.linspace(26.0, 200.0, STEPS))
     assert 300 < worth.unreachable < STEPS
-    for field in run.seen:
+    for field in run.outputs:
         assert np.all(np.isfinite(field))
     assert np.isfinite(worth.rms) and worth.rms < 20
-    pressures = np.asarray(run.seen.pressures)
+    pressures = np.asarray(run.outputs.pressures)
     assert pressures.max() <= SUPPLY * (1 + 1e-9)
     less = ran("hand_over", np.full(STEPS, -500.0))[1]
     assert less.unreachable == STEPS and less.rms == 0
@@ -96,7 +96,7 @@ def test_demands_that_cant_be_reached_are_counted(ran, ramp):
 
 def test_what_it_may_use_is_kept(ran, ramp):
     limited, _ = ran("hand_over", highest_pressure=3e5, flow_limit=0.5)
-    assert np.asarray(limited.seen.pressures)[100:].max() <= 3.03e5
+    assert np.asarray(limited.outputs.pressures)[100:].max() <= 3.03e5
     assert np.abs(limited.commands).max() <= 0.5
 
 

@@ -38,14 +38,14 @@ def test_a_batch_is_the_runs_one_by_one(scenario, found):
     plant, few = scenario.plant, estimate_substeps(scenario.plant, 1e-3).substeps
     controller = scenario.control.controller
     one = dynamics.simulate(plant, controller, wanted, start=scenario.start, substeps=few)
-    late = np.asarray(one.seen.position)[1001:] - wanted[1000:]
+    late = np.asarray(one.outputs.position)[1001:] - wanted[1000:]
     # sums in another order, run on for 1500 steps
     error = np.sqrt(np.mean(late**2)) / (A[1] / np.sqrt(2))
     assert_allclose(found.error[1, 1], error, rtol=1e-6)
-    drawn = np.maximum(one.seen.drawn, 0).sum(-1)[1000:1500]
+    drawn = np.maximum(one.outputs.drawn, 0).sum(-1)[1000:1500]
     assert_allclose(found.drawn[1, 1], drawn, rtol=0, atol=1e-6 * drawn.max())
-    pull = np.asarray(one.seen.forces).sum(-1)  # plates move as the load does
-    power = np.maximum(pull * one.seen.velocity, 0)[1000:1500]
+    pull = np.asarray(one.outputs.forces).sum(-1)  # plates move as the load does
+    power = np.maximum(pull * one.outputs.velocity, 0)[1000:1500]
     assert_allclose(found.work[1, 1], power.sum() * 1e-3 / 2, rtol=1e-6)
 
 

@@ -29,7 +29,7 @@ def ran(bench):
         ramp = np.linspace(0.7, 1.2, 500) * first
         controller = control.cascade(bench[0], policy, **options)
         found = dynamics.simulate(bench[0], controller, ramp, start=bench[1], substeps=2)
-        return np.asarray(found.seen.pressures), control.control_metrics(controller, found, ramp)
+        return np.asarray(found.outputs.pressures), control.control_metrics(controller, found, ramp)
 
     return run
 
@@ -44,7 +44,7 @@ def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
         worth = control.control_metrics(one.control.controller, run, one.control.reference)
         missed[compensate] = worth.rms
         # its gas warms and cools at a wall
-        assert np.ptp(np.asarray(run.seen.temperatures)) > 1.0
+        assert np.ptp(np.asarray(run.outputs.temperatures)) > 1.0
         assert worth.unreachable == 0 and dynamics.audit(one.plant, run).closes
     assert np.degrees(missed[True]) < 1.5
     assert False not in ways or missed[True] < 0.7 * missed[False]

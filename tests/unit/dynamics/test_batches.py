@@ -78,7 +78,7 @@ def test_many_runs_are_the_runs(name, muscle):
 
     def ran(rows):
         run = dynamics.simulate(plant, rows, start=start, substeps=16 if plant.liquid else 2)
-        return run.seen, run.account, run.end
+        return run.outputs, run.ledger, run.end
 
     many = jax.jit(jax.vmap(ran))(jnp.asarray(commands))
     assert np.ptp(many[0].pressures, axis=0).max() > 1e4  # they differ
@@ -97,8 +97,8 @@ def test_slopes_of_many_are_those_of_each(name, muscle):
         run = dynamics.simulate(
             plant, share * rows, start=start, substeps=16 if plant.liquid else 2
         )
-        drawn = run.account[-1, 0] / SUPPLY
-        return 1e4 * jnp.mean((run.seen.position - start.position) ** 2) + drawn
+        drawn = run.ledger[-1, 0] / SUPPLY
+        return 1e4 * jnp.mean((run.outputs.position - start.position) ** 2) + drawn
 
     shares = jnp.linspace(0.6, 1.0, RUNS)
     many = jax.jit(jax.vmap(jax.grad(cost)))(shares, rows)

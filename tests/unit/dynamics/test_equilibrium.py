@@ -84,7 +84,7 @@ def test_a_free_swing_is_that_of_the_closed_form(muscle):
     shape = np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
     middle = of_air / k * A  # the air is at the room's pressure where it begins
     swing = middle + (A - middle) * shape
-    assert_allclose(run.seen.position, swing, rtol=0, atol=1e-3 * A)
+    assert_allclose(run.outputs.position, swing, rtol=0, atol=1e-3 * A)
 
 
 def _plant(bundle, air, **changes):
@@ -142,6 +142,9 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
          " AntagonisticJoint, got 1."),
         ({"chamber": fluid.LiquidChamber()}, "`valve` must be of Orifice for a liquid, got"
          " SonicValve."),
+        ({"chamber": fluid.LiquidChamber(), "valve": fluid.Orifice(1e-6)}, "`compliance` must be"
+         " positive for a liquid, which hardly gives way itself, got 0 m³/Pa: pass LiquidChamber("
+         "compliance=2e-11)"),
         ({"valve": fluid.Orifice(1e-6)}, "`valve` must be of SonicValve for a gas, got Orifice."),
         ({"exhaust_valve": fluid.Orifice(1e-6)}, "`exhaust_valve` must be of SonicValve for a gas,"
          " got Orifice."),

@@ -25,11 +25,11 @@ def walked(law, places, pressures=0.0):
     force, stored, lost = [np.zeros(())], [np.zeros(())], []
     for k in range(1, len(places)):
         way = np.float64(places[k] - places[k - 1])
-        slid = law.slid(kept, way, np.float64(0.0), (P[k - 1], P[k]), np.float64(0.0))
+        slid = law.advance(kept, way, np.float64(0.0), (P[k - 1], P[k]), np.float64(0.0))
         kept = slid.spring_forces
         force.append(slid.force)
         stored.append(law.stored(kept))
-        lost.append(slid.lost)
+        lost.append(slid.loss)
     return np.array(force), np.array(stored), np.array(lost)
 
 
@@ -111,11 +111,11 @@ def test_slip_rises_with_pressure():
 def test_coulomb_s_width_is_in_pressure():
     friction, by_pressure = Coulomb(1e4), np.array([2e-4, -2e-4])
     fast = np.array([1.0, 1.0])
-    slid = friction.slid(np.zeros((2, 0)), 0 * fast, fast, (fast, fast), by_pressure)
+    slid = friction.advance(np.zeros((2, 0)), 0 * fast, fast, (fast, fast), by_pressure)
     # against the motion, whichever way the force goes with pressure
     assert_allclose(slid.force, 1e4 * 2e-4, rtol=1e-14)
     assert_allclose(friction.lost_power(-fast, fast, by_pressure), 2.0, rtol=1e-14)
-    at_v0 = friction.slid(np.zeros((2, 0)), 0 * fast, 1e-3 * fast, (fast, fast), by_pressure)
+    at_v0 = friction.advance(np.zeros((2, 0)), 0 * fast, 1e-3 * fast, (fast, fast), by_pressure)
     assert_allclose(at_v0.force / slid.force, np.tanh(1), rtol=1e-14)
 
 
@@ -123,7 +123,7 @@ def test_coulomb_s_width_is_in_pressure():
 def test_slopes_are_finite_where_nothing_moves(friction):
     def force(way):
         none = 0.0 * way
-        return friction.slid(np.zeros(1), way, none, (none, none), none).force
+        return friction.advance(np.zeros(1), way, none, (none, none), none).force
 
     # at rest a spring is bent by k
     assert_allclose(jax.grad(force)(0.0), K, rtol=1e-12)

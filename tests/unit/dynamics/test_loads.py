@@ -31,7 +31,7 @@ def test_a_stop_pushes_one_way_only():
     assert_allclose(stop.force(q, 0 * q)[0], [-100, 0, 0, 0, 100], rtol=1e-12)
     # it doesn't pull back what leaves faster than its spring pushes
     assert_array_equal(stop.force(np.array([0.21, -0.11]), np.array([-2.0, 2.0]))[0], 0)
-    assert_array_equal(stop.touched(q), [True, False, False, False, True])
+    assert_array_equal(stop.is_touched(q), [True, False, False, False, True])
 
 
 def test_a_stop_s_spring_and_damper_are_told_apart():
@@ -47,9 +47,9 @@ def test_a_stop_s_spring_and_damper_are_told_apart():
 def test_a_motion_s_velocity_is_its_slope():
     load = dynamics.PrescribedMotion(0.01, 0.005, 3.0)
     for t in (0.0, 0.03, 0.2):
-        _, speed = jax.jvp(lambda t: load.placed(t, 0.0, 0.0)[0], (t,), (1.0,))
-        assert_allclose(load.placed(t, 0.0, 0.0)[1], speed, rtol=1e-12)
-    assert dynamics.PrescribedMotion(0.01).placed(0.7, 0.5, 0.5) == (0.01, 0.0)
+        _, speed = jax.jvp(lambda t: load.motion_at(t, 0.0, 0.0)[0], (t,), (1.0,))
+        assert_allclose(load.motion_at(t, 0.0, 0.0)[1], speed, rtol=1e-12)
+    assert dynamics.PrescribedMotion(0.01).motion_at(0.7, 0.5, 0.5) == (0.01, 0.0)
 
 
 @pytest.mark.parametrize(

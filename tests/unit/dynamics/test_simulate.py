@@ -27,9 +27,9 @@ def test_the_method_is_of_fourth_order(ideal):
 
     def ended(substeps):
         run = dynamics.simulate(ideal, command, dt=4e-3, start=start, substeps=substeps)
-        ratio = (run.seen.pressures + 101325) / (413.7e3 + 101325)
+        ratio = (run.outputs.pressures + 101325) / (413.7e3 + 101325)
         assert np.all((ratio > 0.3) & (ratio < 0.999))
-        return run.seen.position[-1]
+        return run.outputs.position[-1]
 
     at = np.array([ended(n) for n in (2, 4, 8)])
     steps = np.abs(np.diff(at))
@@ -43,9 +43,9 @@ def test_a_run_goes_on_from_where_another_ended(lift):
     whole = dynamics.simulate(lift, np.concatenate([rows, rows]), start=start, substeps=2)
     first = dynamics.simulate(lift, rows, start=start, substeps=2)
     second = dynamics.simulate(lift, rows, start=first.end, substeps=2)
-    assert_array_equal(first.end.position, first.seen.position[-1])
+    assert_array_equal(first.end.position, first.outputs.position[-1])
     # where the second begins its pressures are searched for from the same place
-    assert_allclose(second.seen.position, whole.seen.position[SHORT:], rtol=1e-12)
+    assert_allclose(second.outputs.position, whole.outputs.position[SHORT:], rtol=1e-12)
 
 
 def test_halving_the_steps_changes_little(lift):
@@ -55,8 +55,8 @@ def test_halving_the_steps_changes_little(lift):
     whole = dynamics.simulate(lift, rows, start=start, substeps=2)
     halves = dynamics.simulate(lift, rows, start=start, substeps=4)
     # across a table's cells, of which second derivatives jump
-    assert_allclose(whole.seen.position, halves.seen.position, rtol=0, atol=1e-7 * 0.127)
-    assert_allclose(whole.seen.pressures, halves.seen.pressures, rtol=1e-6)
+    assert_allclose(whole.outputs.position, halves.outputs.position, rtol=0, atol=1e-7 * 0.127)
+    assert_allclose(whole.outputs.pressures, halves.outputs.pressures, rtol=1e-6)
 
 
 def test_a_run_that_goes_on_is_the_same_run(lift):
@@ -69,9 +69,9 @@ def test_a_run_that_goes_on_is_the_same_run(lift):
         start=start,
         substeps=2,
     )
-    assert_array_equal(whole.seen.position, again.seen.position)
+    assert_array_equal(whole.outputs.position, again.outputs.position)
     assert_allclose(whole.time, 1e-3 * np.arange(SHORT + 1), rtol=1e-12)
-    assert len(whole.commands) == len(whole.account) == SHORT + 1
+    assert len(whole.commands) == len(whole.ledger) == SHORT + 1
 
 
 def test_it_ends_where_the_statics_do(lift, bundle):
@@ -79,7 +79,7 @@ def test_it_ends_where_the_statics_do(lift, bundle):
     start = dynamics.equilibrium_state(lift, BEGIN)
     schedule = dynamics.Schedule([0, 0.1], [[0.5, 0.2], [0, 0]])
     run = dynamics.simulate(lift, schedule, dt=2 / LONG, duration=2.0, start=start, substeps=2)
-    seen = run.seen
+    seen = run.outputs
     assert abs(seen.velocity[-1]) < 1e-5  # the air still cools
     held = lift.load.mass * lift.load.gravity
     assert_allclose(seen.forces[-1].sum(), held, rtol=1e-4)
@@ -103,9 +103,9 @@ def test_slow_filling_follows_the_statics(lift):
         rows = np.tile([[0.04, 0.16]], (LONG, 1)) / duration
         run = dynamics.simulate(lift, rows, dt=duration / LONG, start=start, substeps=2)
         at = round(0.8 * LONG)
-        still = dynamics.equilibrium_state(lift, run.seen.pressures[at])
-        assert run.seen.position[at] > start.position + 1e-3  # it moves
-        return (still.position - run.seen.position[at]) / 0.127
+        still = dynamics.equilibrium_state(lift, run.outputs.pressures[at])
+        assert run.outputs.position[at] > start.position + 1e-3  # it moves
+        return (still.position - run.outputs.position[at]) / 0.127
 
     fast, slow = lag(1.0), lag(4.0)
     assert 0 < slow < fast < 1e-2
@@ -123,9 +123,9 @@ def test_the_lag_behind_the_statics_falls_as_it_takes_longer(lift, bundle):
         # the load on its muscles needs two substeps; valves are nearly shut, and not stiff
         run = dynamics.simulate(lift, rows, dt=5e-3, start=start, substeps=2)
         at = round(0.8 * len(rows))
-        assert run.seen.position[at] > start.position + 9e-3
-        law = np.atleast_1d(bundle.strain_at(held, run.seen.pressures[at]).strain)[0]
-        return law - run.seen.strains[at, 0]
+        assert run.outputs.position[at] > start.position + 9e-3
+        law = np.atleast_1d(bundle.strain_at(held, run.outputs.pressures[at]).strain)[0]
+        return law - run.outputs.strains[at, 0]
 
     lags = np.array([lag(duration) for duration in (10.0, 100.0, 1000.0)])
     assert 0 < lags[2] < 1e-6  # 1e-5 is asked for
@@ -155,10 +155,10 @@ def test_a_controller_sees_and_acts(lift):
     start = dynamics.equilibrium_state(lift, BEGIN)
     reference = np.full(SHORT, start.position + 0.003)
     run = dynamics.simulate(lift, PI(300.0, 2e3), reference, start=start, substeps=2)
-    error = reference[0] - run.seen.position[:-1]
+    error = reference[0] - run.outputs.position[:-1]
     u = np.tanh(300.0 * error + 2e3 * np.cumsum(1e-3 * error))
     assert_allclose(run.commands[:-1], np.stack([u, 0.5 * u], axis=1), rtol=1e-12)
-    assert run.seen.position[-1] > start.position + 1e-3
+    assert run.outputs.position[-1] > start.position + 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +169,7 @@ def tracking(lift):
 
     def cost(gains, start):
         run = dynamics.simulate(lift, PI(*gains), reference, start=start, substeps=2)
-        return 1e6 * jnp.mean((run.seen.position[:-1] - reference) ** 2)
+        return 1e6 * jnp.mean((run.outputs.position[:-1] - reference) ** 2)
 
     def twice(gains, start):
         return (found := cost(gains, start)), found
@@ -214,9 +214,9 @@ def test_a_batch_is_its_runs(lift):
     def ran(rows, mass):
         return dynamics.simulate(heavier(mass), rows, start=start, substeps=2)
 
-    many = jax.vmap(lambda u, m: ran(u, m).seen)(commands, masses)
+    many = jax.vmap(lambda u, m: ran(u, m).outputs)(commands, masses)
     for k in range(8):
-        one = ran(commands[k], masses[k]).seen
+        one = ran(commands[k], masses[k]).outputs
         # sums in another order
         assert_allclose(many.position[k], one.position, rtol=0, atol=1e-13)
         assert_allclose(many.pressures[k], one.pressures, rtol=1e-10)
@@ -230,13 +230,13 @@ def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
     with jax.log_compiles(), caplog.at_level("WARNING"):
         for steps in (1, 37):
             part = dynamics.simulate(lift, rows[:steps], start=start, substeps=2)
-            for all_of_it, one in zip(whole.seen, part.seen, strict=True):
+            for all_of_it, one in zip(whole.outputs, part.outputs, strict=True):
                 assert_array_equal(all_of_it[:steps], one[:steps])
-            assert_array_equal(part.account, whole.account[: steps + 1])
+            assert_array_equal(part.ledger, whole.ledger[: steps + 1])
             assert_array_equal(part.commands[:-1], rows[:steps])
             # the last are held at the end, too
             assert_array_equal(part.commands[-1], rows[steps - 1])
-            assert_array_equal(part.end.position, whole.seen.position[steps])
+            assert_array_equal(part.end.position, whole.outputs.position[steps])
     assert not [record for record in caplog.records if "ompil" in record.getMessage()]
 
 
@@ -245,7 +245,7 @@ def test_substeps_are_told(lift):
     run = dynamics.simulate(
         lift, np.zeros((SHORT, 2)), start=dynamics.equilibrium_state(lift, BEGIN)
     )
-    assert run.substeps == looked.substeps and run.pace == looked
+    assert run.substeps == looked.substeps and run.step_size == looked
     assert 1e-3 / looked.substeps * looked.rate <= 2
     assert dynamics.estimate_substeps(lift, 1e-2).substeps > looked.substeps
     assert dynamics.estimate_substeps(lift, 1.0).stiff

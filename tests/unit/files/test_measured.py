@@ -62,7 +62,7 @@ def test_the_plant_has_what_was_found(made, tmp_path):
         assert scenario.plant.hysteresis is None
         # today's result, to the bit
         ours, theirs = scenario.run(), plain.run()
-        assert np.array_equal(ours.seen.position, theirs.seen.position)
+        assert np.array_equal(ours.outputs.position, theirs.outputs.position)
         return
     friction, law = scenario.plant.hysteresis, made.friction.law
     assert isinstance(friction, MaxwellSlip)

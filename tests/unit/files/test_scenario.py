@@ -253,7 +253,7 @@ def test_what_cant_be_run_is_refused_beforehand():
 def test_at_rest_the_exact_law_is_asked_for_its_force_alone(monkeypatch):
     plant = loads_scenario(edited(GAS, ('dt = "1 ms"', 'dt = "1 ms"\nvolume = "geometric"'))).plant
     units = [unit.muscle for unit in plant.bundles[0].motor_units]
-    exact = Exact.of(units, 5e5, plant.muscles.strains)
+    exact = Exact.from_muscles(units, 5e5, plant.muscles.strains)
     P, strain = np.array([[1e5, 2e5], [0.0, 4e5]]), np.array([0.05, 0.1])
     of_units = [[m.force(p, e) for m, p, e in zip(units, row, strain, strict=True)] for row in P]
     monkeypatch.setattr(Exact, "at", None)  # whose integral takes a hundred times as long

@@ -39,7 +39,7 @@ def test_all_of_a_run_is_told_with_units(ran):
              "account_mass": "kg", "stored_load": "J"}  # fmt: skip
     assert {name: data[name].attrs["units"] for name in units} == units
     assert all(data[name].attrs["long_name"] for name in data.variables)
-    assert_allclose(data["pressure"][-1], found.seen.pressures[-1])
+    assert_allclose(data["pressure"][-1], found.outputs.pressures[-1])
     assert_allclose(data["command"][[0, 19, 20, -1], 0], [1, 1, 0, 0])
     assert data["closes"].values.all()
     # a term of the account is the one of its name: the mass that came in is what is there

@@ -202,7 +202,7 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
 def _print(study: Any, result: Any, audited: Any) -> None:
     from ...dynamics import events
 
-    outputs, plant = result.seen, study.plant
+    outputs, plant = result.outputs, study.plant
     balances = audited.balances if audited else ()
     print_line(
         f"{study.name}: {result.time[-1]:g} s in {len(result.time) - 1} steps of"
