@@ -53,7 +53,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
             raise InvalidInputError("controller", rule, None, remedy)
     top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
-    branches = Branches.tabulated(Tables.of(muscles, top, shape), plant.supply_pressure)
+    branches = Branches.tabulated(Tables.from_muscles(muscles, top, shape), plant.supply_pressure)
     units = (replace(controller.units[0], branches=branches),)
     return replace(controller, units=units, dt=controller.dt * controller.every, every=1)
 
