@@ -23,19 +23,10 @@ def attach_lazy(
     former_modules: Mapping[str, str] = MappingProxyType({}),
     renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package.
-
-    **Arguments:**
-
-    - `package`: its name.
-    - `homes`: module of each of its names; "" for a name that is a module.
-    - `former_modules`: their present names in fascicle.
-    - `renamed`: present name of each name of the last release, which warns.
-
-    **Returns:** the two functions.
-
-    **Raises:** `ValueError` for a name that its own module bears: importing that module would
-    replace the object.
+    """`__getattr__` and `__dir__` of a `package`. `homes`: module of each of its names; "" for a
+    name that is a module. `former_modules`: their present names in fascicle. `renamed`: present
+    name of each name of the last release, which warns. `ValueError` for a name that is its
+    module's, too: importing that module would replace the object.
     """
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")

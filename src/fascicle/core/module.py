@@ -111,15 +111,8 @@ def static(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
 
 def record(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
-    """A field of a module.
-
-    **Arguments:**
-
-    - `default`: value of a field that is left out [any unit].
-    - `converter`: function that checks a value as it is set, and returns it as numbers.
-    - `metadata`: other properties of the field.
-
-    **Returns:** the field.
+    """A field of a module, with its `default` [any unit], a `converter` that checks a value as it
+    is set and returns it as numbers, and other properties as `metadata`.
     """
     if converter is not None:
         metadata["converter"] = converter
@@ -222,9 +215,14 @@ class Module(ABC):
         return repr_fields(self)
 
     @cached_property
+    def leaves(self) -> list[Any]:
+        """All numbers and arrays, those of inner modules too."""
+        return tree_leaves(self)
+
+    @cached_property
     def is_numpy(self) -> bool:
         """True where all numbers and arrays are NumPy's."""
-        return is_numpy(*tree_leaves(self))
+        return is_numpy(*self.leaves)
 
 
 def _field_names(module: Module) -> list[str]:
@@ -295,17 +293,8 @@ def with_fields(module: Kind, **values: Any) -> Kind:
 
 
 def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kind:
-    """Replace arguments of an object, checked as those of a new one are.
-
-    **Arguments:**
-
-    - `module`: an object with an attribute for each of its arguments.
-    - `changes`: new values of arguments, by name [SI].
-    - `values`: current values of arguments that have no attribute of their name [SI].
-
-    **Returns:** a new object.
-
-    **Raises:** `ValueError` for an unknown name and for invalid values.
+    """Construct a `module` with `changes` of its arguments, by name, and with the checks of a new
+    one. `values`: current values of arguments that have no attribute of their name [SI].
     """
     names = list(signature(type(module)).parameters)
     for name in changes:
@@ -315,16 +304,8 @@ def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kin
 
 
 def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tuple = ()) -> Any:
-    """Evaluate `law(module, *arrays, *static)` by NumPy, or compiled by JAX.
-
-    **Arguments:**
-
-    - `law`: a pure function of a module.
-    - `module`: the muscle or bundle that it is evaluated for.
-    - `arrays`: numbers or arrays that broadcast [SI].
-    - `static`: hashable arguments that decide the result's shape.
-
-    **Returns:** the law's result [SI]: NumPy's where all arguments are NumPy's, else JAX's.
+    """Evaluate a pure function `law(module, *arrays, *static)` of a muscle or bundle by NumPy where
+    all numbers are NumPy's, else compiled by JAX; `static`: hashable arguments.
     """
     if not (module.is_numpy and is_numpy(*arrays)):
         return jax_backend().compile_law(law, static)(module, *arrays)

@@ -175,17 +175,8 @@ _DIMENSIONS = {
 
 
 def to_si(value: Any, name: str, unit: str) -> Any:
-    """Convert a value with units to SI numbers; a value without units is returned as it is.
-
-    **Arguments:**
-
-    - `value`: text such as `"34.5 kPa"`, a pint quantity, or lists and arrays of them.
-    - `name`: of the argument, for errors.
-    - `unit`: the SI unit of bare numbers.
-
-    **Returns:** numbers [SI].
-
-    **Raises:** `ValueError`, one line, for another kind of quantity and for no quantity.
+    """Convert a value with units, text such as `"34.5 kPa"`, a pint quantity, or lists and arrays
+    of them, to numbers in the SI `unit` of bare numbers; other values are returned as they are.
     """
     if type(value) in NUMPY_SCALARS:
         return value
@@ -354,9 +345,8 @@ def _check_range(value: Values, limits: Range, name: str) -> None:
 
 
 def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a muscle shorter than it is wide, and, once, of one too short for beam theory.
-
-    **Arguments:** `length`, `outer_radius`: of the muscle [m].
+    """Warn of a muscle, by `length` and `outer_radius` [m], shorter than it is wide, and, once, of
+    one too short for beam theory.
     """
     if message := proportions_message(length, outer_radius):
         if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
@@ -367,14 +357,8 @@ def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
-    """Warning of a muscle that is too short for its radius; empty for others.
-
-    **Arguments:**
-
-    - `length`: at rest [m].
-    - `outer_radius`: of the braid [m]; broadcasts against `length`.
-
-    **Returns:** one sentence or two.
+    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m]; empty for
+    others.
     """
     if not is_concrete(length, outer_radius):
         return ""

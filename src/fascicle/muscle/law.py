@@ -55,11 +55,8 @@ class LawRegistry(Mapping[str, type[Law]]):
     """
 
     def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
-        """**Arguments:**
-
-        - `package`, `path`: name and path of the folder's package.
-        - `kind`: base class of the laws, whose module may have laws, too.
-        - `default`: name of the law of a muscle that chooses none.
+        """`package`, `path`: name and path of the folder. `kind`: base class of the laws, whose
+        module may have laws, too. `default`: name of the law of a muscle that chooses none.
         """
         self._package, self._path, self._kind, self._default = package, path, kind, default
         self._laws: dict[str, type[Law]] = {}
@@ -105,16 +102,8 @@ class LawRegistry(Mapping[str, type[Law]]):
         return get_class, names
 
     def choose(self, value: Any, argument: str) -> Law:
-        """Law given as an object or by name.
-
-        **Arguments:**
-
-        - `value`: an object of the kind, or a name.
-        - `argument`: the argument's name, for errors.
-
-        **Returns:** the law.
-
-        **Raises:** `InvalidInputError` for unknown names and other objects.
+        """Law given as an object or by name; `InvalidInputError`, with the name of the `argument`,
+        for others.
         """
         if isinstance(value, self._kind):
             return value

@@ -19,7 +19,7 @@ import numpy as np
 from ..core.array_namespace import as_jax, is_jax_array, is_numpy, map_in_chunks
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, static, tree_leaves
+from ..core.module import Module, evaluate, static
 from ..core.types import Batch, Values
 from ..core.validation import check_choice, check_size, warn_slenderness
 from ..repr_table import with_table_repr
@@ -405,7 +405,7 @@ class Muscle(Module):
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
         tables = tuning_tables(self)
-        for leaf in tree_leaves(self):
+        for leaf in self.leaves:
             if np.ndim(leaf) and id(leaf) not in tables:
                 return False
         return self.tuning.pressures.ndim == 1
@@ -414,7 +414,7 @@ class Muscle(Module):
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:
     """Shape of rows of muscles; `()` of one muscle, and where a law has arrays of other shapes."""
     tables = tuning_tables(muscle)
-    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in tree_leaves(muscle))
+    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in muscle.leaves)
     try:
         return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
     except ValueError:

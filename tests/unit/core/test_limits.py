@@ -1,4 +1,4 @@
-"""What muscles can be made of: refused, warned about, or taken without a word, at every door."""
+"""Sizes of muscles: impossible ones are refused, unusual ones warn, wherever they enter."""
 
 import math
 import warnings
@@ -11,26 +11,26 @@ import fascicle as fs
 from fascicle.core.validation import RANGES, check_signed, check_size
 
 
-SIX = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}
+SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}
 
 
-def muscle(**other):
-    return fs.Muscle.from_dimensions(**(SIX | other))
+def muscle(**changes):
+    return fs.Muscle.from_dimensions(**(SIZES | changes))
 
 
 @pytest.mark.parametrize("name", [*RANGES])
-def test_every_range_is_in_order_and_names_what_it_refuses(name):
-    known = RANGES[name]
-    assert known.least <= known.low < known.high <= known.largest
-    check = check_signed if known.least < 0 else check_size
-    for value in (known.low, known.high, 0.5 * (known.low + known.high)):
+def test_every_range_is_in_order_and_named_in_errors(name):
+    limits = RANGES[name]
+    assert limits.least <= limits.low < limits.high <= limits.largest
+    check = check_signed if limits.least < 0 else check_size
+    for value in (limits.low, limits.high, 0.5 * (limits.low + limits.high)):
         if value > 0:
             assert check(value, name) == value
     with pytest.raises(ValueError, match=rf"^`{name}` must lie in \[.*: check its unit\.$"):
-        check(np.array([0.5 * (known.low + known.high), 2 * known.largest]), name)
-    if known.largest > known.high:
+        check(np.array([0.5 * (limits.low + limits.high), 2 * limits.largest]), name)
+    if limits.largest > limits.high:
         with pytest.warns(UserWarning, match=rf"^`{name}` of .* is unusual, most lie in \["):
-            check(1.01 * known.high, name)
+            check(1.01 * limits.high, name)
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,8 @@ def test_every_range_is_in_order_and_names_what_it_refuses(name):
         lambda x: fs.Bundle([fs.MotorUnit(muscle())], length=x),
     ],
 )
-def test_every_door_refuses_what_has_no_sense_of_scale(make):
-    with pytest.raises(ValueError, match=r"must lie in .*, got|must be less than"):
+def test_impossible_sizes_are_refused_everywhere(make):
+    with pytest.raises(fs.InvalidInputError):
         make(1e300)
 
 
@@ -72,14 +72,13 @@ def test_every_door_refuses_what_has_no_sense_of_scale(make):
         {"length": 3.0, "outer_radius": 0.1, "wall_thickness": 5e-3},
     ],
 )
-def test_muscles_that_exist_are_taken_without_a_word(values):
+def test_existing_muscles_do_not_warn(values):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        made = muscle(**values)
-    assert np.isfinite(made.force(2e5, 0.05))
+        assert np.isfinite(muscle(**values).force(2e5, 0.05))
 
 
-def test_a_muscle_shorter_than_wide_is_unusual():
+def test_a_muscle_shorter_than_wide_warns():
     with pytest.warns(UserWarning, match="is 1.57 times `outer_radius`"):
         muscle(length=0.01)
 
@@ -90,25 +89,23 @@ def test_fibers_along_the_axis_are_refused_in_degrees(degrees):
         muscle(braid_angle=math.radians(degrees))
 
 
-def test_traced_values_are_the_callers_affair():
-    found = jax.jit(lambda x: muscle(length=x).force(1e5, 0.1))(1e6)
-    assert np.isfinite(found)
+def test_traced_values_are_not_checked():
+    assert np.isfinite(jax.jit(lambda x: muscle(length=x).force(1e5, 0.1))(1e6))
 
 
-@pytest.mark.parametrize("degrees", [1.0, 5.0, 11.5, 20.0, 33.0, 45.0, 54.0, 54.7])
+@pytest.mark.parametrize("degrees", [1.0, 11.5, 33.0, 54.0, 54.7])
 @pytest.mark.parametrize("law", ["kim2021", "elastica"])
 @pytest.mark.filterwarnings("ignore:`braid_angle` of")
-def test_every_strain_that_is_taken_has_a_finite_force(degrees, law):
+def test_every_accepted_strain_has_a_finite_force(degrees, law):
     """Down to the very end, where forces grow without bound as fibers become straight."""
-    made = muscle(braid_angle=math.radians(degrees), buckling=law)
-    straight = 1 - 1 / math.cos(float(made.braid_angle))
+    steep = muscle(braid_angle=math.radians(degrees), buckling=law)
+    straight = 1 - 1 / math.cos(float(steep.braid_angle))
     pressures = np.array([0.0, 1e-300, 1.0, 2e5, 1e6])[:, None]
-    for over in (1.0001e-9, 1e-8, 1e-4):
-        found = made.response(pressures, np.array([straight + over]))
-        for part in (found.force, found.mesh, found.bladder, found.bending):
-            assert np.all(np.isfinite(part))
-    for short in (5e-13, 1e-12, 0.0, -1e-12):
+    response = steep.response(pressures, straight + np.array([1.0001e-9, 1e-8, 1e-4]))
+    for force in (response.force, response.mesh, response.bladder, response.bending):
+        assert np.all(np.isfinite(force))
+    for margin in (5e-13, 1e-12, 0.0, -1e-12):
         with pytest.raises(ValueError, match=r"`strain` must lie in .*fibers straight"):
-            made.force(2e5, straight + short)
+            steep.force(2e5, straight + margin)
         with pytest.raises(ValueError, match=r"`strain` must lie in"):
-            fs.Bundle([fs.MotorUnit(made)]).force([2e5], straight + short)
+            fs.Bundle([fs.MotorUnit(steep)]).force([2e5], straight + margin)

@@ -21,26 +21,24 @@ def with_slope(function):
     return lambda _, x: jax.jvp(function, (x,), (jnp.ones_like(x),))
 
 
-def test_root_is_found_to_the_last_bits():
+@pytest.mark.parametrize("xp", [np, jnp])
+def test_root_is_right_to_the_last_bits(xp):
     # the search stops when a step is below 4 ulp of 1 + |x|
-    theta = jnp.array([1e-4, 0.25, 2.0, 81.0])
-    assert_allclose(square_root(theta), np.sqrt(theta), rtol=0, atol=1e-14)
+    theta = xp.array([[1e-4, 0.25], [2.0, 81.0]])
+    x = square_root(theta)
+    assert isinstance(x, xp.ndarray)
+    assert_allclose(x, np.sqrt(theta), rtol=0, atol=1e-14)
+    assert type(square_root(np.float64(2.0))) is np.float64
 
 
-def test_root_has_the_implicit_derivative_of_any_order():
-    # x = √θ: x' = 1/(2x), x'' = −1/(4x³)
-    first, second = jax.grad(square_root), jax.grad(jax.grad(square_root))
+def test_root_has_the_implicit_derivatives():
+    # of x = √θ: 1/(2x), −1/(4x³) and 3/(8x⁵)
+    first = jax.grad(square_root)
+    second, third = jax.grad(first), jax.grad(jax.grad(first))
+    assert_allclose(third(2.0), 3 / (8 * np.sqrt(2) ** 5), rtol=1e-12)
     assert_allclose(first(2.0), 1 / (2 * np.sqrt(2)), rtol=1e-13)
     assert_allclose(second(2.0), -1 / (4 * np.sqrt(8)), rtol=1e-12)
     check_grads(square_root, (2.0,), order=2, rtol=1e-6)
-
-
-def test_numpy_searches_at_once():
-    theta = np.array([[1e-4, 0.25], [2.0, 81.0]])
-    found = square_root(theta)
-    assert type(found) is np.ndarray
-    assert_allclose(found, np.sqrt(theta), rtol=0, atol=1e-14)
-    assert type(square_root(np.float64(2.0))) is np.float64
 
 
 @pytest.mark.parametrize(
@@ -55,13 +53,13 @@ def test_numpy_searches_at_once():
     ],
 )
 def test_root_stays_in_its_bracket(function, expected):
-    found = root(with_slope(function), (), *map(jnp.float64, (0.0, 1.0, 0.0)))
-    assert_allclose(found, expected, rtol=0, atol=1e-14)
+    x = root(with_slope(function), (), *map(jnp.float64, (0.0, 1.0, 0.0)))
+    assert_allclose(x, expected, rtol=0, atol=1e-14)
 
 
 def test_root_stops_at_the_noise_of_its_residual():
     # near the root rounding makes Newton's step wander: that is the end, not a reason to
-    # bisect anew. A straight line takes two steps and some that wander: 10 are plenty
+    # bisect again. A straight line takes two steps and some that wander: 10 are plenty
     passes = []
     target = jnp.linspace(0.1, 0.5, 500)
 
@@ -78,51 +76,38 @@ def test_root_stops_at_the_noise_of_its_residual():
 def test_a_flat_residual_moves_no_root():
     # every x solves 0 = 0: no derivative exists, and none must poison a sum as a NaN
     flat = lambda theta, x: (0 * theta * x, 0 * theta)  # noqa: E731
-    slope = jax.grad(lambda theta: root(flat, theta, 0.0, 1.0, 0.5))(1.0)
-    assert slope == 0
+    assert jax.grad(lambda theta: root(flat, theta, 0.0, 1.0, 0.5))(1.0) == 0
 
 
-def test_where_a_root_is_sought_has_no_derivative():
-    def sought(low):
+def test_the_bracket_has_no_derivative():
+    def root_above(low):
         fixed = lambda _, x: (0.5 - x, -1 + 0 * x)  # noqa: E731
         return root(fixed, (), jnp.sqrt(low), 1.0, jnp.sqrt(low))
 
-    assert jax.grad(sought)(0.0) == 0  # √ has an infinite slope there
+    assert jax.grad(root_above)(0.0) == 0  # √ has an infinite slope there
 
 
 def test_root_broadcasts_and_maps():
     theta, shift = jnp.linspace(0.5, 2, 4), jnp.zeros((3, 1))
-    both = root(residual, theta + shift, jnp.zeros((3, 1)), 10.0, 1.0)
-    assert both.shape == (3, 4) and both.dtype == jnp.float64
-    assert_allclose(both, np.broadcast_to(jax.vmap(square_root)(theta), (3, 4)), rtol=1e-14)
+    x = root(residual, theta + shift, jnp.zeros((3, 1)), 10.0, 1.0)
+    assert x.shape == (3, 4) and x.dtype == jnp.float64
+    assert_allclose(x, np.broadcast_to(jax.vmap(square_root)(theta), (3, 4)), rtol=1e-14)
 
 
-def test_any_start_leads_there():
-    for start in (1.4, 9.0):
-        assert_allclose(root(residual, jnp.float64(2), 0.0, 10.0, start), np.sqrt(2), rtol=1e-15)
-
-
-def test_a_short_first_step_is_not_taken_for_the_last():
+@pytest.mark.parametrize("xp", [np, jnp])
+def test_a_short_first_step_is_not_the_last(xp):
     # 1e-5 to go, and a curvature that makes Newton's error there larger than the rounding
     def bent(_, x):
         return (0.5 - x) + 1e3 * (0.5 - x) ** 2, -1 - 2e3 * (0.5 - x)
 
-    for start in (jnp.float64(0.5 - 1e-5), np.float64(0.5 - 1e-5)):
-        assert_allclose(root(bent, (), 0.4999, 0.6, start), 0.5, rtol=0, atol=1e-15)
+    start = xp.float64(0.5 - 1e-5)
+    assert_allclose(root(bent, (), 0.4999, 0.6, start), 0.5, rtol=0, atol=1e-15)
 
 
-def test_two_steps_carry_three_derivatives():
-    # the third of x = sqrt(theta) is 3/(8 x^5)
-    third = jax.grad(jax.grad(jax.grad(square_root)))(2.0)
-    assert_allclose(third, 3 / (8 * np.sqrt(2) ** 5), rtol=1e-12)
-
-
-def test_what_is_still_has_no_derivative():
+def test_stopped_and_guarded_values_have_no_derivative():
     assert jax.grad(lambda x: x * stop_gradient((x, np.float64(2)))[0])(3.0) == 3
     assert stop_gradient(np.float64(3.0)) == 3
 
-
-def test_a_guarded_branch_leaves_no_trace_in_the_gradient():
     def root_or_zero(x):
         good = x > 0
         return jnp.where(good, jnp.sqrt(guarded(good, x)), 0.0)

@@ -47,11 +47,6 @@ def test_braziers_coefficient():
     )
 
 
-@pytest.mark.parametrize(("kilopascal", "expected"), [(0, 0.0330), (34.5, 0.0366), (137.9, 0.0457)])
-def test_moment_of_the_models_table(kilopascal, expected):
-    assert_allclose(muscle.collapse_moment(1e3 * kilopascal), expected, rtol=0, atol=5.1e-5)
-
-
 @pytest.mark.parametrize("name", COLLAPSE_LAWS)
 def test_moment_has_a_slope_in_pressure(name):
     made = fs.Muscle.from_dimensions(*SIZES, collapse=name)

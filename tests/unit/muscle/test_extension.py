@@ -96,18 +96,6 @@ def test_each_row_of_muscles_has_its_own_domain(name):
         rows(2e5, np.array([-0.15, -0.2]))
 
 
-@pytest.mark.filterwarnings("ignore")
-def test_rows_between_plates_have_their_own_domains():
-    rows = fs.Bundle([fs.MotorUnit(ROWS)], supply_pressure=4e5, length=0.182)
-    steep = fs.Bundle(
-        [fs.MotorUnit(MUSCLE.replace(braid_angle=math.radians(40)))],
-        supply_pressure=4e5, length=0.182,
-    )  # fmt: skip
-    assert rows.force([2e5], np.array([0.1, -0.2]))[1] == pytest.approx(steep.force([2e5], -0.2))
-    with pytest.raises(fs.InvalidInputError):
-        rows.force([2e5], np.array([-0.15, -0.2]))
-
-
 @pytest.mark.parametrize("shape", [(3,), (3, 1, 3)])
 def test_strains_that_fit_no_rows_are_refused_by_their_shapes(shape):
     with pytest.raises(fs.InvalidInputError, match="broadcast"):

@@ -43,11 +43,6 @@ def test_the_same_length_within_a_rulers_error_says_nothing(length):
         fitted().replace(length=length)
 
 
-def test_one_of_many_lengths_is_enough():
-    with pytest.warns(UserWarning, match="is now 150 mm to 200 mm"):
-        fitted().replace(length=np.array([0.15, 0.2]))
-
-
 def test_it_is_no_part_of_the_muscle():
     plain, other = fs.Muscle(*SIZES), fitted()
     assert plain == other and repr(plain) == repr(other)
@@ -55,18 +50,6 @@ def test_it_is_no_part_of_the_muscle():
     assert not fitted_length_mismatch(
         copy.deepcopy(other).replace(length=0.3)
     )  # as all that is kept beside it
-
-
-def test_a_muscle_that_was_not_fitted_has_any_length():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        fs.Muscle(*SIZES).replace(length=0.3)
-
-
-def test_traced_lengths_are_the_callers():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        jax.jit(lambda length: fitted().replace(length=length).force(1e5, 0.1))(0.3)
 
 
 def test_the_forces_that_are_quoted_are_like_those_of_a_law_for_such_muscles():

@@ -62,9 +62,3 @@ def test_laws_of_any_muscle_and_traced_sizes_say_nothing():
             )
         own = fs.Muscle(0.2, **FESTO_20, tension="sarosi")
         jax.jit(lambda length: own.replace(length=length).force(1e5, 0.1))(0.4)
-
-
-def test_one_of_many_sizes_is_enough():
-    own = fs.Muscle(0.2, **FESTO_20, tension="sarosi")
-    with pytest.warns(UserWarning, match="this muscle is 200 mm to 400 mm long"):
-        own.replace(length=np.array([0.2, 0.4]))

@@ -23,32 +23,6 @@ latex = fs.Muscle.from_dimensions(**SIZES)
 P, EPS = np.array([[0.0], [34.5e3], [137.9e3]]), np.linspace(0, 0.33, 12)
 
 
-def test_forces_of_the_models_table():
-    expected = [
-        [0, -1.77, -2.71, -2.07, -1.47, -1.20, -1.09, -1.08, -1.12, -1.19, -1.30, -1.44],
-        [16.36, 4.56, -1.74, -3.83, -4.91, -2.85, -1.88, -1.45, -1.28, -1.25, -1.31, -1.41],
-        [65.37, 48.07, 34.75, 23.67, 13.89, 4.81, -3.47, -8.18, -11.76, -6.71, -3.84, -2.54],
-    ]
-    assert_allclose(table.force(P, EPS), expected, rtol=0, atol=5.1e-3)  # two decimals
-    assert_allclose(table.free_strain(P[:, 0]), [0, 0.0459, 0.1664], rtol=0, atol=5.1e-5)
-    assert_allclose(table.collapse_strain(P[:, 0]), [0.0674, 0.1173, 0.2427], rtol=0, atol=5.1e-5)
-
-
-def test_regions():
-    region = table.response(P, EPS).region
-    expected = [[0, 1, 1] + 9 * [2], [0, 0, 1, 1] + 8 * [2], 6 * [0] + 3 * [1] + 3 * [2]]
-    assert np.array_equal(region, expected)
-
-
-def test_components_make_the_force():
-    now = table.response(P, EPS)
-    assert now.mesh.shape == now.region.shape == now.several.shape == (3, 12)
-    assert_allclose(now.mesh + now.bladder + now.bending, now.force, rtol=0, atol=1e-13)
-    # compiled apart, so equal but for rounding
-    assert_allclose(table.force(P, EPS), now.force, rtol=0, atol=1e-12)
-    assert not np.any(now.several)
-
-
 def test_plain_numbers_and_arrays_agree():
     one = table.force(34500, 0)
     assert one.shape == () and one.dtype == jnp.float64
@@ -99,14 +73,6 @@ def test_gradients(strain):
 
     # of central differences, with steps scaled to kPa and mm
     check_grads(force, (34.5, strain, 6.35), order=1, modes="rev", rtol=1e-5)
-
-
-def test_force_is_continuous_at_free_strain_and_collapse():
-    for pressure in (34.5e3, 137.9e3):
-        for at in (table.free_strain(pressure), table.collapse_strain(pressure)):
-            sides = table.force(pressure, at + np.array([-1e-10, 0.0, 1e-10]))
-            # slopes are below 1e4 N per unit strain: 1e-6 N
-            assert_allclose(sides, sides[1], rtol=0, atol=1e-6)
 
 
 def test_blocked_force_and_free_strain_are_the_ends_of_the_pull():

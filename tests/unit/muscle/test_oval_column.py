@@ -35,19 +35,3 @@ def test_unlike_columns_are_right_too():
     for k in (3, 21):
         alone = oval_column.states(oval_column.Oval(*numbers[k]))
         assert_allclose(together.load[:, k], alone.load, rtol=1e-7)
-
-
-def test_the_work_for_each_pressure_does_not_rise(monkeypatch):
-    jacobian, count = oval_column._jacobian, [0]
-
-    def counted(xp, P, x):
-        count[0] += math.prod(x.shape[:-1])
-        return jacobian(xp, P, x)
-
-    monkeypatch.setattr(oval_column, "_jacobian", counted)
-    work = {}
-    for pressures in (20, 200):
-        count[0] = 0
-        SLENDER.force(np.linspace(1e3, 3.9e5, pressures), 0.2)
-        work[pressures] = count[0]
-    assert work[200] < 2 * work[20]

@@ -67,12 +67,6 @@ def test_a_response_prints_forces_and_region_names():
     assert "488 more" in str(MUSCLE.response(1e5, np.linspace(0, 0.3, 500)))
 
 
-def test_a_notebook_shows_a_table_without_foreign_markup():
-    page = MUSCLE._repr_html_()
-    assert "<td" in page and "127 mm" in page and "blocked force N" in page
-    assert "<table" in MUSCLE.response(1e5, [0.1, 0.2])._repr_html_()
-
-
 def test_traced_ones_print_without_numbers():
     seen = []
 

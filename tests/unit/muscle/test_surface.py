@@ -59,13 +59,6 @@ def test_its_volume_is_the_conjugate_one(table, points):
     assert np.quantile(off, 0.5) < 1e-6 and np.max(off) < 0.02  # the largest beside kinks
 
 
-def test_a_finer_one_is_better():
-    errors = [
-        fs.UnitSurface.tabulate(SIX, TOP, shape=shape).errors for shape in ((41, 51), (81, 101))
-    ]
-    assert all(fine < coarse for coarse, fine in zip(*errors, strict=True))
-
-
 def test_bends_in_pressure_are_continuous(table):
     # from the second line on, where an integrator would see a jump of the volume's slope
     lines = (float(table.root_step) * np.arange(2, 160)) ** 2

@@ -39,13 +39,6 @@ def test_tondu_lopez_is_the_formula_in_print():
     assert_allclose(muscle(law).free_strain(P[:, 0]), (1 - math.sqrt(b / a)) / k[:, 0], rtol=1e-13)
 
 
-def test_factor_falls_from_rest_to_its_limit():
-    law = TonduLopez(1.1, 0.4, 0.5e5)
-    assert_allclose(law.factor_at(0.0), 1.5, rtol=1e-15)
-    assert_allclose(law.factor_at(0.5e5), 1.1 + 0.4 / math.e, rtol=1e-15)
-    assert_allclose(law.factor_at(1e6), 1.1, rtol=1e-8)  # e⁻²⁰
-
-
 def test_meller_restores_what_was_measured():
     law = Meller2014.from_measured(IDEAL.braid, 2e5, free_strain=0.25, blocked_force=80.0)
     made = muscle(law)

@@ -61,12 +61,6 @@ def test_it_restores_what_was_measured():
     assert_allclose(fitted.blocked_force(P), blocked, rtol=1e-13)
 
 
-def test_without_pressure_it_does_nothing_to_the_tension():
-    assert tuned.free_strain(0.0) == 0
-    eps = np.linspace(-0.1, 0.0, 5)
-    assert_allclose(tuned.force(0.0, eps), plain.force(0.0, eps), rtol=0, atol=0)
-
-
 def test_modulus_factor_stands_wherever_the_modulus_does():
     stiff = with_factors(youngs_modulus_factor=1.25)
     made = fs.Muscle.from_dimensions(
@@ -86,13 +80,6 @@ def test_factors_on_moment_and_hinge():
     at = 0.55  # collapsed: the moment is the hinge's own, a constant in strain
     assert_allclose(hinged.moment(P, at) / plain.moment(P, at), [0.8, 1.0], rtol=1e-13)
     assert_allclose(hinged.collapse_strain(P), plain.collapse_strain(P), rtol=0)
-
-
-def test_transition_rate_replaces_the_muscles_own():
-    quick = with_factors(transition_rate=100.0)
-    made = fs.Muscle.from_dimensions(*SIZES, transition_rate=100.0)
-    assert_allclose(quick.force(0.0, 0.2), made.force(0.0, 0.2), rtol=1e-15)
-    assert abs(float(quick.force(0.0, 0.2) - plain.force(0.0, 0.2))) > 0.01
 
 
 def test_without_a_dead_band_the_effective_pressure_is_the_pressure():
