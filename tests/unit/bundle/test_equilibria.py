@@ -23,11 +23,6 @@ def test_a_cubic_turns_where_its_slope_vanishes(inside, outside, sense):
     assert_allclose(_extremum(*ends), a, rtol=1e-12)
 
 
-def test_a_curve_that_does_not_turn_is_cut_in_the_middle():
-    values = (np.float64(x) for x in (0.0, 1.0, 1.0, 1.0))
-    assert _extremum(*values) == 0.5
-
-
 @pytest.mark.parametrize("buckling", ["kim2021", "elastica"])
 def test_the_free_strain_is_the_first_equilibrium(buckling):
     random = np.random.default_rng(3)
