@@ -108,14 +108,8 @@ class MooneyRivlin(AbstractMaterial):
     def from_youngs_modulus(
         cls, youngs_modulus: Values, poisson_ratio: Values = 0.5
     ) -> "MooneyRivlin":
-        """A rubber of a measured modulus, with its constants in latex's ratio.
-
-        **Arguments:**
-
-        - `youngs_modulus`: $E$ [Pa], positive.
-        - `poisson_ratio`: $\\nu$ [-], in [0, 0.5].
-
-        **Returns:** the material with $6 (C_{10} + C_{01}) = E$.
+        """A rubber with $6 (C_{10} + C_{01}) = E$ of a measured `youngs_modulus` $E$ [Pa], its
+        constants in latex's ratio, and `poisson_ratio` $\\nu$ [-].
         """
         E = _E.validate(youngs_modulus)
         fraction = LATEX_C10 / (LATEX_C10 + LATEX_C01)

@@ -256,37 +256,22 @@ class Muscle(Module):
         return self._evaluate(eval_force, *validate_point(self, pressure, strain))
 
     def response(self, pressure: Values, strain: Values) -> Response:
-        """Force, its components and the region, at a point.
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** a `Response`: forces [N], region, and whether other equilibria exist.
+        """Force and its components [N], the region, and whether other equilibria exist, at
+        `pressure` [Pa] and `strain` [-], which broadcast.
         """
         return self._evaluate_at("response", pressure, strain)
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
-        """Stiffness along the axis.
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]:
-        positive where the pull falls as the muscle contracts, so that it holds a load by
-        itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
+        """Stiffness $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]
+        along the axis at `pressure` [Pa] and `strain` [-], which broadcast: positive where the pull
+        falls as the muscle contracts, so that it holds a load by itself. At free strain, onset and
+        collapse, where it jumps, that of smaller strains.
         """
         return self._evaluate_at("stiffness", pressure, strain)
 
     def at(self, pressure: Values) -> AtPressure:
-        """The muscle at a pressure: roots are solved once, for forces at many strains.
-
-        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
-
-        **Returns:** an `AtPressure`: free strain, onset and collapse strain, and methods of strain.
+        """The muscle at a `pressure` [Pa], 0 to 1 MPa: free strain, onset and collapse strain [-],
+        which are solved for once, and methods of strain.
         """
         pressure = validate_pressure(pressure, self.tuning)
         return AtPressure(pressure, evaluate(_state, self, pressure), is_jax_array(pressure))
@@ -316,17 +301,11 @@ class Muscle(Module):
         return self._evaluate(_volume, validate_strain(strain, *strain_domain(self)))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume on which the pressure does the work that the ends and the store take, (V2).
+        """Volume $V^*$ [m³] on which the pressure does the work that the ends and the store take,
+        (V2), at `pressure` [Pa] and `strain` [-], which broadcast.
 
         Up to the free strain it is `volume`; past it, less, since the muscle bows. With any other
-        a cycle makes energy. Where `elastica`'s force jumps it holds the jump's share.
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** $V^*$ [m³]. Where the force is continuous, so is it.
+        a cycle makes energy. Where the force jumps, as `elastica`'s does, so does it.
         """
         arrays = validate_point(self, pressure, strain)
         check_points(*arrays, muscles=batch_shape(self))

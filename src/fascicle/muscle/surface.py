@@ -112,14 +112,8 @@ class UnitSurface(Module):
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
     def at(self, pressure: Batch, strain: Batch) -> Surface:
-        """All quantities of one muscle, elementwise, nothing checked.
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa].
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** a `Surface`: co-energy [J], force [N], volume [m³] and slopes.
+        """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
+        elementwise, nothing checked.
         """
         return lookup(self, pressure, strain)
 

@@ -224,17 +224,9 @@ def stretched_fibers_message(muscle: Any) -> str:
 
 
 def published_range_message(muscle: Any, law: type[AbstractTension] | None = None) -> str:
-    """Warning of a `muscle` whose tension law has the published constants of another muscle.
-
-    A law that is fitted to measured forces gives those of the muscle that was measured, of one
-    diameter and length. Constants that the user has fitted or written are taken as they are.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `law`: another law than the muscle's, with its published constants.
-
-    **Returns:** two sentences; empty for constants of a muscle of this size.
+    """Warning of a `muscle` whose tension law, or another `law`, has the published constants of
+    another muscle, of one diameter and length; empty for others. Constants that the user has fitted
+    or written are accepted.
     """
     kind = type(muscle.tension) if law is None else law
     sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness)

@@ -106,18 +106,8 @@ class Meller2014(AbstractTension):
     def from_measured(
         cls, braid: Braid, pressure: Values, free_strain: Values, blocked_force: Values
     ) -> "Meller2014":
-        """The law that meets a measured free strain and a measured blocked force.
-
-        **Arguments:**
-
-        - `braid`: the muscle's.
-        - `pressure`: $P$ [Pa] at which the force was measured, positive.
-        - `free_strain`: measured [-], positive.
-        - `blocked_force`: measured [N], positive.
-
-        **Returns:** the law.
-
-        **Raises:** `ValueError` where a measured value isn't positive.
+        """The law of a muscle with this `braid` that meets a measured `free_strain` [-] and a
+        `blocked_force` [N], measured at `pressure` [Pa].
         """
         P = check_positive(pressure, "pressure", "Pa")
         eps_f = check_positive(free_strain, "free_strain", "-")

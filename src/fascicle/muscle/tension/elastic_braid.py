@@ -62,17 +62,8 @@ class ElasticBraid(AbstractTension):
 
     @classmethod
     def from_fibers(cls, braid: Braid, stiffness: Values, count: Values = 1) -> "ElasticBraid":
-        """The law of a braid from its fibers.
-
-        **Arguments:**
-
-        - `braid`: the muscle's.
-        - `stiffness`: $EA$ of a fiber [N]: its tension over its strain.
-        - `count`: $n$, of fibers [-] in both directions together.
-
-        **Returns:** the law.
-
-        **Raises:** `ValueError` where one isn't positive.
+        """The law of a `braid` from the `stiffness` $EA$ [N] of a fiber, its tension over its
+        strain, and the `count` $n$ [-] of fibers in both directions together.
         """
         EA = check_positive(stiffness, "stiffness", "N")
         n = check_positive(count, "count", "-")
