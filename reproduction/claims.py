@@ -1,4 +1,4 @@
-"""A claim of a paper, in its words and ours, and the numbers that decide whether it holds.
+"""Claims of a paper, in its words and ours, with the numbers that decide on them.
 
 Not all that a paper says of its model is a prediction of it. What was chosen so that a statement
 comes out, a constant or the reading of a unit, can't then count that statement as one that holds;
@@ -61,14 +61,14 @@ class Criterion:
 
     @property
     def met(self) -> bool:
-        """The number is where it must be; NaN never is."""
+        """True if the number meets its limit; NaN never does."""
         if self.sign == "=":
             return bool(abs(self.value - self.limit) <= self.tolerance)
         return bool(_COMPARE[self.sign](self.value, self.limit))
 
     @property
     def close(self) -> bool:
-        """The limit is ours and near the number, so that another limit might decide otherwise."""
+        """True if the limit is ours and near the number: another limit might decide otherwise."""
         # a limit of zero has no size of its own
         room, scale = abs(self.value - self.limit), self.scale or abs(self.limit)
         if self.sign == "=":
@@ -77,13 +77,13 @@ class Criterion:
 
     @property
     def limit_note(self) -> str:
-        """Remark in brackets on a limit that is ours; empty where it is the paper's."""
-        near = ", close to the number" if self.close else ""
-        return f" (our limit{near})" if self.limit_reason else ""
+        """Remark in brackets on a limit of ours; empty for one of the paper's."""
+        note = ", close to the number" if self.close else ""
+        return f" (our limit{note})" if self.limit_reason else ""
 
     @property
     def text(self) -> str:
-        """The quantity, its value, and what it must be."""
+        """Quantity, value and limit in words."""
         unit = f" {self.unit}" if self.unit else ""
         about = f" ± {self.tolerance:.2g}" if self.sign == "=" and self.tolerance else ""
         must = f"{self.sign} {self.limit:.4g}{about}{unit}"
@@ -149,7 +149,7 @@ class Claim:
 
     @property
     def holds(self) -> bool:
-        """All criteria are met."""
+        """True if all criteria are met."""
         return all(criterion.met for criterion in self.criteria)
 
     @property
@@ -159,7 +159,7 @@ class Claim:
 
     @property
     def dependence(self) -> str:
-        """Sentence on the readings that the verdict depends on; empty where none was tried."""
+        """Sentence on the readings that the verdict depends on; empty without readings."""
         if not self.readings:
             return ""
         if not self.opposite_readings:
@@ -167,10 +167,10 @@ class Claim:
         numbers = "; ".join(
             f"{reading.name} ({'; '.join(reading.numbers)})" for reading in self.opposite_readings
         )
-        way = "does not hold" if self.holds else "holds"
-        others = [reading.name for reading in self.readings if reading.holds is self.holds]
-        rest = f"; the same by {', '.join(others)}" if others else ""
-        return f"Depends on the reading: {way} by {numbers}{rest}."
+        verdict = "does not hold" if self.holds else "holds"
+        equal = [reading.name for reading in self.readings if reading.holds is self.holds]
+        suffix = f"; the same by {', '.join(equal)}" if equal else ""
+        return f"Depends on the reading: {verdict} by {numbers}{suffix}."
 
     @property
     def verdict(self) -> str:
@@ -217,12 +217,12 @@ def claim_builder(path: Path) -> Callable[..., Claim]:
 
 
 def over(part: float, whole: float) -> float:
-    """Ratio of two numbers; NaN where the other is zero, which no criterion takes."""
+    """Ratio of two numbers; NaN for a `whole` of zero, which meets no criterion."""
     return float(part) / float(whole) if whole else math.nan
 
 
 def failed(claims: Sequence[Claim]) -> list[Claim]:
-    """Claims that had to hold and don't."""
+    """Claims that fail."""
     return [claim for claim in claims if claim.verdict == "fails"]
 
 
@@ -232,7 +232,7 @@ def of_kind(claims: Sequence[Claim], kind: str) -> list[Claim]:
 
 
 def summary(claims: Sequence[Claim]) -> str:
-    """Line that counts predictions apart from what was chosen and what is defined."""
+    """Line with the counts of predictions, inputs and definitions."""
     phrases = {
         "prediction": lambda n, total: f"{n} of {total} predictions hold",
         "input": lambda n, _: (

@@ -1,4 +1,4 @@
-"""Measured records in reach, against every law: the error of each law, and what it misses.
+"""Measured records against every law: the error of each law, and the trend of its residuals.
 
 The records are public or a lab's own, and not in the repository: they are looked for under
 `FASCICLE_DATA`, or beside the checkout. A record is a CSV as `fascicle calibrate` reads it, with
@@ -44,7 +44,7 @@ UNTESTED = (
 )
 # published sizes of records whose folder holds no muscle: length, radius, wall and braid angle; a
 # maker's wall and angle aren't published, and only begin the fit
-_KNOWN = {
+_SIZES = {
     "martens-boblan-2017/dmsp-20-300.csv": (
         0.3, 10e-3, 2e-3, math.radians(28.6),
         "Martens and Boblan (2017), doi:10.3390/act6040033, table A1, CC BY 4.0",
@@ -143,11 +143,11 @@ def measured_records() -> list[MeasuredRecord]:
 
 def data_folder() -> Path | None:
     """Folder that measured records are looked for in; `None` where there is none."""
-    named = os.environ.get(VARIABLE)
-    if named is not None:
-        return Path(named) if Path(named).is_dir() else None
-    beside = Path(__file__).resolve().parents[2] / "shared" / "data"
-    return beside if beside.is_dir() else None
+    folder = os.environ.get(VARIABLE)
+    if folder is not None:
+        return Path(folder) if Path(folder).is_dir() else None
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    return default if default.is_dir() else None
 
 
 def no_records_message() -> str:
@@ -160,13 +160,13 @@ def no_records_message() -> str:
 
 def _measured_record(path: Path, folder: Path) -> MeasuredRecord:
     name = path.relative_to(folder).as_posix()
-    beside = [path.with_suffix(".toml"), path.with_name("muscle.toml")]
+    candidates = [path.with_suffix(".toml"), path.with_name("muscle.toml")]
     # a record's own description may have the first of these names
     toml = next(
-        (file for file in beside if file.is_file()
+        (file for file in candidates if file.is_file()
          and "[muscle" in file.read_text(encoding="utf-8", errors="replace")), None,
     )  # fmt: skip
-    if toml is None and name not in _KNOWN:
+    if toml is None and name not in _SIZES:
         return MeasuredRecord(name, left_out="no muscle.toml with its nominal sizes lies beside it")
     try:
         if toml is not None:
@@ -174,7 +174,7 @@ def _measured_record(path: Path, folder: Path) -> MeasuredRecord:
             if not isinstance(muscle, Muscle):
                 return MeasuredRecord(name, left_out=f"{toml.name} holds more than one muscle")
         else:
-            length, radius, wall, angle, source = _KNOWN[name]
+            length, radius, wall, angle, source = _SIZES[name]
             muscle = Muscle.from_dimensions(length, radius, wall, angle)
         record = load(path, rest_length=float(muscle.length))
     except (ValueError, OSError) as error:
@@ -211,7 +211,7 @@ def _law_error(
     residual = np.where(grid.measured, grid.force - force, np.nan)
     used, strain = np.isfinite(residual), grid.strain
     by_pressure = [
-        float(np.mean(row[there])) for row, there in zip(residual, used, strict=True) if there.any()
+        float(np.mean(row[mask])) for row, mask in zip(residual, used, strict=True) if mask.any()
     ]
     edges = np.quantile(strain[used], np.linspace(0, 1, _CELLS + 1))
     cell = np.clip(np.searchsorted(edges, strain, "right") - 1, 0, _CELLS - 1)
@@ -231,7 +231,7 @@ def _law_error(
 
 
 def _misfit(fit: Calibration) -> str:
-    """What a fit misses, in words."""
+    """Trend of a fit's residuals in words."""
     if fit.diagnosis.is_white_noise:
         return "nothing that shows: what is left could be noise"
     trends = [

@@ -60,8 +60,8 @@ def _data(p: Progression) -> dict[str, Variable]:
 
 
 def claims(p: Progression) -> tuple[Claim, ...]:
-    """What the paper says of these states, of a progression [-]."""
-    free, bent, hinged = (abs(float(one.y.min())) for one in p.outlines[1:])
+    """Claims on these states,."""
+    free, bent, hinged = (abs(float(outline.y.min())) for outline in p.outlines[1:])
     soon = p.first_deflection * 1e3
     off = abs(p.moment_at_collapse / p.collapse_moment - 1)
     return (

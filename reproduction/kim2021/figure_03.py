@@ -50,8 +50,8 @@ def lengths(p: Progression) -> dict[str, float]:
 def draw(p: Progression) -> Figure:
     """The muscle at free strain and bent, with dimension lines."""
     figure, ax, level = draw_pair(p, BENT, "post-buckling")
-    found = lengths(p)
-    middle, y_max = found["chord"] * 1e3 / 2, found["deflection"] * 1e3
+    size = lengths(p)
+    middle, y_max = size["chord"] * 1e3 / 2, size["deflection"] * 1e3
     dimension(ax, (middle, level), (middle, level - y_max), rf"$y'_{{max}}$ = {y_max:.1f} mm")
     return figure
 
@@ -74,7 +74,7 @@ def _data(p: Progression) -> dict[str, Variable]:
 
 
 def claims(p: Progression) -> tuple[Claim, ...]:
-    """What the paper says of the shape, of a progression [-]."""
+    """Claims on the shape,."""
     bent = p.outlines[BENT]
     mode = bent.y.min() / 2 * (1 - np.cos(2 * np.pi * bent.z / bent.z[-1]))
     off = float(np.abs(bent.y - mode).max() / -bent.y.min())
@@ -99,15 +99,15 @@ def moments(p: Progression) -> np.ndarray:
 
 
 def moment_claim(z: np.ndarray, moment: np.ndarray, largest: float) -> Claim:
-    """What the paper says of the `moment` [N·m] along the axis `z` [m]; `largest` [N·m] by (8)."""
-    size, place = np.abs(moment), z / z[-1]
+    """Claims on the `moment` [N·m] along the axis `z` [m]; `largest` [N·m] by (8)."""
+    size, position = np.abs(moment), z / z[-1]
     three = size[[0, z.size // 2, -1]]
-    away = np.min(np.abs(place[:, None] - np.array([0.0, 0.5, 1.0])), axis=1) > _NEAR
+    distant = np.min(np.abs(position[:, None] - np.array([0.0, 0.5, 1.0])), axis=1) > _NEAR
     return claim(
         "largest_moments_at_ends_and_middle",
         (
             abs(float(three.min() / size.max()) - 1),
-            float(size[away].max() / size.max()),
+            float(size[distant].max() / size.max()),
             abs(largest / float(size.max()) - 1),
         ),
         f"{three[0]:.4f} N·m at the ends, {three[1]:.4f} N·m in the middle, none a quarter "

@@ -70,7 +70,7 @@ def compute() -> PaperFigure:
 
 
 def springs(p: Progression) -> Springs:
-    """What (13) to (16) give in the bent state, from the law's deflection."""
+    """Springs (13) to (16) of the bent state, from the law's deflection."""
     bladder, E = p.muscle.bladder, float(p.muscle.material.youngs_modulus)
     L, x = p.free_length, p.compression(BENT)
     y, y_stiff = float(-p.outlines[BENT].y.min()), float(np.sqrt(4 * x * (L - x)) / np.pi)
@@ -138,17 +138,18 @@ def _system(ax: Axes, chord: float, depth: float, level: float) -> None:
     ax.plot(*_coil(apex, foot).T, color=VERMILION, linewidth=1.1, solid_joinstyle="round")
     ax.plot(*apex, "o", color=BLACK, markersize=3.5, zorder=6)
     ax.plot(foot[0] + np.array([-5, 5]), foot[[1, 1]], color=GRAY, linewidth=2.5)
-    for at in (-0.8, chord + 0.8):
-        ax.plot([at, at], level + np.array([-5, 5]), color=GRAY, linewidth=3)
+    for x in (-0.8, chord + 0.8):
+        ax.plot([x, x], level + np.array([-5, 5]), color=GRAY, linewidth=3)
 
 
 def _coil(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Points of a zigzag from `start` to `end` [mm] with straight tails."""
-    share = np.r_[0, np.linspace(0.2, 0.8, 2 * _COILS + 1), 1]
-    way = (end - start) / np.hypot(*(end - start))
-    side = np.zeros_like(share)
+    fraction = np.r_[0, np.linspace(0.2, 0.8, 2 * _COILS + 1), 1]
+    direction = (end - start) / np.hypot(*(end - start))
+    normal = np.array([-direction[1], direction[0]])
+    side = np.zeros_like(fraction)
     side[2:-2] = _THICK * np.where(np.arange(2 * _COILS - 1) % 2, 1, -1)
-    return start + share[:, None] * (end - start) + side[:, None] * np.array([-way[1], way[0]])
+    return start + fraction[:, None] * (end - start) + side[:, None] * normal
 
 
 def _data(s: Springs) -> dict[str, Variable]:
@@ -168,7 +169,7 @@ def _data(s: Springs) -> dict[str, Variable]:
 
 
 def claims(s: Springs) -> tuple[Claim, ...]:
-    """What the paper says of the springs, of one state of them [-]."""
+    """Claims on the springs."""
     return (
         claim(
             "axis_shortens",

@@ -46,7 +46,7 @@ def angles(p: Progression) -> tuple[float, float]:
 
 
 def claims(drawn: float, printed: float) -> tuple[Claim, ...]:
-    """What the paper says of the hinge, of its angle as `drawn` and as `printed` [rad]."""
+    """Claims on the hinge, of its angle as `drawn` and as `printed` [rad]."""
     return (
         claim(
             "hinge_angle",
@@ -68,8 +68,8 @@ def draw(p: Progression) -> Figure:
     turn = np.linspace(0, theta, 31)
     arc = hinge[:, None] + 0.8 * _REACH * np.stack([np.cos(turn), np.sin(turn)])
     ax.plot(*arc, color=BLACK, linewidth=0.7, zorder=6)
-    for way in (0.0, theta):
-        end = hinge + _REACH * np.array([np.cos(way), np.sin(way)])
+    for angle in (0.0, theta):
+        end = hinge + _REACH * np.array([np.cos(angle), np.sin(angle)])
         guide(ax, tuple(hinge), tuple(end))
     label(ax, tuple(hinge + _REACH * np.array([0.86, 0.2])), rf"$θ_r$ = {np.degrees(theta):.1f}°")
     dimension(ax, (middle, level), (middle, level + deep), rf"$y_{{c,max}}$ = {-deep:.1f} mm", -1)

@@ -73,7 +73,7 @@ def _data(parts: Components) -> dict[str, Variable]:
 
 
 def claims(muscle: Muscle, parts: Components, reach: float) -> tuple[Claim, ...]:
-    """What the paper says of Fig. 6: of its `muscle` [-], whose forces `parts` [N] are at four
+    """Claims on Fig. 6: of its `muscle` [-], whose forces `parts` [N] are at four
     pressures, up to `reach` [-].
     """
     names = [in_kilopascals(p) for p in parts.pressure]
@@ -104,15 +104,18 @@ def _collapse_claims(parts: Components, reach: float) -> tuple[Claim, ...]:
 
 
 def _calm_claim(muscle: Muscle, parts: Components, reach: float, names: list[str]) -> Claim:
-    at = [-float(np.interp(parts.collapse_strain[i], parts.strain, parts.force[i])) for i in (0, 1)]
+    first = [
+        -float(np.interp(parts.collapse_strain[i], parts.strain, parts.force[i])) for i in (0, 1)
+    ]
     last = [-float(np.interp(reach, parts.strain, parts.force[i])) for i in (0, 1)]
     after = [setting.resistance_after(muscle, float(parts.pressure[i]), reach) for i in (0, 1)]
     return claim(
         "less_after_collapse",
         (float(np.max(after)),),
         "; ".join(
-            f"{names[i]}: {at[i]:.2f} N at collapse, {last[i]:.2f} N at the end of the tested "
-            f"range, {'never more' if after[i] <= 1 else f'up to {after[i] * at[i]:.2f} N'} between"
+            f"{names[i]}: {first[i]:.2f} N at collapse, {last[i]:.2f} N at the end of the tested "
+            "range, "
+            f"{'never more' if after[i] <= 1 else f'up to {after[i] * first[i]:.2f} N'} between"
             for i in (0, 1)
         )
         + ".",
@@ -128,12 +131,12 @@ def least_force(strain: np.ndarray, force: np.ndarray, reach: float) -> np.ndarr
 def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple[Claim, ...]:
     least = least_force(parts.strain, parts.force, reach)
     straight = least_force(parts.strain, parts.straight_force, reach)
-    told = "; ".join(
+    text = "; ".join(
         f"{-s:.1f} against {-f:.1f} N at {name}"
         for name, s, f in zip(names, straight, least, strict=True)
     )
     times = [over(s, f) for s, f in zip(straight[LOW], least[LOW], strict=True)]
-    apart = least - straight
+    difference = least - straight
     past = [
         np.unique(parts.strain[(parts.strain >= free) & (parts.strain <= reach)])
         for free in parts.free_strain
@@ -154,14 +157,14 @@ def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple
         claim(
             "conventional_models_resist_much_more",
             (float(np.min(times)),),
-            f"Largest resistance within the tested range, straight against (27): {told}. The "
+            f"Largest resistance within the tested range, straight against (27): {text}. The "
             "paper says it of low pressures alone.",
         ),
         claim(
             "difference_grows_toward_low_pressure",
-            (float(-np.diff(apart).max()),),
+            (float(-np.diff(difference).max()),),
             "Largest resistances differ by "
-            + ", ".join(f"{x:.1f}" for x in apart)
+            + ", ".join(f"{x:.1f}" for x in difference)
             + " N at "
             + ", ".join(names)
             + ".",

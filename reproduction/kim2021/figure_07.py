@@ -60,17 +60,17 @@ def draw(strain: np.ndarray, force: np.ndarray) -> Figure:
 
 
 def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Claim, ...]:
-    """What the paper says of β: `force` [N] by rate over `strain` [-], with its `collapse` [-]."""
+    """Claims on β: `force` [N] by rate over `strain` [-], with its `collapse` [-]."""
     before = strain <= collapse
     same = float(np.ptp(force[:, before], axis=0).max())
-    place = collapse + 0.02
-    soon = [float(np.interp(place, strain, row)) for row in force]
+    later = collapse + 0.02
+    forces = [float(np.interp(later, strain, row)) for row in force]
     return (
         claim(
             "lower_rate_is_more_gradual",
-            (float(np.diff(soon).min()), same),
-            f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
-            + ", ".join(f"{f:.2f}" for f in soon)
+            (float(np.diff(forces).min()), same),
+            f"At ε = {later:.3f}, 0.02 past the collapse, the force is "
+            + ", ".join(f"{f:.2f}" for f in forces)
             + " N for β = "
             + ", ".join(f"{rate:g}" for rate in RATES)
             + "; before it the curves "
@@ -82,18 +82,18 @@ def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Clai
 def ends(muscle: Muscle, collapse: float) -> tuple[float, float, float]:
     """Forces [N] at 34.5 kPa: at `collapse` [-], just after it by (25) alone, and by (26)."""
     strain = np.array([collapse, collapse + _STEP])
-    at, soon = _force(muscle, float(muscle.transition_rate), strain)
+    first, second = _force(muscle, float(muscle.transition_rate), strain)
     # a transition that is over within the step leaves (25)
-    return float(at), float(_force(muscle, 1e3 / _STEP, strain)[1]), float(soon)
+    return float(first), float(_force(muscle, 1e3 / _STEP, strain)[1]), float(second)
 
 
-def jump_claim(at: float, hinged: float, soon: float) -> Claim:
-    """What the paper says of the force where the bladder collapses: `at` it, after it without a
-    transition, `hinged`, and with one, `soon` [N].
+def jump_claim(first: float, hinged: float, second: float) -> Claim:
+    """Claims on the force at the collapse of the bladder, `first`, just after it without a
+    transition, `hinged`, and with one, `second` [N].
     """
     return claim(
         "jump_before_the_transition",
-        (abs(hinged / at - 1), abs(soon - at)),
-        f"At 34.5 kPa the force is {at:.2f} N at collapse and would be {hinged:.2f} N just "
-        f"after it; with (26) it changes by {abs(soon - at):.0e} N.",
+        (abs(hinged / first - 1), abs(second - first)),
+        f"At 34.5 kPa the force is {first:.2f} N at collapse and would be {hinged:.2f} N just "
+        f"after it; with (26) it changes by {abs(second - first):.0e} N.",
     )

@@ -81,7 +81,7 @@ def _panel(ax: Axes, axis: np.ndarray, P: np.ndarray) -> None:
 
 
 def claims(P: np.ndarray) -> tuple[Claim, ...]:
-    """What the paper says of orderly recruitment, of pressures [Pa] by step and unit."""
+    """Claims on orderly recruitment, of pressures [Pa] by step and unit."""
     first, second = P[: LEVEL.size], P[LEVEL.size :]
     return (
         claim(

@@ -68,7 +68,7 @@ def _data(without: tuple[Space, Overlap], with_it: tuple[Space, Overlap]) -> dic
 def claims(
     without: tuple[Space, Overlap], with_it: tuple[Space, Overlap], named: float
 ) -> tuple[Claim, ...]:
-    """What the paper says of Fig. 9, of its spaces with their overlaps, and of the free strain
+    """Claims on Fig. 9, of its spaces with their overlaps, and of the free strain
     at 275.8 kPa, `named` [-].
     """
     return (*_neglected_claims(*without, named), *_resisting_claims(*with_it))

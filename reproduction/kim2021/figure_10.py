@@ -137,7 +137,7 @@ def _data(
 
 
 def efficiency_claims(mean: dict[tuple[str, bool], np.ndarray]) -> tuple[Claim, ...]:
-    """What the paper says of averages [-], by path and whether with resistance."""
+    """Claims on averages [-], by path and whether with resistance."""
     costs = {path: 1 - mean[path, True] / mean[path, False] for path in PATHS}
     return (
         *(_rise_claim(path, mean[path, True]) for path in PATHS),
@@ -176,7 +176,7 @@ def resistances() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def slender_claim(strain: np.ndarray, one: np.ndarray, four: np.ndarray) -> Claim:
-    """What the paper says of `one` inactive unit of two against `four` of five [N] over strains."""
+    """Claims on `one` inactive unit of two against `four` of five [N] over strains."""
     weaker = strain[one >= four]
     last = float(weaker[-1]) if weaker.size else 0.0
     place = 0.05

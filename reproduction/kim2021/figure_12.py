@@ -95,7 +95,7 @@ def _data(parts: list[Components]) -> dict[str, Variable]:
 
 
 def untuned(muscle: Muscle) -> Components:
-    """Forces of Fig. 6's muscle, without Table 1's factors, as long as another `muscle` [-]."""
+    """Forces of Fig. 6's muscle, without Table 1's factors, as long as another `muscle`."""
     plain = eqx.tree_at(lambda m: m.length, setting.muscle("figure_6"), muscle.length)
     return components_of(plain, PRESSURES, setting.STRAIN)
 
@@ -103,7 +103,7 @@ def untuned(muscle: Muscle) -> Components:
 def claims(
     muscles: list[Muscle], plain: list[Components], parts: list[Components], reach: float
 ) -> tuple[Claim, ...]:
-    """What the paper says of Table 1's two `muscles`, the stouter first [-].
+    """Claims on Table 1's two `muscles`, the stouter first [-].
 
     `plain` are their forces without the table's factors, `parts` with them, up to `reach` [-].
     """
@@ -161,7 +161,7 @@ def _high_claim(muscles: list[Muscle], reach: float) -> Claim:
 
 
 def blocked_claim(muscles: list[Muscle]) -> Claim:
-    """What the paper says of the blocked forces of the two `muscles` [-]."""
+    """Claims on the blocked forces of the two `muscles` [-]."""
     blocked = [float(m.blocked_force(PRESSURES[-1])) for m in muscles]
     return claim(
         "unequal_blocked_forces",
@@ -171,7 +171,7 @@ def blocked_claim(muscles: list[Muscle]) -> Claim:
 
 
 def intercept_claim(muscle: Muscle) -> Claim:
-    """What the paper says of a muscle's blocked force over pressure; `muscle` [-]: whose."""
+    """Claims on a muscle's blocked force over pressure; `muscle`."""
     P = setting.TABLE[1:]
     blocked = setting.array(muscle.blocked_force(P))
     slope, least = np.polyfit(P, blocked, 1)

@@ -1,9 +1,8 @@
-"""Fig. 12 the way its curves came about: records of a dynamometer, and muscles tuned to them.
+"""Fig. 12 by calibration: synthetic records of a dynamometer, and muscles tuned to them.
 
-The paper's measurements are nowhere to be had, so the dynamometer is a virtual one: records
-of Table 1's two muscles by the protocol of section 5.3, with a load cell's noise. They are
-synthetic, and labelled so. The calibration begins with the untuned muscles and is told
-nothing else; beside what it finds stand the curves of Table 1.
+The paper's measurements are not public, so the dynamometer is a virtual one: records of Table 1's
+two muscles by the protocol of section 5.3, with a load cell's noise. They are synthetic, and
+labeled so. The calibration begins with the untuned muscles; its result is compared with Table 1.
 """
 
 from dataclasses import dataclass
@@ -14,7 +13,6 @@ from matplotlib.figure import Figure
 from fascicle.calibrate.calibration import Calibration
 from fascicle.calibrate.fitting import fit
 from fascicle.muscle import Muscle
-from fascicle.plot.curves import Components
 from fascicle.plot.theme import (
     BLACK,
     DOUBLE,
@@ -34,18 +32,18 @@ from . import setting
 from .figure_12 import NAMES, PRESSURES
 
 
-_SEEDS = (8, 10)  # their slendernesses: unlike, so that the two records err apart
-_SHOWN = 40  # points of each curve
+_SEEDS = (8, 10)  # unequal, so that the errors of the two records are independent
+_POINTS = 40  # of each curve: more would hide it
 
 
 @dataclass(frozen=True, eq=False)
-class Recovered:
+class Recovery:
     """A muscle of Table 1, its synthetic record, the calibration, and both muscles' forces."""
 
     name: str
     truth: Muscle
-    measured: Record
-    found: Calibration
+    record: Record
+    fit: Calibration
     strain: np.ndarray
     table: np.ndarray
     force: np.ndarray
@@ -53,7 +51,7 @@ class Recovered:
 
 def compute() -> PaperFigure:
     """Both muscles calibrated to their synthetic records."""
-    both = [_recovered(name, seed) for name, seed in zip(NAMES, _SEEDS, strict=True)]
+    both = [_recover(name, seed) for name, seed in zip(NAMES, _SEEDS, strict=True)]
     noise = 100 * VirtualDynamometer().noise
     return PaperFigure(
         key="figure_12_calibrated",
@@ -63,9 +61,12 @@ def compute() -> PaperFigure:
             f"413.7 kPa in 13 steps, a sweep both ways at each, noise {noise:g} % of full scale, "
             f"seeds {_SEEDS[0]} and {_SEEDS[1]}. Five of the 13 pressures are drawn.",
             "The calibration begins with the untuned muscle: C₁ = 0, C₂ = 1, factors 1, β 25.",
-            *(f"{_title(one.name)}: {_found(one.found)}. {recovery(one)}" for one in both),
+            *(
+                f"{_title(muscle.name)}: {_estimates(muscle.fit)}. {recovery(muscle)}"
+                for muscle in both
+            ),
             "That a model's own factors are found again in data made with them is a check of the "
-            "calibration, not a claim of the paper, and isn't counted as one.",
+            "calibration, not a claim of the paper, and isn't counted as muscle.",
         ),
         data=_data(both),
         draw=lambda: draw(both),
@@ -73,38 +74,36 @@ def compute() -> PaperFigure:
     )
 
 
-def _recovered(name: str, seed: int) -> Recovered:
+def _recover(name: str, seed: int) -> Recovery:
     truth = setting.muscle(name)
-    measured = VirtualDynamometer().record(truth, seed=seed)
+    record = VirtualDynamometer().record(truth, seed=seed)
     untuned = Muscle(
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
-    found = fit(measured, untuned)
-    strain = np.linspace(0.0, float(measured.strain.max()), 301)
-    known: Components = setting.forces(name).at(setting.FIGURE_12)
-    table = np.array([
-        np.interp(strain, known.strain, row) for row in known.force
-    ])  # fmt: skip
-    force = np.asarray(found.muscle.force(PRESSURES[:, None], strain))
-    return Recovered(name, truth, measured, found, strain, table, force)
+    calibration = fit(record, untuned)
+    strain = np.linspace(0.0, float(record.strain.max()), 301)
+    forces = setting.forces(name).at(setting.FIGURE_12)
+    table = np.array([np.interp(strain, forces.strain, row) for row in forces.force])
+    force = np.asarray(calibration.muscle.force(PRESSURES[:, None], strain))
+    return Recovery(name, truth, record, calibration, strain, table, force)
 
 
 @styled
-def draw(both: list[Recovered]) -> Figure:
+def draw(both: list[Recovery]) -> Figure:
     """Two panels: synthetic readings, the calibrated muscle, and Table 1's."""
     figure, axes = new_figure(1, 2, DOUBLE, 0.45 * DOUBLE, sharey=True)
     colors = pressure_colors(PRESSURES.size)
-    for ax, mark, one in zip(axes.flat, "ab", both, strict=True):
+    for ax, mark, muscle in zip(axes.flat, "ab", both, strict=True):
         force_strain_axes(ax)
         for pressure, color, table, force in zip(
-            PRESSURES, colors, one.table, one.force, strict=True
+            PRESSURES, colors, muscle.table, muscle.force, strict=True
         ):
-            strain, measured = _near(one.measured, pressure)
-            ax.plot(strain, measured, ".", color=color, markersize=2.2, alpha=0.55)
-            ax.plot(one.strain, force, color=color, label=in_kilopascals(pressure))
-            ax.plot(one.strain, table, color=BLACK, linewidth=0.7, linestyle=(0, (4, 3)))
+            strain, readings = _near(muscle.record, pressure)
+            ax.plot(strain, readings, ".", color=color, markersize=2.2, alpha=0.55)
+            ax.plot(muscle.strain, force, color=color, label=in_kilopascals(pressure))
+            ax.plot(muscle.strain, table, color=BLACK, linewidth=0.7, linestyle=(0, (4, 3)))
         ax.set_xlim(0.0, 0.27)
-        letter(ax, mark, f"{_title(one.name)}, synthetic record")
+        letter(ax, mark, f"{_title(muscle.name)}, synthetic record")
     axes[0, 1].set_ylabel("")
     axes[0, 0].plot([], [], ".", color=BLACK, label="synthetic readings")
     axes[0, 0].plot([], [], color=BLACK, linewidth=0.7, linestyle=(0, (4, 3)), label="Table 1")
@@ -114,30 +113,30 @@ def draw(both: list[Recovered]) -> Figure:
     return figure
 
 
-def _near(measured: Record, pressure: float) -> tuple[np.ndarray, np.ndarray]:
+def _near(record: Record, pressure: float) -> tuple[np.ndarray, np.ndarray]:
     """Readings [-], [N] at the tested pressure nearest to `pressure` [Pa], thinned."""
-    level = measured.pressure[np.argmin(np.abs(measured.pressure - pressure))]
-    places = np.flatnonzero(measured.pressure == level)
-    places = places[:: max(places.size // _SHOWN, 1)]
-    return measured.strain[places], measured.force[places]
+    level = record.pressure[np.argmin(np.abs(record.pressure - pressure))]
+    indices = np.flatnonzero(record.pressure == level)
+    indices = indices[:: max(indices.size // _POINTS, 1)]
+    return record.strain[indices], record.force[indices]
 
 
 def _title(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _found(found: Calibration) -> str:
+def _estimates(calibration: Calibration) -> str:
     """Estimates and intervals, in the units of Table 1."""
     texts = []
-    for one in found.parameters:
-        scale, unit = (1e5, " per bar") if one.dimension == "inverse_pressure" else (1.0, "")
-        value, low, high = (scale * x for x in (one.value, one.low, one.high))
-        texts.append(f"{one.name} {value:.3g}{unit} ({low:.3g} to {high:.3g})")
+    for parameter in calibration.parameters:
+        scale, unit = (1e5, " per bar") if parameter.dimension == "inverse_pressure" else (1.0, "")
+        value, low, high = (scale * x for x in (parameter.value, parameter.low, parameter.high))
+        texts.append(f"{parameter.name} {value:.3g}{unit} ({low:.3g} to {high:.3g})")
     return ", ".join(texts)
 
 
-def _real(truth: Muscle) -> np.ndarray:
-    """Table 1's numbers, in the order of the calibration's."""
+def _table_1(truth: Muscle) -> np.ndarray:
+    """Values of Table 1, in the order of the calibration's parameters."""
     t = truth.tuning
     return np.array([
         float(x) for x in (
@@ -147,28 +146,28 @@ def _real(truth: Muscle) -> np.ndarray:
     ])  # fmt: skip
 
 
-def recovery(one: Recovered) -> str:
-    """How many of the intervals hold the numbers that the record was made with [-]."""
-    real, found = _real(one.truth), one.found.parameters
-    within = [p.low < x < p.high for p, x in zip(found, real, strict=True)]
-    misses = [p.name for p, good in zip(found, within, strict=True) if not good]
+def recovery(muscle: Recovery) -> str:
+    """Sentence on the intervals that contain the values of the record's muscle."""
+    truth, estimates = _table_1(muscle.truth), muscle.fit.parameters
+    within = [p.low < x < p.high for p, x in zip(estimates, truth, strict=True)]
+    misses = [p.name for p, good in zip(estimates, within, strict=True) if not good]
     return (
-        f"{sum(within)} of {len(found)} intervals of 90 % hold Table 1's value"
+        f"{sum(within)} of {len(estimates)} intervals of 90 % hold Table 1's value"
         + (f", not {' and '.join(misses)}" if misses else "")
-        + f"; residuals of {one.found.rmse:.3g} N, {100 * one.found.relative_rmse:.2g} % of the "
+        + f"; residuals of {muscle.fit.rmse:.3g} N, {100 * muscle.fit.relative_rmse:.2g} % of the "
         "largest force."
     )
 
 
-def _data(both: list[Recovered]) -> dict[str, Variable]:
+def _data(both: list[Recovery]) -> dict[str, Variable]:
     data = {"pressure": Variable(("pressure",), PRESSURES, "Pa", "gauge pressure")}
-    for one in both:
-        strain, dims = f"strain_{one.name}", ("pressure", f"strain_{one.name}")
-        data[strain] = Variable((strain,), one.strain, "-", "contraction")
-        data[f"force_{one.name}"] = Variable(
-            dims, one.force, "N", "force of the muscle calibrated to a synthetic record", "(27)"
+    for muscle in both:
+        strain, dims = f"strain_{muscle.name}", ("pressure", f"strain_{muscle.name}")
+        data[strain] = Variable((strain,), muscle.strain, "-", "contraction")
+        data[f"force_{muscle.name}"] = Variable(
+            dims, muscle.force, "N", "force of the muscle calibrated to a synthetic record", "(27)"
         )
-        data[f"table_1_force_{one.name}"] = Variable(
-            dims, one.table, "N", "force with Table 1's factors", "(27)"
+        data[f"table_1_force_{muscle.name}"] = Variable(
+            dims, muscle.table, "N", "force with Table 1's factors", "(27)"
         )
     return data

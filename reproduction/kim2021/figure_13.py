@@ -64,13 +64,13 @@ def illustrative(shorter: float = SHORTER) -> Muscle:
     return eqx.tree_at(lambda m: m.tuning, muscle, tuning)
 
 
-def pair(of: Muscle) -> Bundle:
+def pair(muscle: Muscle) -> Bundle:
     """Two motor units of one muscle each, unit 1 at its pressure of section 6."""
-    return setting.bundle(of, (1, 1), setting.UNIT_1)
+    return setting.bundle(muscle, (1, 1), setting.UNIT_1)
 
 
-def _curve(of: Muscle, resistance: bool) -> np.ndarray:
-    return free_strain_curve(pair(of), 2, PRESSURES, resistance=resistance)
+def _curve(muscle: Muscle, resistance: bool) -> np.ndarray:
+    return free_strain_curve(pair(muscle), 2, PRESSURES, resistance=resistance)
 
 
 def compute() -> PaperFigure:
@@ -136,7 +136,7 @@ def draw(strains: dict[str, np.ndarray], turn: Reversal) -> Figure:
 
 
 def claims(strains: dict[str, np.ndarray], turn: Reversal) -> tuple[Claim, ...]:
-    """What the paper says of Fig. 13, of free strains [-] by model and the reversal point."""
+    """Claims on Fig. 13, of free strains [-] by model and the reversal point."""
     return (
         _reversal_claim(turn),
         _flat_claim(strains),
@@ -146,11 +146,11 @@ def claims(strains: dict[str, np.ndarray], turn: Reversal) -> tuple[Claim, ...]:
 
 
 def _reversal_claim(turn: Reversal) -> Claim:
-    way = ", at last by a jump," if turn.jump else ""
+    jump = ", at last by a jump," if turn.jump else ""
     return claim(
         "free_strain_gradient_reversal",
         (turn.depth, turn.pressure / setting.UNIT_1),
-        f"It falls from {turn.initial:.4f} by {turn.depth:.4f}{way} until P₂ = "
+        f"It falls from {turn.initial:.4f} by {turn.depth:.4f}{jump} until P₂ = "
         f"{turn.pressure / 1e3:.1f} kPa, then rises.",
     )
 
@@ -181,8 +181,10 @@ def _stronger_claim(turn: Reversal) -> Claim:
 
 
 def _apart_claim(strains: dict[str, np.ndarray]) -> Claim:
-    apart = float(np.abs(strains[KLUTE] - strains[CORRECTED]).max())
-    return claim("corrected_curve_differs", (apart,), f"They differ by {apart:.1g} of strain.")
+    difference = float(np.abs(strains[KLUTE] - strains[CORRECTED]).max())
+    return claim(
+        "corrected_curve_differs", (difference,), f"They differ by {difference:.1g} of strain."
+    )
 
 
 def lone() -> tuple[float, float, float]:
@@ -198,7 +200,7 @@ def lone() -> tuple[float, float, float]:
 
 
 def lone_claim(bundle: float, alone: float, gain: float) -> Claim:
-    """What the paper says of a bundle beside one muscle: free strains of the `bundle` and of one
+    """Claims on a bundle beside one muscle: free strains of the `bundle` and of one
     `alone` [-], and the largest `gain` of force [N].
     """
     return claim(
@@ -214,12 +216,12 @@ def factors() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     of one that contracts more by as much.
     """
     less, more = illustrative().tuning, illustrative(2.0 - SHORTER).tuning
-    c1, c2, opposite = (setting.array(one)[1:] for one in (less.c1, less.c2, more.c1))
+    c1, c2, opposite = (setting.array(row)[1:] for row in (less.c1, less.c2, more.c1))
     return c1, c2, opposite
 
 
 def tuning_claim(c1: np.ndarray, c2: np.ndarray, opposite: np.ndarray) -> Claim:
-    """What the paper says of its tuning: of `c1` [N] and `c2` [-] over pressure of a muscle that
+    """Claims on its tuning: of `c1` [N] and `c2` [-] over pressure of a muscle that
     contracts less than the model, and of the `opposite` C₁ [N] of one that contracts more.
     """
     return claim(

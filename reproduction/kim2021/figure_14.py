@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from fascicle.bundle import Bundle
 from fascicle.bundle.reversal import Reversal, free_strain_curve, reversal
+from fascicle.plot.curves import split_at_reversal
 from fascicle.plot.theme import BLACK, CYCLE, SINGLE, new_figure, styled
 from fascicle.results.labelled import Variable
 
@@ -18,14 +19,14 @@ from .setting import claim
 UNITS = (2, 3, 4, 5)
 
 
-def two(of: str = "slenderness_10") -> Bundle:
+def two(name: str = "slenderness_10") -> Bundle:
     """One muscle, then four."""
-    return setting.bundle(setting.muscle(of), (1, 4), setting.UNIT_1)
+    return setting.bundle(setting.muscle(name), (1, 4), setting.UNIT_1)
 
 
-def five(of: str = "slenderness_10") -> Bundle:
+def five(name: str = "slenderness_10") -> Bundle:
     """Five motor units of one muscle."""
-    return setting.bundle(setting.muscle(of), (1,) * 5, setting.UNIT_1)
+    return setting.bundle(setting.muscle(name), (1,) * 5, setting.UNIT_1)
 
 
 @setting.cached
@@ -71,15 +72,14 @@ def draw(pair: np.ndarray, rows: np.ndarray) -> Figure:
     figure, axes = new_figure(width=SINGLE, height=0.86 * SINGLE)
     ax = axes[0, 0]
     names = [f"five units, $P_{n}$" for n in UNITS]
-    lines = [(pair, single, BLACK, "1 + 4, $P_2$"), *zip(rows, several, CYCLE, names, strict=False)]
-    for strain, turn, color, name in lines:
-        P, values = broken(PRESSURES, strain, turn)
-        ax.plot(P / 1e3, values, color=color, label=name, linewidth=1.8 if color == BLACK else 1.2)
+    curves = [
+        (pair, single, BLACK, "1 + 4, $P_2$"), *zip(rows, several, CYCLE, names, strict=False)
+    ]  # fmt: skip
+    for strain, turn, color, name in curves:
+        (P, eps), (P_jump, eps_jump) = split_at_reversal(PRESSURES, strain, turn)
+        ax.plot(P / 1e3, eps, color=color, label=name, linewidth=1.8 if color == BLACK else 1.2)
         ax.plot(turn.pressure / 1e3, turn.free_strain, "o", color=color, markersize=3.5)
-        gap = np.flatnonzero(np.isnan(values))
-        if gap.size:
-            ends = gap[0] + np.array([-1, 1])
-            ax.plot(P[ends] / 1e3, values[ends], color=color, linewidth=0.8, linestyle=":")
+        ax.plot(P_jump / 1e3, eps_jump, color=color, linewidth=0.8, linestyle=":")
     ax.set(
         xlabel="Pressure $P_n$ [kPa]", ylabel="Free strain $ε_f$ [–]", xlim=(0, PRESSURES[-1] / 1e3)
     )
@@ -87,26 +87,12 @@ def draw(pair: np.ndarray, rows: np.ndarray) -> Figure:
     return figure
 
 
-def broken(
-    pressures: np.ndarray, strain: np.ndarray, turn: Reversal
-) -> tuple[np.ndarray, np.ndarray]:
-    """A curve [Pa], [-] through its reversal point, with a gap where it jumps there."""
-    after = int(np.searchsorted(pressures, turn.pressure))
-    points, values = [turn.pressure], [turn.free_strain]
-    if turn.jump:
-        before = abs(strain[after - 1] - turn.free_strain) > abs(strain[after] - turn.free_strain)
-        points = [turn.pressure, turn.pressure]
-        values = [np.nan, turn.free_strain] if before else [turn.free_strain, np.nan]
-    places = [after] * len(points)
-    return np.insert(pressures, places, points), np.insert(strain, places, values)
-
-
 def claims(
     single: Reversal, several: tuple[Reversal, ...], plain: tuple[Reversal, Reversal]
 ) -> tuple[Claim, ...]:
-    """What the paper says of Fig. 14: of the reversal of 1 + 4, and of the five's transitions.
+    """Claims on Fig. 14, on the reversals of 1 + 4 and of the five's transitions.
 
-    `plain` are that of 1 + 4 and the first of the five's without Table 1's factors.
+    `plain`: reversals of 1 + 4 and of the five's first transition without Table 1's factors.
     """
     depths = [turn.depth for turn in several]
     return (

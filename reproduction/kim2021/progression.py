@@ -1,4 +1,4 @@
-"""Four states of Fig. 6's muscle, from rest to past collapse, which Figs 2 to 5 draw."""
+"""Four states of Fig. 6's muscle, from rest to past collapse, as in Figs 2 to 5."""
 
 from dataclasses import dataclass
 
@@ -15,16 +15,16 @@ from . import setting
 
 PRESSURE = float(setting.PRESSURES[1])  # the lower of Fig. 6's two pressures with all three regions
 FREE, BENT, HINGED = 1, 2, 3  # indices of the states; rest is 0
-JUST = 0.001  # of strain past the free strain
-_NARROW = 12.0  # mm, too little for the length's text to stand inside
-_SHARE = 0.9  # of the way from free strain to collapse
+JUST = 0.001  # of strain past the free strain, for the onset of buckling
+_NARROW = 12.0  # mm, less than the length's text takes
+_FRACTION = 0.9  # between free strain and collapse: clearly bent, not yet collapsed
 
 
 @dataclass(frozen=True)
 class Progression:
     """States in order: rest, free strain, post-buckling, post-collapse. Pressure [Pa],
-    strain [-] and largest moment [N·m] of each, with the strains and moment of collapse; and
-    the deflection [m] just past the free strain.
+    strain [-] and largest moment [N·m] of each; strains and moments of collapse; and the
+    deflection [m] just past the free strain.
     """
 
     muscle: Muscle
@@ -44,7 +44,7 @@ class Progression:
         return float(self.muscle.length) * (1 - self.free_strain)
 
     def compression(self, state: int) -> float:
-        """$x$ [m], how far a state is past the free strain."""
+        """Compression $x$ of a state past the free strain [m]."""
         return float(self.muscle.length) * (float(self.strain[state]) - self.free_strain)
 
 
@@ -55,37 +55,36 @@ def progression() -> Progression:
     P = np.array([0.0, PRESSURE, PRESSURE, PRESSURE])
     collapse = setting.forces("figure_6").collapse_strain[[0, 1, 1, 1]]
     free = float(muscle.free_strain(PRESSURE))
-    bent = free + _SHARE * (collapse[1] - free)
+    bent = free + _FRACTION * (collapse[1] - free)
     eps = np.array([0.0, free, bent, setting.tested(muscle)])
     # a fifth state: exactly at collapse, and just past free strain
-    five = np.r_[P, PRESSURE]
-    moments = setting.array(muscle.moment(five, np.r_[eps, collapse[1]]))
-    drawn = outlines(muscle, five, np.r_[eps, free + JUST], np.r_[collapse, collapse[1]])
+    pressures = np.r_[P, PRESSURE]
+    moments = setting.array(muscle.moment(pressures, np.r_[eps, collapse[1]]))
+    shapes = outlines(muscle, pressures, np.r_[eps, free + JUST], np.r_[collapse, collapse[1]])
     return Progression(
-        muscle, P, eps, moments[:4], drawn[:4], free, float(collapse[1]),
-        float(muscle.collapse_moment(PRESSURE)), float(moments[4]), float(-drawn[4].y.min()),
+        muscle, P, eps, moments[:4], shapes[:4], free, float(collapse[1]),
+        float(muscle.collapse_moment(PRESSURE)), float(moments[4]), float(-shapes[4].y.min()),
     )  # fmt: skip
 
 
 def draw_pair(p: Progression, state: int, title: str) -> tuple[Figure, Axes, float]:
-    """The free strain as (a), `state` of the progression as (b); and the level of (b) [mm]."""
-    drawn = [p.outlines[FREE], p.outlines[state]]
-    figure, ax, (upper, lower) = stack(float(p.muscle.length), drawn, gap=15.0)
+    """Figure of the free strain, (a), and a `state`, (b), its axes, and the level of (b) [mm]."""
+    shapes = [p.outlines[FREE], p.outlines[state]]
+    figure, ax, (upper, lower) = stack(float(p.muscle.length), shapes, gap=15.0)
     titles = f"free strain, ε = {p.free_strain:.3f}", f"{title}, ε = {p.strain[state]:.3f}"
-    for one, level, mark, text in zip(drawn, (upper, lower), "ab", titles, strict=True):
-        draw_muscle(ax, one, level)
-        name_row(ax, one, level + 6, mark, text)
+    for shape, level, mark, text in zip(shapes, (upper, lower), "ab", titles, strict=True):
+        draw_muscle(ax, shape, level)
+        name_row(ax, shape, level + 6, mark, text)
     L_fs, x = p.free_length * 1e3, p.compression(state) * 1e3
-    chord, above = L_fs - x, 1.3 * drawn[0].rest_radius * 1e3 + 3.5
-    dimension(ax, (0, upper + above), (L_fs, upper + above), rf"$L_{{fs}}$ = {L_fs:.1f} mm")
-    line = lower + above
+    chord, height = L_fs - x, 1.3 * shapes[0].rest_radius * 1e3 + 3.5
+    dimension(ax, (0, upper + height), (L_fs, upper + height), rf"$L_{{fs}}$ = {L_fs:.1f} mm")
+    line = lower + height
     dimension(ax, (0, line), (chord, line), rf"$L = L_{{fs}} - x$ = {chord:.1f} mm")
-    beside = x < _NARROW
-    dimension(ax, (chord, line), (L_fs, line), "" if beside else f"$x$ = {x:.1f} mm")
-    if beside:
+    narrow = x < _NARROW
+    dimension(ax, (chord, line), (L_fs, line), "" if narrow else f"$x$ = {x:.1f} mm")
+    if narrow:
         ax.text(L_fs + 1.5, line, f"$x$ = {x:.1f} mm", va="center")
-    guide(ax, (L_fs, upper - above), (L_fs, line + 1))
+    guide(ax, (L_fs, upper - height), (L_fs, line + 1))
     guide(ax, (0, lower), (chord, lower))
-    axis = drawn[1]
-    ax.plot(axis.z * 1e3, axis.y * 1e3 + lower, color=BLACK, linewidth=0.7, zorder=5)
+    ax.plot(shapes[1].z * 1e3, shapes[1].y * 1e3 + lower, color=BLACK, linewidth=0.7, zorder=5)
     return figure, ax, lower

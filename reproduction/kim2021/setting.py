@@ -1,4 +1,4 @@
-"""What the figures share: the paper's muscles, pressures and the range it tested.
+"""Setting of all figures: the paper's muscles, pressures and tested range.
 
 Every muscle is a named example, so its sizes stand in one file with their source.
 """
@@ -36,7 +36,7 @@ UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.
 
 def _with_latex(muscle: Muscle) -> Muscle:
     """A muscle whose bladder has the elasticity of Klute and Hannaford's latex in tension [R3]."""
-    numbers = tuple(np.asarray(one) for one in (LATEX.c10, LATEX.c01))
+    numbers = tuple(map(np.asarray, (LATEX.c10, LATEX.c01)))
     return eqx.tree_at(lambda m: (m.material.c10, m.material.c01), muscle, numbers)
 
 
@@ -60,7 +60,7 @@ _READING: ContextVar[str] = ContextVar("reading", default="derived")
 
 @contextmanager
 def reading(name: str) -> Iterator[None]:
-    """Have `muscle` give its muscles by one of the `READINGS`; `name`: of the reading."""
+    """Context in which `muscle` follows one of the `READINGS`, by its `name`."""
     before = _READING.set(name)
     try:
         yield
@@ -69,45 +69,42 @@ def reading(name: str) -> Iterator[None]:
 
 
 def cached(function: Function) -> Function:
-    """Have a function compute once for each reading and its arguments; a decorator.
-
-    **Arguments:** `function`: what it computes follows from `muscle` and its arguments [-].
-
-    **Returns:** the function [-].
-    """
+    """Cache a function by the present reading and its arguments."""
 
     @cache
     def by_reading(_reading: str, *arguments: Any) -> Any:
         return function(*arguments)
 
     @wraps(function)
-    def once(*arguments: Any) -> Any:
+    def cached_function(*arguments: Any) -> Any:
         return by_reading(_READING.get(), *arguments)
 
-    return once  # type: ignore[return-value]  # the same arguments, by position
+    return cached_function  # type: ignore[return-value]  # the same arguments, by position
 
 
 def muscle(name: str) -> Muscle:
-    """The named example `kim2021_` + `name`, its transition rate on the muscle itself, by the
-    reading that is in use.
+    """Named example `kim2021_` + `name` by the present reading, with its transition rate on the
+    muscle itself.
     """
-    found = example(f"kim2021_{name}")
-    assert isinstance(found, Muscle)
-    found = READINGS[_READING.get()](found)
-    rate = found.tuning.transition_rate
+    result = example(f"kim2021_{name}")
+    assert isinstance(result, Muscle)
+    result = READINGS[_READING.get()](result)
+    rate = result.tuning.transition_rate
     if rate is None:
-        return found
-    return eqx.tree_at(lambda m: (m.transition_rate, m.tuning.transition_rate), found, (rate, None))
+        return result
+    return eqx.tree_at(
+        lambda m: (m.transition_rate, m.tuning.transition_rate), result, (rate, None)
+    )
 
 
-def tuned(like: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
-    """A tuning with the factors of another and `c1` [N], `c2` [-] at the pressures of `TABLE`."""
+def tuned(factors: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
+    """Tuning with the factors of another and `c1` [N], `c2` [-] at the pressures of `TABLE`."""
     return Tuning(
         TABLE, c1, c2,
-        youngs_modulus_factor=like.youngs_modulus_factor,
-        collapse_moment_factor=like.collapse_moment_factor,
-        hinge_stiffness_factor=like.hinge_stiffness_factor,
-        hinge_stiffness_slope=like.hinge_stiffness_slope,
+        youngs_modulus_factor=factors.youngs_modulus_factor,
+        collapse_moment_factor=factors.collapse_moment_factor,
+        hinge_stiffness_factor=factors.hinge_stiffness_factor,
+        hinge_stiffness_slope=factors.hinge_stiffness_slope,
     )  # fmt: skip
 
 
@@ -117,44 +114,39 @@ def forces(name: str) -> Components:
     return components_of(muscle(name), PRESSURES, STRAIN)
 
 
-def bundle(of: Muscle, counts: tuple[int, ...], supply_pressure: float) -> Bundle:
+def bundle(muscle: Muscle, counts: tuple[int, ...], supply_pressure: float) -> Bundle:
     """A bundle of motor units with `counts` of one muscle, at `supply_pressure` [Pa]."""
-    return Bundle([MotorUnit(of, count) for count in counts], supply_pressure)
+    return Bundle([MotorUnit(muscle, count) for count in counts], supply_pressure)
 
 
-def tested(of: Muscle) -> float:
+def tested(muscle: Muscle) -> float:
     """The largest strain tested [-]: section 5.3 drives to the free strain at 413.7 kPa."""
-    return float(of.free_strain(HIGHEST))
+    return float(muscle.free_strain(HIGHEST))
 
 
-def resistance_after(of: Muscle, pressure: float, reach: float) -> float:
-    """Largest resistance from collapse on over that at collapse.
+def resistance_after(muscle: Muscle, pressure: float, reach: float) -> float:
+    """Largest resistance after collapse, up to the strain `reach` [-], over that at collapse [-].
 
-    **Arguments:**
-
-    - `of`: the muscle [-].
-    - `pressure`: its pressure [Pa].
-    - `reach`: the largest strain that counts [-].
-
-    **Returns:** the ratio [-], 1 where it never exceeds that at collapse; NaN where the muscle
-    doesn't collapse before.
+    It is 1 if it never exceeds that at collapse; NaN if the muscle doesn't collapse before.
     """
-    collapse = float(of.collapse_strain(pressure))
+    collapse = float(muscle.collapse_strain(pressure))
     if not collapse < reach:
         return np.nan
     # the first point is the collapse itself: a grid can't miss the largest, and none is rounded up
-    force = array(of.force(pressure, np.linspace(collapse, reach, 2001)))
+    force = array(muscle.force(pressure, np.linspace(collapse, reach, 2001)))
     return float((force / force[0]).max())
 
 
-def sizes(of: Muscle) -> str:
-    """A line about a muscle's sizes and material, read from the muscle."""
-    length, radius, wall = (1e3 * float(x) for x in (of.length, of.outer_radius, of.wall_thickness))
-    rubber = of.material
+def sizes(muscle: Muscle) -> str:
+    """Line on a muscle's sizes and material."""
+    length, radius, wall = (
+        1e3 * float(x) for x in (muscle.length, muscle.outer_radius, muscle.wall_thickness)
+    )
+    rubber = muscle.material
     assert isinstance(rubber, MooneyRivlin)
     return (
         f"L₀ {length:.4g} mm, r₀ {radius:.4g} mm, t₀ {wall:.4g} mm, "
-        f"α₀ {float(np.degrees(of.braid_angle)):.3g}°; "
+        f"α₀ {float(np.degrees(muscle.braid_angle)):.3g}°; "
         f"E {float(rubber.youngs_modulus) / 1e6:.3g} MPa, "
         f"C₁₀ {float(rubber.c10) / 1e3:.4g} and C₀₁ {float(rubber.c01) / 1e3:.4g} kPa"
     )

@@ -9,8 +9,8 @@ $$p(f, \varepsilon): \quad F(p, \varepsilon) = f, \qquad p_{on} \le p \le P_s, \
 
 is unique; where the force isn't monotonic beyond its onset, the largest pressure is meant. It is a
 table in strain and $\varphi = (f - F(0))/(F(P_s) - F(0))$, from which steps of Newton's method on
-the muscle's own table, (V3), lead to the root. What can't be reached is told by a status, and
-answered by the nearest pressure.
+the muscle's own table, (V3), lead to the root. A force out of reach has a status and the nearest
+pressure.
 
 **Sign:** as for a muscle. **Source:** derived here.
 """
@@ -29,33 +29,32 @@ from ..core.types import Numbers, Values, Whole
 from ..dynamics.muscles import Tables
 
 
-# what was asked of a unit: it can, pulls more when empty, less at the supply's pressure, or gains
-# nothing at this strain up to it
+# of a force: it can be reached, is less than an empty unit's, more than a full one's, or the unit
+# gains nothing at this strain up to the supply's pressure
 REACHED, TOO_LITTLE, TOO_MUCH, HELPLESS = range(4)
 STATUS = ("reached", "too_little", "too_much", "helpless")
 
 _SHAPE = (161, 201)  # of the muscles' tables, as a plant has them
-_SHARES = 65  # φ at which pressures are kept, even in √φ, as forces begin with p² at small strains
-_FINE = 513  # pressures at which a branch is looked at
-_HALVINGS = 50
+_FRACTIONS = 65  # φ of tabulated pressures, even in √φ, as forces begin with p² at small strains
+_FINE = 513  # pressures of a branch: eight times as many
+_HALVINGS = 50  # of a bracket of pressure: to rounding
 _NEWTON = 4  # from the table within some percent: below 1e-9 of the supply but at kinks
 
 
 class BranchPressure(NamedTuple):
-    """Pressures [Pa], one for each motor unit on the last axis, and a `STATUS` [-] of each."""
+    """Pressures [Pa], one for each motor unit on the last axis, and a `STATUS` of each."""
 
     pressure: Numbers
     status: Whole
 
 
 class Branches(Module):
-    """The rising branches of a bundle's motor units: `Branches.of(bundle, supply)` makes them.
+    """Rising branches of a bundle's motor units, made by `Branches.of(bundle, supply)`.
 
-    `muscles`: tables of one muscle of each unit [-]. `top`: the pressure at which branches end
-    [Pa]. Of each unlike muscle at its table's strains: `onsets` [Pa], `dips` [N] and
-    `dip_pressures` [Pa], and the branch's
-    `pressures` at shares of its force, even in √φ [Pa]. Units are on the last axis of all that is
-    asked and answered; one unit's force is that of a single muscle of it.
+    `muscles`: tables of one muscle of each unit. `top`: the pressure at which branches end [Pa]. Of
+    each unlike muscle at its table's strains: `onsets` [Pa], `dips` [N] and `dip_pressures` [Pa],
+    and the branch's `pressures` [Pa] at fractions of its force, even in √φ. Units are on the last
+    axis of arguments and results; a unit's force is that of a single muscle of it.
     """
 
     muscles: Tables
@@ -73,13 +72,11 @@ class Branches(Module):
 
         **Arguments:**
 
-        - `bundle`: the bundle [-].
+        - `bundle`: the bundle.
         - `supply_pressure`: at which they end [Pa]; left out, the bundle's own.
-        - `shape`: nodes of the muscles' tables in pressure and strain [-].
+        - `shape`: nodes of the muscles' tables in pressure and strain.
 
-        **Returns:** the branches [-].
-
-        **Raises:** `ValueError` for a supply's pressure that can't be.
+        **Raises:** `InvalidInputError` for an invalid supply pressure.
         """
         supply = resolve_supply_pressure(bundle, supply_pressure)
         muscles = [unit.muscle for unit in bundle.motor_units]
@@ -87,16 +84,15 @@ class Branches(Module):
 
     @classmethod
     def tabulated(cls, muscles: Tables, top: float) -> "Branches":
-        """Branches of `muscles` that are tables already, up to a pressure `top` [Pa]."""
+        """Branches of tabulated `muscles` up to a pressure `top` [Pa]."""
         table = muscles.table
         columns = table.coefficients.shape[-3]
         rows = []
-        for indices in range(len(table.coefficients)):
-            unit = int(np.flatnonzero(muscles.indices == indices)[0])
+        for index in range(len(table.coefficients)):
+            unit = int(np.flatnonzero(muscles.indices == index)[0])
             low, high = (float(end[unit]) for end in table.strains)
             rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
-        parts = (np.stack(piece) for piece in zip(*rows, strict=True))
-        return cls(muscles, np.float64(top), *parts)
+        return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Force of one muscle of each unit [N] at a `pressure` [Pa] and `strain` [-]."""
@@ -123,13 +119,13 @@ class Branches(Module):
         return minimum(maximum(p, 0.0), self.top)
 
     def dip(self, strain: Numbers) -> tuple[Numbers, Numbers]:
-        """How deep one muscle of each unit dips [N] at a `strain` [-], and at which pressure [Pa],
-        both between the table's strains.
+        """Depth of the dip of one muscle of each unit [N] at a `strain` [-], and its pressure [Pa],
+        both interpolated between the table's strains.
         """
         j, w, indices = self._column(strain)
         rows = (array_namespace(strain).asarray(row) for row in (self.dips, self.dip_pressures))
-        depth, at = ((1 - w) * row[indices, j] + w * row[indices, j + 1] for row in rows)
-        return depth, at
+        depth, pressure = ((1 - w) * row[indices, j] + w * row[indices, j + 1] for row in rows)
+        return depth, pressure
 
     def pressure(self, force: Numbers, strain: Numbers) -> BranchPressure:
         """The inverse, (K1).
@@ -139,18 +135,17 @@ class Branches(Module):
         - `force`: of one muscle of each unit [N], units on the last axis.
         - `strain`: of each unit's muscles [-]; broadcasts against `force`.
 
-        **Returns:** pressures [Pa] and statuses: 0 where less is asked than an empty muscle's, or
-        where it can't gain, the top where more.
+        **Returns:** pressures [Pa] and statuses; a pressure of 0 for less force than an empty
+        muscle's or a helpless muscle, the top for more force than a full muscle's.
         """
         xp = array_namespace(force, strain)
         force, strain = xp.broadcast_arrays(force, strain)
-        none = 0.0 * strain
-        empty, full = self.force(none, strain), self.force(none + self.top, strain)
+        zero = 0.0 * strain
+        empty, full = self.force(zero, strain), self.force(zero + self.top, strain)
         gains = full > empty
         fraction = (force - empty) / guarded(gains, full - empty)
-        low = fraction <= 0
         high = fraction >= 1
-        inside = gains & ~low & ~high
+        inside = gains & (fraction > 0) & ~high
         phi = where(inside, fraction, 0.5)
         onset = self.onset(strain)
 
@@ -162,7 +157,7 @@ class Branches(Module):
             direction = maximum(minimum(where(rises, direction, 0.0), size), -size)
             return minimum(maximum(p - direction, onset), self.top)
 
-        p = _repeated(step, self._looked_up(phi, strain), _NEWTON)
+        p = _repeated(step, self._initial_pressure(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
         status = xp.where(
             ~gains, HELPLESS,
@@ -171,7 +166,7 @@ class Branches(Module):
         return BranchPressure(where(inside, p, ends), status)
 
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
-        """Place of a `strain` [-] among the columns [-], how far into it [-], and whose it is."""
+        """Column of a `strain` [-], fraction of it [-], and index of the unlike muscle."""
         xp = array_namespace(strain)
         low, high = self.muscles.table.strains
         columns = self.onsets.shape[-1] - 1
@@ -179,7 +174,8 @@ class Branches(Module):
         j = minimum(xp.floor(x), columns - 1.0).astype(int)
         return j, x - j, self.muscles.indices
 
-    def _looked_up(self, fraction: Numbers, strain: Numbers) -> Numbers:
+    def _initial_pressure(self, fraction: Numbers, strain: Numbers) -> Numbers:
+        """Pressure [Pa] at a `fraction` of the force [-], from the table."""
         j, w, indices = self._column(strain)
         rows = self.pressures.shape[-1] - 1
         x = sqrt(fraction) * rows
@@ -193,7 +189,7 @@ class Branches(Module):
 
 
 def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
-    """`step` done so many `times` [-]: as a loop, which is compiled once, where JAX is at work."""
+    """Repeat a `step`; in JAX as a loop, which is compiled once."""
     if array_namespace(begin) is np:
         for _ in range(times):
             begin = step(begin)
@@ -202,25 +198,20 @@ def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) ->
 
 
 def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple[np.ndarray, ...]:
-    """One muscle's onset [Pa], dip [N] and its pressure [Pa] at each strain, and the pressures of
-    its branch [Pa].
-    """
+    """Onset [Pa], dip [N] and its pressure [Pa] at each strain, and the branch's pressures [Pa]."""
 
     def force(pressure: np.ndarray) -> np.ndarray:
         P, eps = np.broadcast_arrays(pressure[..., None], strain[:, None])
-        # of all units the one that is meant
-        count = np.shape(muscles.indices)
-        unit_branches = muscles.at(
-            np.broadcast_to(P, (*P.shape[:-1], *count)), eps + np.zeros(count)
-        )
-        return np.asarray(unit_branches.force)[..., unit]
+        units = np.shape(muscles.indices)
+        points = np.broadcast_to(P, (*P.shape[:-1], *units)), eps + np.zeros(units)
+        return np.asarray(muscles.at(*points).force)[..., unit]
 
-    with np.errstate(all="ignore"):  # of branches that aren't taken
+    with np.errstate(all="ignore"):  # of branches that aren't selected
         # even in √P, as the table is: a muscle changes most at low pressure
         grid = top * np.linspace(0.0, 1.0, _FINE) ** 2
         empty = force(0.0 * strain)
-        chosen = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
-        gains, deepest = chosen < 0, np.argmax(chosen, axis=0)
+        dip = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
+        gains, deepest = dip < 0, np.argmax(dip, axis=0)
         last = _FINE - 1 - np.argmax(~gains[::-1], axis=0)
         helpless = last == _FINE - 1
         low, high = grid[last], grid[np.minimum(last + 1, _FINE - 1)]
@@ -231,11 +222,11 @@ def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple
         onset = np.where(helpless, top, np.where(last == 0, 0.0, high))
         branch = onset + (top - onset) * np.linspace(0.0, 1.0, _FINE)[:, None] ** 2
         pull = np.minimum.accumulate(force(branch)[::-1])[::-1]
-    fractions = np.linspace(0.0, 1.0, _SHARES) ** 2
-    kept_strains = [
+    fractions = np.linspace(0.0, 1.0, _FRACTIONS) ** 2
+    pressures = [
         np.interp(fractions * (f[-1] - f[0]) + f[0], f, p)
         if f[-1] > f[0]
-        else np.full(_SHARES, top)
+        else np.full(_FRACTIONS, top)
         for f, p in zip(pull.T, branch.T, strict=True)
     ]
-    return onset, np.maximum(np.max(chosen, axis=0), 0.0), grid[deepest], np.stack(kept_strains)
+    return onset, np.maximum(np.max(dip, axis=0), 0.0), grid[deepest], np.stack(pressures)

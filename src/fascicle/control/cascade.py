@@ -43,17 +43,17 @@ from ..dynamics.hysteresis import AbstractHysteresis
 from .units import UnitDemand, Units, evaluate_capability
 
 
-_FILTER = 0.02  # s, of a demand's rate
-_STEP = 1e3  # Pa, over which a content's slope is taken
-_STRAIN = 1e-4
-FASTEST = 3e-3  # s, a pressure's time constant where nothing is late
-DAMPED = 2.0  # of all that is late in the loop, equation (K3a)
+_FILTER = 0.02  # s, of a demand's rate: longer than its steps, shorter than a hand-over
+_STEP = 1e3  # Pa, for a content's slope: far above rounding, far below a supply
+_STRAIN = 1e-4  # for the same slope by strain
+FASTEST = 3e-3  # s, a pressure's time constant without any lateness
+DAMPED = 2.0  # times all lateness in the loop, equation (K3a)
 
 
 class Gains(NamedTuple):
-    """Of the position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI]; of the force:
-    `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time` $\\tau$ [s],
-    left out, as (K3a) asks, 3 ms at least.
+    """Gains of the position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI]; of the
+    force: `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time`
+    $\\tau$ [s], left out, as (K3a) requires, at least 3 ms.
     """
 
     position: Batch = 0.0
@@ -65,32 +65,32 @@ class Gains(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Memory of a controller: integrals of its errors [SI], the `demand` of before and its
-    filtered `rate` [SI], friction's forces as it was `reckoned` [N], the reference before [SI],
-    each bundle's policy, measurements that are on their `queue` [SI], commands that are `held` [-]
-    and for how many steps yet [-].
+    """Memory of a controller: integrals of its errors [SI], the previous `demand` and its filtered
+    `rate` [SI], the model's `friction` forces [N], the previous `reference` [SI], each bundle's
+    policy, the `queue` of measurements [SI], the present `commands` [-], steps to `wait` until the
+    next ones and steps since the start.
     """
 
     integral: Batch
     force_integral: Batch
     demand: Batch
     rate: Batch
-    reckoned: Numbers
-    before: Batch
+    friction: Numbers
+    reference: Batch
     policies: tuple
     queue: Numbers
-    held: Numbers
+    commands: Numbers
     wait: Batch
-    fresh: Batch
+    steps: Batch
 
 
 class Cascade(Module):
-    """A controller of a plant, as `simulate` takes it: `control.cascade` makes it.
+    """Controller of a plant, as `simulate` takes it, made by `control.cascade`.
 
-    `plant`: that it knows [-]. `units`: of each bundle [-]. `policies`: one for each [-].
-    `gains`: `Gains` [SI]. `highest_pressure` [Pa], `flow_limit`: share of a valve's opening [-].
-    `friction`: that is compensated [-], or none. `co_contraction` [N]. `of`: "force" or "position";
-    `delay` of measurements and `every` how many steps it acts [-], in steps of `dt` [s].
+    `plant`: its model. `units`: of each bundle. `policies`: one for each bundle. `gains`: `Gains`
+    [SI]. `highest_pressure` [Pa], `flow_limit`: fraction of a valve's opening [-]. `friction`: the
+    law that is compensated, or none. `co_contraction` [N]. `of`: "force" or "position"; `delay` of
+    measurements and period, `every`, in steps of `dt` [s].
     """
 
     plant: Plant
@@ -108,7 +108,7 @@ class Cascade(Module):
 
     @property
     def lateness(self) -> float:
-        """How late valves, measurements and samples are in all [s], in brackets in (K3a)."""
+        """Total lateness of valves, measurements and samples [s], the bracket of (K3a)."""
         valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
         return valve + float(self.dt) * (self.delay + self.every)
 
@@ -126,123 +126,97 @@ class Cascade(Module):
 
     @property
     def memory(self) -> Memory:
-        """With which it begins [-]."""
-        none = jnp.zeros(())
-        n = self.plant.units
-        policy_memories = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
+        """Initial memory."""
+        zero, n = jnp.zeros(()), self.plant.units
+        policies = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
         return Memory(
-            none,
-            none,
-            none,
-            none,
-            jnp.zeros((n, self.friction.count if self.friction else 0)),
-            none,
-            jax.tree.map(jnp.asarray, policy_memories),
-            jnp.zeros((self.delay, n + 4)),
-            jnp.zeros(n),
-            none,
-            none,
-        )
+            zero, zero, zero, zero,
+            jnp.zeros((n, self.friction.count if self.friction else 0)), zero,
+            jax.tree.map(jnp.asarray, policies), jnp.zeros((self.delay, n + 4)), jnp.zeros(n),
+            zero, zero,
+        )  # fmt: skip
 
     def __call__(
         self, memory: Memory, measurement: Measurement, reference: Any
     ) -> tuple[Memory, Numbers]:
-        """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
-        the `reference` now [SI].
+        """Next memory and commands [-], from a `memory`, a `measurement` [SI] and the present
+        `reference` [SI].
         """
         delayed, queue = self._delayed(memory, measurement)
         memory = memory._replace(queue=queue)
         if self.every == 1:
-            memory_next, commands = self._act(memory, delayed, reference)
-        else:  # between its samples nothing is reckoned
-            memory_next, commands = lax.cond(
+            following, commands = self._act(memory, delayed, reference)
+        else:  # between its samples nothing is computed
+            sample = memory._replace(wait=self.every + 0.0 * memory.wait)
+            following, commands = lax.cond(
                 memory.wait <= 0,
-                lambda: self._act(
-                    memory._replace(wait=self.every + 0.0 * memory.wait), delayed, reference
-                ),
-                lambda: (memory, memory.held),
+                lambda: self._act(sample, delayed, reference),
+                lambda: (memory, memory.commands),
             )
-        wait = memory_next.wait - 1
-        return memory_next._replace(held=commands, wait=wait, fresh=memory.fresh + 1), commands
+        wait = following.wait - 1
+        return following._replace(commands=commands, wait=wait, steps=memory.steps + 1), commands
 
     def _act(
         self, memory: Memory, measurement: Measurement, reference: Any
     ) -> tuple[Memory, Numbers]:
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
+        started = memory.steps > 0
         if self.of == "position":
             error = reference - measurement.position
-            goal = -plant.load.force(reference)
-            before = jnp.where(memory.fresh > 0, memory.before, reference)
-            friction, reckoned = self._friction(memory, reference, before, measurement)
-            pulled = (
-                goal + friction + gains.position * error - gains.velocity * measurement.velocity
-            )
-            pulled = pulled + memory.integral
+            before = jnp.where(started, memory.reference, reference)
+            prediction, friction = self._friction(memory, reference, before, measurement)
+            force = (
+                -plant.load.force(reference) + prediction
+                + gains.position * error - gains.velocity * measurement.velocity + memory.integral
+            )  # fmt: skip
             integral = memory.integral + gains.integral * error * dt
+            last = jnp.asarray(reference, float)
         else:
-            error, pulled, integral = (
-                0.0 * measurement.position,
-                reference + 0.0 * measurement.position,
-                memory.integral,
-            )
-            before, reckoned = memory.before, memory.reckoned
-        missing = pulled - measurement.force
-        demand = pulled + gains.force * missing + memory.force_integral
-        force_integral = memory.force_integral + gains.force_integral * missing * dt
-        change = jnp.where(memory.fresh > 0, (demand - memory.demand) / dt, 0.0)
+            force, integral = reference + 0.0 * measurement.position, memory.integral
+            last, friction = memory.reference, memory.friction
+        force_error = force - measurement.force
+        demand = force + gains.force * force_error + memory.force_integral
+        force_integral = memory.force_integral + gains.force_integral * force_error * dt
+        change = jnp.where(started, (demand - memory.demand) / dt, 0.0)
         fraction = dt / (dt + _FILTER)
         if self.of == "force":
             # at first the mean of all changes: a filter that begins at zero would see a ramp too
             # late. Of a position the first changes are its error's, whose mean says nothing
-            fraction = jnp.maximum(fraction, self.every / jnp.maximum(memory.fresh, self.every))
+            fraction = jnp.maximum(fraction, self.every / jnp.maximum(memory.steps, self.every))
         rate = memory.rate + (change - memory.rate) * fraction
 
         strains, speed = plant.strains(measurement.position), plant.gains * measurement.velocity
         joint = len(self.units) == 2
-        policies, targets, lacks = [], [], []
+        policies, targets, short, excess = [], [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
-            indices = plant.unit_indices(side)
-            arm = plant.load.arms[side][1]
-            shared = (1 / (2 * arm)) if joint else 1 / arm
-            extra = self.co_contraction if joint else 0.0
+            indices, arm = plant.unit_indices(side), plant.load.arms[side][1]
+            share = (1 / (2 * arm)) if joint else 1 / arm
             unit_demand = UnitDemand(
-                demand * shared + extra,
-                rate * shared,
-                strains[indices],
-                measurement.pressures[indices],
-                minimum(measurement.supply_pressure, self.highest_pressure),
-                gains.pressure_time,
+                demand * share + (self.co_contraction if joint else 0.0), rate * share,
+                strains[indices], measurement.pressures[indices],
+                minimum(measurement.supply_pressure, self.highest_pressure), gains.pressure_time,
                 dt,
-            )
+            )  # fmt: skip
             capability = evaluate_capability(units, unit_demand)
-            after, target = policy(memory.policies[side], units, unit_demand, capability)
-            policies.append(after)
+            policy_memory, target = policy(memory.policies[side], units, unit_demand, capability)
+            policies.append(policy_memory)
             targets.append(target)
-            lacks.append(
-                (
-                    unit_demand.force > capability.largest[-1],
-                    unit_demand.force < jnp.sum(capability.empty),
-                    shared,
-                )
-            )
-        # more isn't to be had where the bundle that pulls on can't, nor the other one less
-        is_short = jnp.any(jnp.stack([where(s > 0, a, b) for a, b, s in lacks]))
-        less = jnp.any(jnp.stack([where(s > 0, b, a) for a, b, s in lacks]))
+            too_much = unit_demand.force > capability.largest[-1]
+            too_little = unit_demand.force < jnp.sum(capability.empty)
+            short.append(where(share > 0, too_much, too_little))
+            excess.append(where(share > 0, too_little, too_much))
+        # a larger output is out of reach if the bundle that pulls on can't, or the other one less
+        is_short, is_excess = jnp.any(jnp.stack(short)), jnp.any(jnp.stack(excess))
 
-        def still(capability: Batch, before: Batch) -> Batch:
-            return jnp.where(
-                (is_short & (capability > before)) | (less & (capability < before)),
-                before,
-                capability,
-            )
+        def limited(value: Batch, before: Batch) -> Batch:
+            winds_up = (is_short & (value > before)) | (is_excess & (value < before))
+            return jnp.where(winds_up, before, value)
 
         commands = self._valves(jnp.concatenate(targets), measurement, strains, speed)
         return memory._replace(
-            integral=still(integral, memory.integral),
-            force_integral=still(force_integral, memory.force_integral),
-            demand=demand, rate=rate, reckoned=reckoned,
-            before=jnp.asarray(reference, float) if self.of == "position" else before,
-            policies=tuple(policies),
+            integral=limited(integral, memory.integral),
+            force_integral=limited(force_integral, memory.force_integral),
+            demand=demand, rate=rate, friction=friction, reference=last, policies=tuple(policies),
         ), commands  # fmt: skip
 
     def _valves(
@@ -260,8 +234,8 @@ class Cascade(Module):
             flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
             into, out = units.flows(P, measurement.supply_pressure + 0.0 * P)
             opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
-            # one that idles is open to the room: shut, it would be sucked empty as it is shortened,
-            # and what comes back into it needn't come from the supply
+            # an idle unit is open to the room: shut, it would be sucked empty as it is shortened,
+            # and its refill needn't come from the supply
             opening = where(P_r > 0, opening, -1.0)
             commands.append(minimum(maximum(opening, -self.flow_limit), self.flow_limit))
         return jnp.concatenate(commands)
@@ -269,37 +243,26 @@ class Cascade(Module):
     def _friction(
         self, memory: Memory, reference: Batch, before: Batch, measurement: Measurement
     ) -> tuple[Batch, Numbers]:
-        """Predicted friction along the reference [SI], and its forces there [N]."""
+        """Predicted friction along the reference [SI], and its forces [N]."""
         if self.friction is None:
-            return 0.0 * reference, memory.reckoned
+            return 0.0 * reference, memory.friction
         plant, P = self.plant, maximum(measurement.pressures, 0.0)
-        per = plant.lengths * plant.gains
-        queue = per * (reference - before)
-        speed = queue / (self.dt * self.every)
-        at = plant.muscles.at(P, plant.strains(reference))
-        slid = self.friction.advance(memory.reckoned, queue, speed, (P, P), at.force_by_pressure)
-        return array_namespace(P).sum(plant.counts * per * slid.force), slid.spring_forces
+        arms = plant.lengths * plant.gains
+        way = arms * (reference - before)
+        speed = way / (self.dt * self.every)
+        muscles = plant.muscles.at(P, plant.strains(reference))
+        slid = self.friction.advance(memory.friction, way, speed, (P, P), muscles.force_by_pressure)
+        return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
 
     def _delayed(self, memory: Memory, measurement: Measurement) -> tuple[Measurement, Numbers]:
         """Delayed measurement, and the queue of later ones."""
         if not self.delay:
             return measurement, memory.queue
-        row = jnp.concatenate(
-            [
-                jnp.stack(
-                    [
-                        measurement.position,
-                        measurement.velocity,
-                        measurement.force,
-                        measurement.supply_pressure,
-                    ]
-                ),
-                measurement.pressures,
-            ]
+        names = ("position", "velocity", "force", "supply_pressure")
+        scalars = jnp.stack([getattr(measurement, name) for name in names])
+        row = jnp.concatenate([scalars, measurement.pressures])
+        queue = jnp.where(memory.steps > 0, memory.queue, row)
+        delayed = measurement._replace(
+            **{name: queue[0, i] for i, name in enumerate(names)}, pressures=queue[0, 4:]
         )
-        queue = jnp.where(memory.fresh > 0, memory.queue, row)
-        q, v, F, P_s = (queue[0, i] for i in range(4))
-        old = measurement._replace(
-            position=q, velocity=v, force=F, supply_pressure=P_s, pressures=queue[0, 4:]
-        )
-        return old, jnp.concatenate([queue[1:], row[None]])
+        return delayed, jnp.concatenate([queue[1:], row[None]])

@@ -32,16 +32,16 @@ from .units import SLACK
 from .valves import AbstractValves, for_each
 
 
-_SHAPE = (81, 121)  # of tables, which say how soon; whether there is a dip the law itself says
+_SHAPE = (81, 121)  # of tables, for times alone; the dip is that of the law itself
 _MOMENTS = 129  # of a path at least, at which a hand-over may begin
-_STEPS = 32  # of a hand-over
+_STEPS = 32  # of a hand-over: its time changes by less than a percent beyond
 _ZOOMS = 2  # of 32 moments each, after the last that would do: to 1e-5 of the path
 _NO_FLOW = 1e-300  # against division by none, at the supply's pressure
-_STRAINS = 65  # at which dips are looked for, where more are on the path
+_STRAINS = 65  # of dips, if the path has more: they are smooth between
 
 
 class Path(NamedTuple):
-    """Demand: `time` [s], rising, `force` [N], and `strain` [-], one for all or each."""
+    """Demand: `time` [s], rising, `force` [N] and `strain` [-]."""
 
     time: Numbers
     force: Numbers
@@ -57,9 +57,7 @@ class Path(NamedTuple):
         - `force`: the demand at each [N].
         - `strain`: the bundle's contraction at each, or one for all [-].
 
-        **Returns:** the path [-].
-
-        **Raises:** `ValueError` for times that don't rise, and rows that don't fit.
+        **Raises:** `InvalidInputError` for times that don't rise, and rows of unequal length.
         """
         t, F = (
             np.atleast_1d(check_finite(x, n, u))
@@ -76,10 +74,10 @@ class Path(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """A hand-over: its `start` and `end` [s], what of that the next unit alone needs at its end's
-    strain, `time` $t_c$ [s], (X4); the `strain` [-], `dip` [N] and `onset_pressure` [Pa] there;
-    the reserve when it begins, `reserve` [N]; when the units before no longer suffice, `needed`
-    [s]; in words why there is none, `reason`. What there isn't is `None`.
+    """A hand-over: its `start` and `end` [s], the `time` $t_c$ that the next unit alone needs at
+    the end's strain [s], (X4); the `strain` [-], `dip` [N] and `onset_pressure` [Pa] at its end;
+    the `reserve` at its start [N]; the time from which the units before no longer suffice, `needed`
+    [s]; the `reason` why there is none. Missing values are `None`.
     """
 
     start: float | None
@@ -98,7 +96,7 @@ class Crossing(NamedTuple):
         return self.start is not None
 
     def __str__(self) -> str:
-        """In a sentence."""
+        """The hand-over in a sentence."""
         if not self.found:
             return f"none: {self.reason}"
         return (
@@ -110,24 +108,24 @@ class Crossing(NamedTuple):
 def hand_over_time(
     bundle: Bundle, strain: Values, valves: Any, unit: int = 2, supply_pressure: Values = None
 ) -> Numbers:
-    """How long a unit's valve needs to its onset, $t_c$ of equation (X4).
+    """Time in which a unit's valve feeds it to its onset, $t_c$ of equation (X4).
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `strain`: its contraction [-].
-    - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit [-].
-    - `unit`: that is fed [-], counted from 1.
+    - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit.
+    - `unit`: number of the next unit, counted from 1.
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
 
-    **Returns:** time [s]; inf where the unit gains nothing up to the supply's pressure.
+    **Returns:** time [s]; inf if the unit gains nothing up to the supply's pressure.
 
-    **Raises:** `ValueError` as `transition` does, and for valves that don't fit.
+    **Raises:** `InvalidInputError` as `transition` does, and for valves that don't fit.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
-    result = transition(bundle, strain, unit, supply)
+    onset = transition(bundle, strain, unit, supply).onset_pressure
     valve = for_each(valves, len(bundle.motor_units))[unit - 1]
-    return _time(bundle, unit, valve, result.onset_pressure, strain)
+    return _fill_time(bundle, unit, valve, onset, strain)
 
 
 def crossing(
@@ -142,27 +140,27 @@ def crossing(
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
-    - `path`: what is demanded [N] at which strain [-] and time [s].
-    - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit [-].
-    - `unit`: that is recruited [-], counted from 1.
+    - `bundle`: the bundle.
+    - `path`: demand [N] and strain [-] over time [s].
+    - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit.
+    - `unit`: number of the recruited unit, counted from 1.
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
-    - `slack`: factor on the valves' time [-]: 1 is the criterion itself, where a ramp at the
+    - `slack`: factor on the valves' time [-]: 1 is the criterion itself, with which a ramp at the
       valves' limit leaves a controller nothing to correct with.
 
-    **Returns:** a `Crossing` [s]; where there is none, its `reason` says why.
+    **Returns:** a `Crossing` [s]; if there is none, with its `reason`.
 
-    **Raises:** `ValueError` for a unit that doesn't exist, a path off the domain, and valves that
-    don't fit.
+    **Raises:** `InvalidInputError` for a unit that doesn't exist, a path off the domain, and valves
+    that don't fit.
     """
     check_unit(bundle, unit)
     supply = resolve_supply_pressure(bundle, supply_pressure)
     per_unit = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
-    along = _HandOver(bundle, unit, supply, path, per_unit, slack)
+    hand_over = _HandOver(bundle, unit, supply, path, per_unit, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
-    F, at = along.demand(t)
-    reserve = at.largest_force - F
+    F, state = hand_over.demand(t)
+    reserve = state.largest_force - F
     short = np.flatnonzero(reserve < 0)
 
     def none(reason: str, needed: float | None = None) -> Crossing:
@@ -171,37 +169,32 @@ def crossing(
     before = f"unit {unit - 1}" if unit == 2 else f"units 1 to {unit - 1}"
     if not short.size:
         return none(f"{before} can hold all of the path, at least {np.min(reserve):.4g} N are left")
-    if short[0] == 0:
-        return none(
-            f"{before} can't hold the path's beginning: {-reserve[0]:.4g} N are missing",
-            float(t[0]),
-        )
-    k = short[0]  # between whose moments the reserve is used up
+    k = short[0]  # the reserve is used up before this moment
+    if k == 0:
+        missing = f"{-reserve[0]:.4g} N are missing"
+        return none(f"{before} can't hold the path's beginning: {missing}", float(t[0]))
     needed = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
-    open_ = t[(t < needed) & (reserve >= at.dip)]
-    evaluated = along.followed(open_)
-    good = np.flatnonzero(np.isfinite(evaluated))
-    if not good.size:
-        return none(along.why(t[: k + 1], before), needed)
-    start, step = float(open_[good[-1]]), float(np.max(np.diff(t)))
-    for _ in range(_ZOOMS):
-        finer = np.linspace(start, min(start + step, needed), 33)
-        evaluated = along.followed(finer)
-        good = np.flatnonzero(np.isfinite(evaluated))
-        start, step = float(finer[good[-1]]), step / 32
-    end = float(evaluated[good[-1]])
+    starts, start, end = t[(t < needed) & (reserve >= state.dip)], np.nan, np.nan
+    step = float(np.max(np.diff(t)))
+    for _ in range(_ZOOMS + 1):
+        ends = hand_over.ends(starts)
+        feasible = np.flatnonzero(np.isfinite(ends))
+        if not feasible.size:  # not after the first round, whose start is among the next ones
+            return none(hand_over.reason(t[: k + 1], before), needed)
+        start, end = float(starts[feasible[-1]]), float(ends[feasible[-1]])
+        starts, step = np.linspace(start, min(start + step, needed), 33), step / 32
     eps = float(np.interp(end, path.time, path.strain))
-    index = transition(bundle, eps, unit, supply)
-    F_then, then = along.demand(np.array([start]))
+    last = transition(bundle, eps, unit, supply)
+    F_start, first = hand_over.demand(np.array([start]))
     return Crossing(
-        start, end, float(_time(bundle, unit, per_unit[unit - 1], index.onset_pressure, eps)), eps,
-        float(index.dip), float(index.onset_pressure), float(then.largest_force[0] - F_then[0]),
-        needed, "",
+        start, end, float(_fill_time(bundle, unit, per_unit[unit - 1], last.onset_pressure, eps)),
+        eps, float(last.dip), float(last.onset_pressure),
+        float(first.largest_force[0] - F_start[0]), needed, "",
     )  # fmt: skip
 
 
 class _HandOver:
-    """A path, what the units do along it, and hand-overs that are followed on it."""
+    """Hand-overs along a path, with the bundle's tables and transitions on it."""
 
     def __init__(
         self,
@@ -212,110 +205,102 @@ class _HandOver:
         valves: tuple[AbstractValves, ...],
         slack: float,
     ):
-        self.path, self.k, self.supply, self.valves = path, unit - 1, supply, valves
-        self.slack = slack
-        self.ratios = bundle.ratios
+        self.bundle, self.path, self.k = bundle, path, unit - 1
+        self.supply, self.valves, self.slack = supply, valves, slack
         key = "control.branches", supply
         if key not in bundle.cache:
             bundle.cache[key] = Branches.of(bundle, supply, _SHAPE)
         self.branches: Branches = bundle.cache[key]
         self.counts = np.asarray(bundle.counts, float)
-        low, high = float(np.min(path.strain)), float(np.max(path.strain))
-        fewest = np.unique(path.strain)
-        self.strains = fewest if len(fewest) <= _STRAINS else np.linspace(low, high, _STRAINS)
-        self.found = transition(bundle, self.strains, unit, supply)
-        self.bundle = bundle
+        strains = np.unique(path.strain)
+        if len(strains) > _STRAINS:
+            strains = np.linspace(strains[0], strains[-1], _STRAINS)
+        self.strains, self.transitions = strains, transition(bundle, strains, unit, supply)
 
     def demand(self, time: np.ndarray) -> tuple[np.ndarray, Transition]:
         """Demand [N] at a `time` [s], and the transition at its strain."""
         eps = np.interp(time, self.path.time, self.path.strain)
         F = np.interp(time, self.path.time, self.path.force)
-        rows = [np.interp(eps, self.strains, row) for row in self.found]
-        return F, Transition(*rows)
+        return F, Transition(*(np.interp(eps, self.strains, row) for row in self.transitions))
 
-    def followed(self, start: np.ndarray) -> np.ndarray:
-        """When a hand-over ends [s] that begins at each `start` [s]; inf where none without a dip
-        does.
-        """
+    def ends(self, start: np.ndarray) -> np.ndarray:
+        """Ends [s] of the hand-overs that begin at each `start` [s]; inf without a feasible one."""
         t, last = start + 0.0, self.path.time[-1]
-        good, took, before = np.full(t.shape, True), np.zeros_like(t), []
+        feasible, duration, before = np.full(t.shape, True), np.zeros_like(t), []
         for fraction in np.linspace(0.0, 1.0, _STEPS + 1):
-            # the demand of then, if this step takes as long as the one before
-            ok, held = self._held(np.minimum(t + took, last), fraction)
+            # the demand at the step's end, if it takes as long as the one before
+            ok, content = self._step(np.minimum(t + duration, last), fraction)
             if before:
-                per_unit = [
-                    self.slack * np.maximum(time_now - was, 0.0) / np.maximum(flow, _NO_FLOW)
-                    for (time_now, flow), (was, _) in zip(held, before, strict=True)
-                ]
-                took = np.maximum(*per_unit)
-            t, before = t + took, held
-            good &= ok & (t <= last)
-            t = np.where(good, t, last)
-        return np.where(good, t, np.inf)
+                duration = np.maximum(*(
+                    self.slack * np.maximum(m - m_before, 0.0) / np.maximum(flow, _NO_FLOW)
+                    for (m, flow), (m_before, _) in zip(content, before, strict=True)
+                ))  # fmt: skip
+            t, before = t + duration, content
+            feasible &= ok & (t <= last)
+            t = np.where(feasible, t, last)
+        return np.where(feasible, t, np.inf)
 
-    def _held(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list]:
-        """Feasibility of a hand-over to unit k, and the forces and rates of both units."""
-        k, P_s = self.k, self.supply
-        F, at = self.demand(time)
-        eps = self._strains(time)
-        helps = np.isfinite(at.onset_pressure)
-        # the deepest point is among the steps, where a muscle's force has a kink
-        onset = np.where(helps, at.onset_pressure, P_s)
-        down, up = 2 * fraction * at.dip_pressure, (2 * fraction - 1) * (onset - at.dip_pressure)
-        p = down if fraction <= 0.5 else at.dip_pressure + up
-        n, P = self.counts, np.zeros((len(time), len(self.counts)))
+    def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list]:
+        """Feasibility of a step to unit k, and both units' contents and flows."""
+        k, P_s, n = self.k, self.supply, self.counts
+        F, state = self.demand(time)
+        strain = np.interp(time, self.path.time, self.path.strain)
+        eps = np.stack([unit_strain(self.bundle, i + 1, strain) for i in range(len(n))], axis=-1)
+        gains = np.isfinite(state.onset_pressure)
+        # the deepest point is among the steps: a muscle's force may have a kink there
+        onset = np.where(gains, state.onset_pressure, P_s)
+        if fraction <= 0.5:
+            p = 2 * fraction * state.dip_pressure
+        else:
+            p = state.dip_pressure + (2 * fraction - 1) * (onset - state.dip_pressure)
+        P = np.zeros((len(time), len(n)))
         empty = self.branches.force(P, eps)[:, k]
         P[:, k - 1], P[:, k] = P_s, p
         forces = self.branches.force(P, eps)
-        # at the kink the law, which a table rounds off
-        gained = -at.dip if fraction == 0.5 else n[k] * (forces[:, k] - empty)
-        left = at.largest_force - F + gained
+        # at the kink the law, since a table rounds it off
+        gain = -state.dip if fraction == 0.5 else n[k] * (forces[:, k] - empty)
+        spare = state.largest_force - F + gain
         demand = forces.copy()
-        demand[:, k - 1] -= np.maximum(left, 0.0) / n[k - 1]
+        demand[:, k - 1] -= np.maximum(spare, 0.0) / n[k - 1]
         P[:, k - 1] = self.branches.pressure(demand, eps).pressure[:, k - 1]
-        # less than an empty unit's is held by none, which isn't the hand-over's fault
-        ok = helps & (left >= 0)
         V = self.branches.muscles.at(P, eps).volume * n
-        return ok, [
-            (
-                np.asarray(self.valves[i].content(P[:, i], V[:, i])),
-                np.asarray(self.valves[i].flow(P[:, i])),
-            )
+        # a demand below an empty unit's force is no fault of the hand-over
+        return gains & (spare >= 0), [
+            (np.asarray(self.valves[i].content(P[:, i], V[:, i])),
+             np.asarray(self.valves[i].flow(P[:, i])))
             for i in (k - 1, k)
-        ]
+        ]  # fmt: skip
 
-    def _strains(self, time: np.ndarray) -> np.ndarray:
-        eps = np.interp(time, self.path.time, self.path.strain)
-        per_unit = [unit_strain(self.bundle, i + 1, eps) for i in range(len(self.counts))]
-        return np.stack(per_unit, axis=-1)
-
-    def why(self, time: np.ndarray, before: str) -> str:
-        """Why there is no hand-over that begins at any `time` [s]."""
-        F, at = self.demand(time)
-        if not np.any(np.isfinite(at.onset_pressure)):
+    def reason(self, time: np.ndarray, before: str) -> str:
+        """Reason why no hand-over is feasible that begins at any `time` [s]."""
+        F, state = self.demand(time)
+        gains = np.isfinite(state.onset_pressure)
+        if not np.any(gains):
             return f"unit {self.k + 1} gains nothing at these strains up to the supply's pressure"
-        margin = at.largest_force - F - at.dip
-        best = int(np.argmax(np.where(np.isfinite(at.onset_pressure), margin, -np.inf)))
+        margin = state.largest_force - F - state.dip
+        best = int(np.argmax(np.where(gains, margin, -np.inf)))
         if margin[best] < 0:
-            spare = at.largest_force[best] - F[best]
+            spare = state.largest_force[best] - F[best]
             return (
                 f"{before} can spare {max(spare, 0.0):.4g} N at most where the dip is"
-                f" {at.dip[best]:.4g} N deep: force dips by {-margin[best]:.4g} N at least"
+                f" {state.dip[best]:.4g} N deep: force dips by {-margin[best]:.4g} N at least"
             )
         return (
-            f"the valves are too slow: {before} can spare the dip's {at.dip[best]:.4g} N only while"
-            " the demand is lower than when the hand-over would be over"
+            f"the valves are too slow: {before} can spare the dip's {state.dip[best]:.4g} N only"
+            " while the demand is lower than when the hand-over would be over"
         )
 
 
-def _time(
+def _fill_time(
     bundle: Bundle, unit: int, valve: AbstractValves, onset: Values, strain: Values
 ) -> Numbers:
-    time = bundle.motor_units[unit - 1]
+    motor_unit = bundle.motor_units[unit - 1]
     eps = unit_strain(bundle, unit, strain)
-    p_on = np.asarray(onset)
-    index = np.where(np.isfinite(p_on), p_on, 0.0)
-    V = [time.count * time.muscle.conjugate_volume(P, eps) for P in (index, 0.0 * index)]
-    spent = valve.content(index, V[0]) - valve.content(0.0 * index, V[1])
+    gains = np.isfinite(np.asarray(onset))
+    p = np.where(gains, np.asarray(onset), 0.0)
+    full, empty = (
+        valve.content(P, motor_unit.count * motor_unit.muscle.conjugate_volume(P, eps))
+        for P in (p, 0.0 * p)
+    )
     # the least flow on its way
-    return np.where(np.isfinite(p_on), spent / valve.flow(index), np.inf)[()]
+    return np.where(gains, (full - empty) / valve.flow(p), np.inf)[()]

@@ -1,18 +1,32 @@
-r"""Sines of many amplitudes and frequencies in one batch: how they are followed, at what price.
+r"""Frequency response: tracking of sines of many amplitudes and frequencies, and its energy.
 
-Each is a run of its own, all of them one compiled program. The reference grows into its amplitude
-$A$ within a first second; then whole periods are looked at, so that nothing that is stored counts.
-The useful work of a period is what the muscles do on the load while they pull it on,
+All sines are one batch of a compiled program. The reference grows into its amplitude $A$ within a
+first second; then whole periods are evaluated, so that stored energy doesn't count. The useful work
+of a period is that of the muscles on the load while they pull it on,
 
 $$W = \oint \max(F \dot q, 0)\, \mathrm{d}t, \tag{K5}$$
 
-what they hold back as it comes down is not taken off.
+the work on the muscles as the load comes down is not subtracted.
 
-**Assumes** a supply whose pressure stays: what a power unit takes for it follows from the flow.
-**Source:** a map of frequency and amplitude as Kim and Bryant (2024) show one; derived here.
+A power unit feeds the bundle at the supply's pressure $P_s$. With the bundle's flow $Q$, over a
+period,
+
+$$W_{relief} = \frac{P_s \max Q}{\eta f}, \qquad
+  W_{accumulator} = \frac{(P_s + b/2)}{\eta} \oint Q\, \mathrm{d}t, \qquad
+  W_{sensing} = \frac{1}{\eta} \oint \min(P_{top} + c,\, P_s)\, Q\, \mathrm{d}t: \tag{K6}$$
+
+`relief`, a pump of fixed displacement with the largest flow of that sine, the rest over a relief
+valve; `accumulator`, a switched one that charges an accumulator over a band $b$ above $P_s$, from
+which a reducer feeds the bundle; `sensing`, one that delivers the flow at the pressure $P_{top}$ of
+the highest unit that is fed and $c$ more.
+
+**Assumes** a supply of constant pressure, one overall efficiency $\eta$ everywhere, which real
+pumps don't have, and a sensing pump whose lower pressure still drives the flow: it is a bound.
+**Source:** a map of frequency and amplitude as by Kim and Bryant (2024); Merritt (1967), Hydraulic
+Control Systems, for the kinds of power units, with sizes of our own; derived here.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,16 +42,17 @@ from .cascade import Cascade
 from .metrics import reachability
 
 
-_GROWS = 1.0  # s, in which an amplitude is reached
+POWER_UNITS = ("relief", "accumulator", "sensing")
+_GROWTH_TIME = 1.0  # s, in which an amplitude is reached: several time constants of the loop
 _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop", "supply_empty"))
 
 
 class FrequencyResponse(NamedTuple):
-    """Of each amplitude, in rows, and frequency: the `error`, root mean square over the amplitude's
-    own [-]; the share of moments that could be `reached` [-]; a period's useful `work` [J]; what
-    was `drawn` [kg/s] at each moment and the largest pressure of a unit that was fed then, `top`
-    [Pa], both with time on the last axis, `dt` [s] apart, of a `time` [s]; whether each one can be
-    `trusted` [-].
+    """Response for each amplitude, in rows, and frequency: the `error`, root mean square over that
+    of the reference [-]; the fraction of moments that could be `reached` [-]; a period's useful
+    `work` [J]; the flow from the supply, `drawn` [kg/s], and the largest pressure of a unit that is
+    fed, `top` [Pa], with time on the last axis, `dt` [s] apart, over a `time` [s]; `trusted`, true
+    without a doubtful event.
     """
 
     amplitudes: Numbers
@@ -61,21 +76,19 @@ def frequency_response(
     start: State,
     time: Values = 2.0,
 ) -> FrequencyResponse:
-    """A map of amplitude and frequency.
+    """Frequency response of a controlled plant, with amplitudes on the first axis.
 
     **Arguments:**
 
-    - `plant`: whose load moves [-].
-    - `controller`: of position, that acts at each step [-].
+    - `plant`: the plant.
+    - `controller`: of position, that acts at each step.
     - `mean`: of the sines [SI].
     - `amplitudes`: a row of them [SI].
     - `frequencies`: a row of them [1/s], each with whole periods in `time`.
-    - `start`: the state they begin with [SI].
-    - `time`: that is looked at [s].
+    - `start`: initial state [SI].
+    - `time`: that is evaluated [s].
 
-    **Returns:** `Sines` [SI], amplitudes on the first axis.
-
-    **Raises:** `ValueError` for a controller of force, and periods that aren't whole.
+    **Raises:** `InvalidInputError` for a controller of force, and periods that aren't whole.
     """
     A = np.atleast_1d(check_positive(amplitudes, "amplitudes", "SI"))
     f = np.atleast_1d(check_positive(frequencies, "frequencies", "1/s"))
@@ -83,49 +96,83 @@ def frequency_response(
     span, dt = float(check_positive(time, "time", "s")), float(controller.dt)
     if controller.of != "position":
         raise InvalidInputError("controller", "must be one of position", controller.of)
-    is_whole = np.abs(f * span - np.round(f * span)) < 1e-9
-    if not np.all(is_whole & (f * span > 0.5)):
+    is_whole = (np.abs(f * span - np.round(f * span)) < 1e-9) & (f * span > 0.5)
+    if not np.all(is_whole):
         rule = f"must have whole periods in {span:g} s"
-        raise InvalidInputError(
-            "frequencies", rule, float(f[~is_whole][0]) if np.any(~is_whole) else float(f[0])
-        )
-    steps = round((_GROWS + span) / dt)
+        raise InvalidInputError("frequencies", rule, float(f[~is_whole][0]))
+    steps = round((_GROWTH_TIME + span) / dt)
     times = dt * np.arange(steps)
-    grown = np.minimum(times / _GROWS, 1.0)
-    grown = grown**2 * (3 - 2 * grown)  # without a jerk at either end
-    periods = np.sin(2 * np.pi * f[:, None] * (times - _GROWS))
-    target = middle + A[:, None, None] * grown * periods
-    batch = target.reshape(-1, steps)
-    outputs_batch = estimate_substeps(plant, dt)
+    growth = np.minimum(times / _GROWTH_TIME, 1.0)
+    growth = growth**2 * (3 - 2 * growth)  # without a jerk at either end
+    sines = np.sin(2 * np.pi * f[:, None] * (times - _GROWTH_TIME))
+    batch = (middle + A[:, None, None] * growth * sines).reshape(-1, steps)
+    step_size = estimate_substeps(plant, dt)
 
     def run(reference: Numbers) -> PlantOutputs:
-        how = {"dt": dt, "start": start, "substeps": outputs_batch.substeps}
-        return simulate(plant, controller, reference, **how).outputs
+        substeps = step_size.substeps
+        return simulate(plant, controller, reference, dt=dt, start=start, substeps=substeps).outputs
 
     outputs = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(batch)))
-    late = slice(round(_GROWS / dt), steps)
+    late = slice(round(_GROWTH_TIME / dt), steps)
 
-    def shaped(values: Numbers) -> Numbers:
-        return values.reshape(len(A), len(f), *values.shape[1:])
+    def grid(values: Numbers) -> Numbers:
+        return np.reshape(values, (len(A), len(f), *np.shape(values)[1:]))
 
-    missed = outputs.position[:, 1:][:, late] - batch[:, late]
-    rms = np.sqrt(np.mean(missed**2, axis=-1)).reshape(len(A), len(f))
+    deviation = outputs.position[:, 1:][:, late] - batch[:, late]
+    rms = grid(np.sqrt(np.mean(deviation**2, axis=-1)))
     pull = np.sum(plant.lengths * plant.gains * outputs.forces, axis=-1)
     power = np.maximum(pull * outputs.velocity, 0.0)[:, late]
-    work = np.sum(power, axis=-1).reshape(len(A), len(f)) * dt / (span * f)
+    work = grid(np.sum(power, axis=-1)) * dt / (span * f)
+    runs = (PlantOutputs(*(field[k] for field in outputs)) for k in range(len(batch)))
     can = [
-        np.mean(
-            reachability(controller, PlantOutputs(*(field[k] for field in outputs)), target).can[
-                late
-            ]
-        )
-        for k, target in enumerate(batch)
+        np.mean(reachability(controller, run_outputs, reference).can[late])
+        for run_outputs, reference in zip(runs, batch, strict=True)
     ]
-    pressurized = outputs.supply > 0
-    top = np.max(np.where(pressurized, outputs.pressures, 0.0), axis=-1)[:, late]
+    top = np.max(np.where(outputs.supply > 0, outputs.pressures, 0.0), axis=-1)[:, late]
     drawn = np.sum(np.maximum(outputs.drawn, 0.0), axis=-1)[:, late]
-    ok = ~np.any((outputs.status & _DISTRUSTED) > 0, axis=-1) & (not outputs_batch.stiff)
+    trusted = ~np.any((outputs.status & _DISTRUSTED) > 0, axis=-1) & (not step_size.stiff)
     return FrequencyResponse(
-        A, f, rms / (A[:, None] / np.sqrt(2)), np.reshape(can, (len(A), len(f))), work,
-        shaped(drawn), shaped(top), dt, span, ok.reshape(len(A), len(f)),
+        A, f, rms / (A[:, None] / np.sqrt(2)), grid(np.array(can)), work, grid(drawn), grid(top),
+        dt, span, grid(trusted),
     )  # fmt: skip
+
+
+def shaft_work(
+    response: FrequencyResponse,
+    supply_pressure: Values,
+    density: Values,
+    efficiency: Values = 0.8,
+    band: Values = 80e3,
+    margin: Values = 50e3,
+) -> dict[str, Numbers]:
+    """Shaft work of each of `POWER_UNITS` for a period [J], by name, equation (K6).
+
+    **Arguments:**
+
+    - `response`: the response [SI].
+    - `supply_pressure`: gauge [Pa].
+    - `density`: of the liquid [kg/m³].
+    - `efficiency`: of pump and motor together [-], in (0, 1].
+    - `band`: $b$ [Pa].
+    - `margin`: $c$ [Pa].
+
+    **Raises:** `InvalidInputError` for values off their intervals.
+    """
+    P_s = float(check_positive(supply_pressure, "supply_pressure", "Pa"))
+    rho = float(check_positive(density, "density", "kg/m³"))
+    eta = float(check_interval(efficiency, 0.0, 1.0, "efficiency", "-", closed=(False, True)))
+    b, c = (
+        float(check_interval(value, 0.0, np.inf, name, "Pa", closed=(True, False)))
+        for name, value in (("band", band), ("margin", margin))
+    )
+    periods = response.time * response.frequencies
+    Q = response.drawn / rho
+
+    def period(values: Any) -> Numbers:
+        return np.sum(values, axis=-1) * response.dt / periods
+
+    return {
+        "relief": P_s * np.max(Q, axis=-1) / (eta * response.frequencies),
+        "accumulator": (P_s + b / 2) * period(Q) / eta,
+        "sensing": period(np.minimum(response.top + c, P_s) * Q) / eta,
+    }

@@ -1,10 +1,10 @@
-r"""Metrics of a controlled run: drawdown of force, tracking error, lag and energy.
+r"""Metrics of a controlled run: drawdown of force, tracking error, lag, energy, and their front.
 
-The drawdown of what is controlled, along each stretch on which its demand doesn't fall,
+The drawdown of the output, along each stretch on which its demand doesn't fall,
 
 $$\max_t \left[\max_{s \le t} y(s) - y(t)\right], \tag{K4}$$
 
-stands beside the dip $D$ of the transition. Demands that no policy could reach are counted, with
+is compared with the dip $D$ of the transition. Demands that no policy could reach are counted, with
 the force that they lack, and left out of the root mean square, the largest error and the lag.
 
 **Source:** drawdown as of a price: Magdon-Ismail and Atiya (2004).
@@ -22,18 +22,19 @@ from ..dynamics.outputs import PlantOutputs
 from .cascade import Cascade
 
 
-_LAGS = 500  # steps at most, by which a run may be late
-_FED = 0.5  # of its onset, from which on a unit is counted as recruited
-_LEAST = 0.02  # of the supply, where the onset is lower
+_LAGS = 500  # steps, the largest lag: half a second of 1 ms each
+_RECRUITED = 0.5  # of its onset, from which on a unit counts as recruited
+_LEAST = 0.02  # of the supply, if the onset is lower: above a valve's noise
+_EQUAL = 1e-6  # of the larger one: runs that differ by less are as good as each other
 
 
 class ControlMetrics(NamedTuple):
-    """`drawdown` while the demand rose [SI], and the deepest `dip` of a unit at the strains that
-    were passed [N]; root mean square of the error, `rms`, and `largest_error` [SI]; the `lag` at
-    which it follows best [s]; `supply_energy` [J] and `fluid` [kg] that were drawn; how often a
-    unit was `recruited`; of how many `moments` the demand was `unreachable` [-], `first` and
-    `last` when [s], nan where it never was, and by how much force or moment at most it was out of
-    reach, `short` [SI].
+    """Metrics: the `drawdown` while the demand rose [SI], and the deepest `dip` of a unit at the
+    run's strains [N]; root mean square of the error, `rms`, and `largest_error` [SI]; the `lag`
+    with the least error [s]; `supply_energy` [J] and `fluid` [kg] from the supply; the number of
+    times that a unit was `recruited`; the number of `moments`, of those with an `unreachable`
+    demand, the `first` and `last` of them [s], nan if there are none, and the force or moment by
+    which they are out of reach at most, `short` [SI].
     """
 
     drawdown: float
@@ -53,8 +54,7 @@ class ControlMetrics(NamedTuple):
 
 class Reachability(NamedTuple):
     """Reachability at each step: the reference's `target` for the muscles, and the `lower` and
-    `upper` ends of their range, forces or moments [SI]; `inside`, true where the reference is on
-    the load's way.
+    `upper` ends of their range, forces or moments [SI]; `inside`, true if the load can go there.
     """
 
     target: Numbers
@@ -64,12 +64,12 @@ class Reachability(NamedTuple):
 
     @property
     def can(self) -> Marks:
-        """True where the target could be reached."""
+        """True if the target could be reached."""
         return self.inside & (self.short == 0)
 
     @property
     def short(self) -> Numbers:
-        """By how much it is more than they can, or less than they must [SI]."""
+        """Distance of the target from the range [SI]."""
         return np.maximum(np.maximum(self.target - self.upper, self.lower - self.target), 0.0)
 
 
@@ -78,19 +78,17 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
 
     **Arguments:**
 
-    - `controller`: that it was run with [-].
+    - `controller`: the run's.
     - `run`: one run [SI].
-    - `reference`: what was demanded, one for each step [SI].
+    - `reference`: demand at each step [SI].
 
-    **Returns:** a `Worth` [SI].
-
-    **Raises:** `ValueError` for a reference of another length.
+    **Raises:** `InvalidInputError` for a reference of another length.
     """
     outputs = run.outputs
     target = np.asarray(reference, float)
     if target.shape != (len(run.time) - 1,):
         raise InvalidInputError("reference", "must have one for each step", target.size)
-    # what a step led to is compared with what was demanded at its beginning
+    # the output at a step's end is compared with the demand at its beginning
     y = controlled_output(controller, run)[1:]
     reach = reachability(controller, outputs, target)
     can, out_of_reach = reach.can, np.flatnonzero(~reach.can)
@@ -98,30 +96,29 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
         float(run.time[out_of_reach[end]]) if out_of_reach.size else np.nan for end in (0, -1)
     )
     error = np.where(can, y - target, 0.0)
-    count = max(1, int(can.sum()))
-    drawn = np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
+    dt = float(run.time[1] - run.time[0])
     spent = np.asarray(run.ledger)[:, LEDGER.index("supplied")]
     dip, recruited = _units(controller, run)
     return ControlMetrics(
-        drawdown(y, target, can),
-        dip,
-        float(np.sqrt(np.sum(error**2) / count)),
-        float(np.max(np.abs(error))),
-        _lag(y, target, can) * float(controller.dt),
-        float(spent[-1] - spent[0]),
-        float(drawn),
-        recruited,
-        len(out_of_reach),
-        len(can),
-        first,
-        last,
-        float(np.max(reach.short)),
+        drawdown=drawdown(y, target, can),
+        dip=dip,
+        rms=float(np.sqrt(np.sum(error**2) / max(1, int(can.sum())))),
+        largest_error=float(np.max(np.abs(error))),
+        lag=_lag(y, target, can) * float(controller.dt),
+        supply_energy=float(spent[-1] - spent[0]),
+        fluid=float(np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * dt),
+        recruited=recruited,
+        unreachable=len(out_of_reach),
+        moments=len(can),
+        first=first,
+        last=last,
+        short=float(np.max(reach.short)),
     )
 
 
 def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
-    """Controlled output of a `controller` at each moment of a `run` [SI]: the
-    position, or the pull of all muscles on the load [SI].
+    """Controlled output at each moment of a `run`: position, or force of all muscles on the load
+    [SI].
     """
     if controller.of == "position":
         return np.asarray(run.outputs.position)
@@ -130,11 +127,8 @@ def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
 
 
 def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
-    """Equation (K4) of `values` [SI], where what is in `demand` [SI] doesn't fall and is `counted`
-    [-].
-    """
-    deepest, top = 0.0, -np.inf
-    before = -np.inf
+    """Equation (K4) of `values` [SI] while the `demand` [SI] doesn't fall and is `counted`."""
+    deepest, top, before = 0.0, -np.inf, -np.inf
     for y, target, can in zip(values, demand, counted, strict=True):
         top = max(top, y) if can and target >= before else -np.inf
         before = target
@@ -143,9 +137,7 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
 
 
 def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers) -> Reachability:
-    """Range that the bundles of a `controller` can reach at rest, beside the `reference` [SI], at
-    each step of a run with these `outputs` [SI].
-    """
+    """Reachability of a `reference` [SI] at rest, at each step of a run with `outputs` [SI]."""
     plant, supply = controller.plant, np.asarray(outputs.supply_pressure)[:-1]
     position, target = np.asarray(outputs.position)[:-1], np.asarray(reference, float)
     if controller.of == "position":
@@ -172,7 +164,7 @@ def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers)
 
 
 def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
-    """The deepest dip [N] that was passed, and how often a unit was recruited [-]."""
+    """The deepest dip [N] at the run's strains, and the number of recruitments."""
     plant, deepest, switches = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
         indices = plant.unit_indices(side)
@@ -183,20 +175,36 @@ def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
         depth, _ = units.branches.dip(eps)
         deepest = max(deepest, float(np.max((units.counts * depth)[:, 1:], initial=0.0)))
         lower = _LEAST * float(units.branches.top)
-        on = np.maximum(_FED * units.branches.onset(eps), lower) < P
+        on = np.maximum(_RECRUITED * units.branches.onset(eps), lower) < P
         switches += int(np.sum(on[1:] & ~on[:-1]))
     return deepest, switches
 
 
 def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
-    """By how many steps [-] what is done follows best what was wanted."""
+    """Lag with the least error, in steps."""
     if np.ptp(target) == 0 or not counted.any():
         return 0
     upper = min(_LAGS, len(y) // 4)
-    misses = [
-        np.mean(((y[n:] - target[: len(target) - n]) ** 2)[counted[: len(counted) - n]])
-        if counted[: len(counted) - n].any()
-        else np.inf
-        for n in range(upper + 1)
-    ]
-    return int(np.argmin(misses))
+    errors = []
+    for n in range(upper + 1):
+        mask = counted[: len(counted) - n]
+        squares = ((y[n:] - target[: len(target) - n]) ** 2)[mask]
+        errors.append(np.mean(squares) if mask.any() else np.inf)
+    return int(np.argmin(errors))
+
+
+def front(dips: Values, energies: Values) -> Marks:
+    """Front of runs by depth of the dip and energy: true if no other run is better in one of both
+    and as good in the other.
+
+    **Arguments:**
+
+    - `dips`: of each run, or its drawdown [SI].
+    - `energies`: of each run [J].
+    """
+    costs = np.stack([np.asarray(dips, float), np.asarray(energies, float)], axis=-1)
+    tolerance = _EQUAL * np.maximum(np.max(np.abs(costs), axis=0), 1e-300)
+    run, rival = costs[:, None, :], costs[None, :, :]
+    as_good = np.all(rival <= run + tolerance, axis=-1)
+    better = np.any(rival < run - tolerance, axis=-1)
+    return ~np.any(as_good & better, axis=1)

@@ -1,4 +1,4 @@
-"""Policies by name, and a controller of a plant made of one."""
+"""Policies by name, and controllers made of them."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -28,7 +28,7 @@ POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
     "fast_cross": fast_cross,
 })  # fmt: skip
 OF = ("force", "position")
-_BAND = 0.02  # of what the largest unit pulls at rest
+_BAND = 0.02  # of the largest unit's force at rest: more than noise
 
 
 def cascade(
@@ -45,30 +45,28 @@ def cascade(
     compensate: bool = False,
     co_contraction: Values = 0.0,
 ) -> Cascade:
-    """A controller of a plant, as `simulate` takes it.
+    """Controller of a plant, as `simulate` takes it.
 
     **Arguments:**
 
-    - `plant`: that it controls, and knows [-].
-    - `policy`: which units are fed, by name [-]: one of `POLICIES`.
-    - `of`: what the reference is, "force" or "position" [-].
-    - `gains`: of the cascade, `Gains` [SI], none below zero; a `pressure_time` faster than the
-      plant allows is warned of.
-    - `band`: by how much a demand must be lower before a unit is let go [N]; left out, 2 % of what
-      the largest unit pulls at rest.
+    - `plant`: the plant, which is its model, too.
+    - `policy`: name of the policy, one of `POLICIES`.
+    - `of`: quantity of the reference, "force" or "position".
+    - `gains`: of the cascade, `Gains` [SI], none below zero; a `pressure_time` too fast for the
+      plant raises a warning.
+    - `band`: decrease of the demand before a unit is vented [N]; left out, 2 % of the largest
+      unit's force at rest.
     - `dt`: the simulation's step [s].
-    - `sample_time`: how often it acts [s], whole steps; left out, at each.
-    - `delay`: of what it measures [s], whole steps.
-    - `highest_pressure`: that it asks for [Pa]; left out, the supply's.
-    - `flow_limit`: share of a valve's opening that it uses [-].
-    - `compensate`: whether it feeds the plant's own friction forward [-].
-    - `co_contraction`: of a joint's bundles, each [N].
+    - `sample_time`: period of its commands [s], whole steps; left out, each step.
+    - `delay`: of its measurements [s], whole steps.
+    - `highest_pressure`: of its targets [Pa]; left out, the supply's.
+    - `flow_limit`: largest opening of a valve [-].
+    - `compensate`: feedforward of the plant's friction.
+    - `co_contraction`: of each of a joint's bundles [N].
 
-    **Returns:** the controller [-].
-
-    **Raises:** `ValueError`, one line, for what can't be.
+    **Raises:** `InvalidInputError` for arguments that don't fit.
     """
-    make = POLICIES[check_choice(policy, POLICIES, "policy")]
+    create = POLICIES[check_choice(policy, POLICIES, "policy")]
     check_choice(of, OF, "of")
     if plant.commands != plant.units:
         rule = "must have one command for each motor unit"
@@ -80,52 +78,42 @@ def cascade(
         if name != "pressure_time":
             check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
-    interval = _steps(
-        check_positive(step if sample_time is None else sample_time, "sample_time", "s"),
-        step,
-        "sample_time",
-    )
-    late = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
-    waits = _steps(late, step, "delay") if late else 0
+    period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
+    every = _steps(period, step, "sample_time")
+    lateness = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
+    delay_steps = _steps(lateness, step, "delay") if lateness else 0
     supply = plant.supply_pressure
-    highest = supply
-    if highest_pressure is not None:
-        why = "of the supply"
-        highest = float(
-            check_interval(
-                highest_pressure, 0.0, supply, "highest_pressure", "Pa", why, (False, True)
-            )
-        )
+    highest = float(check_interval(
+        supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
+        "Pa", "of the supply", (False, True),
+    ))  # fmt: skip
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
     units = tuple(Units.of(plant, side) for side in range(len(plant.bundles)))
     if band is None:
-        band = _BAND * max(
-            float(
-                np.max(
-                    bundle.counts
-                    * bundle.branches.force(np.full(bundle.many, supply), np.zeros(bundle.many))
-                )
-            )
+        forces = (
+            bundle.counts
+            * bundle.branches.force(np.full(bundle.count, supply), np.zeros(bundle.count))
             for bundle in units
         )
-    policies = tuple(make(band) for _ in units)
+        band = _BAND * max(float(np.max(force)) for force in forces)
+    policies = tuple(create(band) for _ in units)
     for rule, bundle in zip(policies, units, strict=True):
         rule.begin(bundle)
     derived = gains.pressure_time is None
-    settles = FASTEST if derived else gains.pressure_time
-    settles = check_positive(settles, "pressure_time", "s")
-    gains = Gains(*map(np.float64, gains._replace(pressure_time=settles)))
+    pressure_time = FASTEST if derived else gains.pressure_time
+    pressure_time = check_positive(pressure_time, "pressure_time", "s")
+    gains = Gains(*map(np.float64, gains._replace(pressure_time=pressure_time)))
     controller = Cascade(
         plant, units, policies, gains, np.float64(highest), np.float64(limit),
         plant.hysteresis if compensate else None,
         np.float64(
             check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
         ),
-        np.float64(step), of, waits, interval,
+        np.float64(step), of, delay_steps, every,
     )  # fmt: skip
     if derived:
-        settles = np.float64(max(FASTEST, DAMPED * controller.lateness))
-        return replace(controller, gains=gains._replace(pressure_time=settles))
+        pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
+        return replace(controller, gains=gains._replace(pressure_time=pressure_time))
     for warning in controller.warnings:
         warnings.warn(f"{warning}.", stacklevel=2)
     return controller

@@ -19,7 +19,7 @@ _HARMLESS = 0.2  # of t_c √(k/M), below which a dip moves the load by at most 
 
 
 class PolicyChoice(NamedTuple):
-    """A `policy` [-], `why` [-], and the crossings that it was chosen by [-]."""
+    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on."""
 
     policy: str
     why: str
@@ -27,18 +27,16 @@ class PolicyChoice(NamedTuple):
 
 
 def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> PolicyChoice:
-    """A policy for a plant and its reference.
+    """Select a policy for a plant and its reference.
 
     **Arguments:**
 
-    - `plant`: of one bundle or two [-].
+    - `plant`: of one bundle or two.
     - `reference`: one for each step [SI].
     - `dt`: the step [s].
-    - `of`: what the reference is, "force" or "position" [-].
+    - `of`: quantity of the reference, "force" or "position".
 
-    **Returns:** the `Choice` [-].
-
-    **Raises:** `ValueError` as `crossing` does.
+    **Raises:** `InvalidInputError` as `crossing` does.
     """
     if plant.units == 1:
         return PolicyChoice("orderly", "there is one motor unit, nothing is handed over", ())
@@ -49,38 +47,32 @@ def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> Policy
     bundle, supply = plant.bundles[0], plant.supply_pressure
     units = range(2, plant.units + 1)
     crossings = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
-    return PolicyChoice(*_chosen(plant, path, crossings), crossings)
+    return PolicyChoice(*_select(plant, path, crossings), crossings)
 
 
-def _chosen(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[str, str]:
-    needed = [
-        crossing_result for crossing_result in crossings if crossing_result.needed is not None
-    ]
+def _select(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[str, str]:
+    """A policy and the reason for it."""
+    needed = [entry for entry in crossings if entry.needed is not None]
     if not needed:
         return "threshold", f"no crossing is needed: {crossings[0].reason}"
-    none = [crossing_result for crossing_result in needed if not crossing_result.found]
-    if none:
+    infeasible = next((entry for entry in needed if not entry.found), None)
+    if infeasible is not None:
         ratio = _ratio(plant, path)
         if ratio < _HARMLESS:
-            why = f"{none[0].reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
+            why = f"{infeasible.reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
             return "fast_cross", why
-        return "hand_over", f"{none[0].reason}; it keeps the dip as small as it can be"
-    waits = max(
-        (crossing_result.needed or 0.0)
-        - (crossing_result.end or 0.0)
-        - (crossing_result.time or 0.0)
-        for crossing_result in needed
-    )
-    if waits > 0 and np.ptp(path.strain) > 1e-6:
-        why = f"the last crossing ends {waits:.3g} s before the unit is needed: {needed[0]}"
+        return "hand_over", f"{infeasible.reason}; it keeps the dip as small as it can be"
+    wait = max((entry.needed or 0.0) - (entry.end or 0.0) - (entry.time or 0.0) for entry in needed)
+    if wait > 0 and np.ptp(path.strain) > 1e-6:
+        why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
     return "hand_over", f"there is a crossing without a dip, {needed[0]}"
 
 
 def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
-    """Demand and strain, as quasi-static motion has them."""
-    fewest = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
-    time, target = dt * fewest, reference[fewest]
+    """Demand and strain of quasi-static motion."""
+    steps = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
+    time, target = dt * steps, reference[steps]
     low, high = plant.stroke
     if of == "position":
         q = np.clip(target, low, high)

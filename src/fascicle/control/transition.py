@@ -34,17 +34,17 @@ from ..core.types import Batch, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 
 
-_GRID = 129  # pressures at which a dip and its end are looked for, even in √p
-_SHARES = 513  # of an onset, at which a rising demand is looked at
+_GRID = 129  # pressures that bracket a dip and its end, even in √p: finer than any fold of a law
+_FRACTIONS = 513  # of an onset, for a rising demand: the grid's error is below 1e-5 of the dip
 _ZOOMS = 8  # of 17 pressures each around the lowest, which may be a kink: to 1e-9 of the supply
 _STEPS = 60  # of a bracket at most: by halves alone they take a pressure to rounding
-_AT_ONCE = 50_000  # points of a law in one call, of some 2 µs each
+_BATCH = 50_000  # points of a law in one call, of some 2 µs each
 
 
 class Transition(NamedTuple):
-    """At each strain: how deep the `dip` is, $D$ [N], at which pressure of the next unit,
-    `dip_pressure` [Pa], where it ends, `onset_pressure` [Pa], inf where it doesn't up to the
-    supply's, and what the units before hold at most, `largest_force` [N].
+    """Transition at each strain: depth of the `dip`, $D$ [N], the next unit's pressure at it,
+    `dip_pressure` [Pa], and at its end, `onset_pressure` [Pa], inf if it has no end up to the
+    supply's, and the `largest_force` of the units before [N].
     """
 
     dip: Batch
@@ -58,14 +58,14 @@ def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Bat
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `pressure`: the unit's gauge pressure [Pa].
     - `strain`: the bundle's contraction [-]; broadcasts against `pressure`.
-    - `unit`: that is fed [-], counted from 1.
+    - `unit`: number of the unit, counted from 1.
 
-    **Returns:** $g$ [N], negative where it takes.
+    **Returns:** $g$ [N], negative below the onset.
 
-    **Raises:** `ValueError` for a unit that doesn't exist, and values off the domain.
+    **Raises:** `InvalidInputError` for a unit that doesn't exist, and values off the domain.
     """
     check_unit(bundle, unit, first=1)
     P = check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
@@ -75,33 +75,33 @@ def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Bat
 def transition(
     bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> Transition:
-    """The dip before a unit, its end, and what is held without it.
+    """The dip before a unit, its end, and the largest force without it.
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `strain`: its contraction [-].
-    - `unit`: that is fed next [-], counted from 1.
+    - `unit`: number of the next unit, counted from 1.
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
 
     **Returns:** a `Transition` [N], [Pa], each of `strain`'s shape.
 
-    **Raises:** `ValueError` for a unit that isn't among the second to the last, and values off
-    the domain.
+    **Raises:** `InvalidInputError` for a unit that isn't among the second to the last, and values
+    off the domain.
     """
     check_unit(bundle, unit)
     supply = resolve_supply_pressure(bundle, supply_pressure)
     eps = unit_strain(bundle, unit, strain)
     flat = np.reshape(eps, -1)
-    size = max(1, _AT_ONCE // _GRID)
-    parts = [
+    size = max(1, _BATCH // _GRID)
+    batches = [
         _dip(bundle, unit, flat[k : k + size], supply) for k in range(0, max(1, len(flat)), size)
     ]
-    dip, at, onset = (
-        np.concatenate(piece).reshape(np.shape(eps))[()] for piece in zip(*parts, strict=True)
+    dip, pressure, onset = (
+        np.concatenate(row).reshape(np.shape(eps))[()] for row in zip(*batches, strict=True)
     )
     pressures = np.where(np.arange(len(bundle.motor_units)) < unit - 1, supply, 0.0)
-    return Transition(dip, at, onset, bundle.force(pressures, strain))
+    return Transition(dip, pressure, onset, bundle.force(pressures, strain))
 
 
 def needed_reserve(
@@ -116,75 +116,72 @@ def needed_reserve(
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `strain`: its contraction [-].
     - `force_rate`: of the demand [N/s].
-    - `time`: $t_c$ that the hand-over takes [s], from 0.
-    - `unit`: that is fed next [-], counted from 1.
+    - `time`: duration $t_c$ of the hand-over [s], from 0.
+    - `unit`: number of the next unit, counted from 1.
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
 
-    **Returns:** $\\rho$ [N]; inf where the unit gains nothing up to the supply's pressure.
+    **Returns:** $\\rho$ [N]; inf if the unit gains nothing up to the supply's pressure.
 
-    **Raises:** `ValueError` as `transition` does, and for a `time` below zero.
+    **Raises:** `InvalidInputError` as `transition` does, and for a `time` below zero.
     """
     t_c = check_interval(time, 0.0, np.inf, "time", "s", closed=(True, False))
     rate = check_interval(force_rate, -np.inf, np.inf, "force_rate", "N/s")
     supply = resolve_supply_pressure(bundle, supply_pressure)
-    roots = transition(bundle, strain, unit, supply)
-    rising = rate * t_c
-    onset = roots.onset_pressure[..., None]
-    helps = np.isfinite(onset)
-    fraction = np.linspace(0.0, 1.0, _SHARES)
-    eps = unit_strain(bundle, unit, strain)
-    used = -_gain(
-        bundle, unit, np.where(helps, onset, supply) * fraction, np.asarray(eps)[..., None]
-    )
-    need = np.max(used + np.asarray(rising)[..., None] * fraction, axis=-1)
+    state = transition(bundle, strain, unit, supply)
+    rise = rate * t_c
+    gains = np.isfinite(state.onset_pressure)
+    onset = np.where(gains, state.onset_pressure, supply)
+    fraction = np.linspace(0.0, 1.0, _FRACTIONS)
+    eps = np.asarray(unit_strain(bundle, unit, strain))[..., None]
+    loss = -_gain(bundle, unit, onset[..., None] * fraction, eps)
+    need = np.max(loss + np.asarray(rise)[..., None] * fraction, axis=-1)
     # between the grid's pressures the dip itself is deeper, often a kink
-    piece = np.where(helps, roots.dip_pressure[..., None] / np.maximum(onset, 1.0), 0.0)[..., 0]
-    need = np.maximum(need, roots.dip + rising * piece)
-    return np.where(helps[..., 0], np.maximum(need, 0.0), np.inf)[()]
+    dip_fraction = np.where(gains, state.dip_pressure / np.maximum(onset, 1.0), 0.0)
+    need = np.maximum(need, state.dip + rise * dip_fraction)
+    return np.where(gains, np.maximum(need, 0.0), np.inf)[()]
 
 
 def check_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
-    """Refuse a `unit` [-] of the `bundle` [-] that isn't among the `first` [-] to the last."""
+    """Raise for a `unit` of the `bundle` that isn't among the `first` to the last."""
     count = len(bundle.motor_units)
     if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= count:
         raise InvalidInputError("unit", f"must be a whole number in [{first}, {count}]", unit)
 
 
 def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
-    """Strain of a unit's muscles [-] at the `bundle`'s [-] `strain` [-], the `unit` counted from 1
-    [-].
-    """
+    """Strain of a unit's muscles [-] at the `bundle`'s `strain` [-]; `unit` counts from 1."""
     eps = bundle._check_strain(strain)
     return eps if bundle.ratios is None else muscle_strain(bundle.ratios[..., unit - 1], eps)
 
 
 def _gain(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
-    unit_force = bundle.motor_units[unit - 1]
-    pressurized = unit_force.muscle.law.at(pressure + 0.0 * strain)
-    empty = unit_force.muscle.law.at(0.0 * strain)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        return unit_force.count * (pressurized.force(strain)[0] - empty.force(strain)[0])
+    motor_unit = bundle.motor_units[unit - 1]
+    pressurized, empty = (
+        motor_unit.muscle.law.at(P) for P in (pressure + 0.0 * strain, 0.0 * strain)
+    )
+    with np.errstate(all="ignore"):  # of branches that aren't selected
+        return motor_unit.count * (pressurized.force(strain)[0] - empty.force(strain)[0])
 
 
 def _dip(
     bundle: Bundle, unit: int, strain: np.ndarray, supply: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth [N], pressure [Pa] and end [Pa] at each strain."""
+    """Depth [N] and pressure [Pa] of the dip, and the onset [Pa], at each strain."""
 
-    def looked(pressure: np.ndarray) -> np.ndarray:
+    def gains(pressure: np.ndarray) -> np.ndarray:
         return np.asarray(_gain(bundle, unit, pressure, strain))
 
     batch = np.arange(len(strain))
     grid = supply * np.linspace(0.0, 1.0, _GRID)[:, None] ** 2 + 0.0 * strain
-    values = looked(grid)
+    values = gains(grid)
     last = _GRID - 1 - np.argmax(values[::-1] <= 0, axis=0)
     helpless = last == _GRID - 1
     low, high = (grid[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
     falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
-    onset = _find_crossing(looked, (low, falls_to), (high, rises_to))
+    onset = _find_root(gains, (low, falls_to), (high, rises_to))
     onset = np.where(helpless, np.inf, np.where(last == 0, 0.0, onset))
     k = np.argmin(values, axis=0)
     for _ in range(_ZOOMS):
@@ -192,29 +189,29 @@ def _dip(
         # the best so far stays among them
         inner = low + (high - low) * np.linspace(0.0, 1.0, 16)[:, None]
         grid = np.sort(np.concatenate([inner, grid[k, batch][None]]), axis=0)
-        values = looked(grid)
+        values = gains(grid)
         k = np.argmin(values, axis=0)
     best, depth = grid[k, batch], values[k, batch]
     falls = depth < 0
     return np.where(falls, -depth, 0.0), np.where(falls, best, 0.0), onset
 
 
-def _find_crossing(
-    looked: Callable[[np.ndarray], np.ndarray],
+def _find_root(
+    function: Callable[[np.ndarray], np.ndarray],
     low: tuple[np.ndarray, np.ndarray],
     high: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
-    """Where what is `looked` at rises through zero between two places, each with its value: by
-    false position, of which every third step is a halving.
+    """Roots of a rising `function` between two points, each with its value: false position, of
+    which every third step is a halving.
     """
     (a, f_a), (b, f_b) = low, high
     for step in range(_STEPS):
-        if np.all(b - a <= 1e-13 * b):
+        if np.all(b - a <= 1e-13 * b):  # rounding
             break
         fraction = np.where(f_b > f_a, -f_a / np.where(f_b > f_a, f_b - f_a, 1.0), 0.5)
         fraction = 0.5 if step % 3 == 2 else np.clip(fraction, 1e-6, 1 - 1e-6)
         middle = a + fraction * (b - a)
-        value = looked(middle)
+        value = function(middle)
         up = value > 0
         a, f_a = np.where(up, a, middle), np.where(up, f_a, value)
         b, f_b = np.where(up, middle, b), np.where(up, value, f_b)

@@ -1,17 +1,17 @@
-r"""How long a valve takes to feed a motor unit to its onset.
+r"""Time of a valve to feed a motor unit to its onset.
 
-What a chamber holds at a pressure is its content $m$: a gas's mass or a liquid's volume. At the
-strain $\varepsilon$, with the volume $V^*$ that goes with the force,
+The content $m$ of a chamber is a gas's mass or a liquid's volume. At the strain $\varepsilon$,
+with the volume $V^*$ that is conjugate to the force,
 
 $$t_c = \frac{m\left(p_{on}, n V^*(p_{on}, \varepsilon)\right)
     - m\left(0, n V^*(0, \varepsilon)\right)}{\dot m}, \qquad
   m = \frac{(p + p_a)\, V}{R T_a} \text{ of a gas},\quad V \text{ of a liquid}. \tag{X4}$$
 
 With the straight braid's $V(\varepsilon)$ in its place a gas would seem to come a quarter to a
-third sooner, a liquid at once. `PlantValves` adds what a plant's chamber has beside its muscles,
-hose and compliance, and takes the flow that the valve passes at the pressure, wide open.
+third sooner, a liquid at once. `PlantValves` adds hose and compliance of a plant's chamber, and
+takes the flow of its valve at the pressure, wide open.
 
-**Assumes** gas as warm as the room: one that is heated as it is filled comes sooner.
+**Assumes** gas as warm as the room: gas that heats up as it is compressed comes sooner.
 **Source:** derived here.
 """
 
@@ -36,7 +36,7 @@ class AbstractValves(Module):
 
     @abc.abstractmethod
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
-        """Content [kg or m³] at gauge `pressure` [Pa] in a `volume` [m³] of muscles [SI]."""
+        """Content [kg or m³] at gauge `pressure` [Pa] in a `volume` [m³] of muscles."""
 
     @abc.abstractmethod
     def flow(self, pressure: Numbers) -> Batch:
@@ -44,9 +44,9 @@ class AbstractValves(Module):
 
 
 class GasValves(AbstractValves):
-    """A gas that comes at one `mass_flow`, $\\dot m$ [kg/s], whatever the pressure.
+    """Gas at a `mass_flow`, $\\dot m$ [kg/s], that does not depend on the pressure.
 
-    `gas` [-]; `room_pressure`, absolute [Pa]; `room_temperature` [K].
+    `gas`; `room_pressure`, absolute [Pa]; `room_temperature` [K].
     """
 
     mass_flow: Batch = positive_field("mass_flow", Range("kg/s", 1e-12, 1e-8, 1.0, 1e3))
@@ -64,7 +64,7 @@ class GasValves(AbstractValves):
 
 
 class OilValves(AbstractValves):
-    """A liquid that comes at one `flow_rate`, $Q$ [m³/s], whatever the pressure."""
+    """Liquid at a `flow_rate`, $Q$ [m³/s], that does not depend on the pressure."""
 
     flow_rate: Batch = positive_field("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
 
@@ -78,10 +78,10 @@ class OilValves(AbstractValves):
 
 
 class PlantValves(AbstractValves):
-    """One motor unit's valve and chamber in a plant: mass of gas or liquid.
+    """Valve and chamber of one motor unit in a plant: mass of gas or liquid.
 
-    `chamber` and `valve`: the plant's, with the unit's numbers alone [-]; `supply_pressure`:
-    gauge [Pa], and `supply_temperature` [K], as its supply begins.
+    `chamber` and `valve`: the plant's, with the unit's numbers alone; `supply_pressure`: gauge
+    [Pa], and `supply_temperature` [K], at the start of a run.
     """
 
     chamber: AbstractChamber
@@ -92,13 +92,13 @@ class PlantValves(AbstractValves):
     @classmethod
     def of(cls, plant: Plant) -> tuple["PlantValves", ...]:
         """Valves of each motor unit of a `plant`, in its order."""
-        warm = float(plant.supply.temperature_at(plant.supply.start()))
+        temperature = float(plant.supply.temperature_at(plant.supply.start()))
         return tuple(
             cls(
-                of_units(plant.chamber, i, plant.units),
-                of_units(plant.valve, i, plant.units),
+                select_units(plant.chamber, i, plant.units),
+                select_units(plant.valve, i, plant.units),
                 plant.supply_pressure,
-                warm,
+                temperature,
             )
             for i in range(plant.units)
         )
@@ -109,15 +109,13 @@ class PlantValves(AbstractValves):
 
     def flow(self, pressure: Numbers) -> Batch:
         """Mass flow [kg/s] into it at gauge `pressure` [Pa], wide open."""
-        room, warm = self.chamber.room_pressure, self.chamber.room_temperature
+        room, temperature = self.chamber.room_pressure, self.chamber.room_temperature
         top = self.supply_pressure + room
-        return self.valve.flow(top, pressure + room, self.supply_temperature, warm)
+        return self.valve.flow(top, pressure + room, self.supply_temperature, temperature)
 
 
 def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
-    """Valves of each of so many `units` [-], from a plant's, one for all, or a list of `valves`
-    [-].
-    """
+    """Valves of each of so many `units`, from a plant, one for all, or a list of `valves`."""
     if isinstance(valves, Plant):
         per_unit: tuple[Any, ...] = PlantValves.of(valves)
     elif isinstance(valves, AbstractValves):
@@ -129,14 +127,13 @@ def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
             rule = "must be GasValves, OilValves, a Plant, or a list of one for each unit"
             raise InvalidInputError("valves", rule, valve, shown=type(valve).__name__)
     if len(per_unit) != units:
-        raise InvalidInputError(
-            "valves", f"must be one for each of the {units} motor units", len(per_unit)
-        )
+        rule = f"must be one for each of the {units} motor units"
+        raise InvalidInputError("valves", rule, len(per_unit))
     return per_unit
 
 
-def of_units(part: Module, index: Any, units: int) -> Any:
-    """A part [-] of a plant of so many `units` [-], its numbers those of `index` of them [-]."""
+def select_units(component: Module, index: Any, units: int) -> Any:
+    """Component of a plant of so many `units`, with the numbers of one `index` or several."""
     return jax.tree.map(
-        lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, part
+        lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, component
     )

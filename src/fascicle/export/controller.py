@@ -61,7 +61,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
 def template_values(controller: Cascade, number: Callable[[float], str]) -> dict[str, Any]:
     """Values of the C template for a controller on its table; `number` formats one number."""
     units, gains, policy = controller.units[0], controller.gains, controller.policies[0]
-    branches, chamber, count = units.branches, units.chamber, units.many
+    branches, chamber, count = units.branches, units.chamber, units.count
     temperature = float(chamber.room_temperature)
     density = chamber.gas.density(np.asarray(chamber.room_pressure), temperature)
 

@@ -1,4 +1,4 @@
-r"""Accumulators: a liquid that presses on a gas, alone and with a pump that keeps it charged.
+r"""Accumulators: a liquid that presses on a gas, alone and with a pump that charges it.
 
 With $x = \ln(V_0/(V_0 - V_l))$, of a gas that fills $V_0$ at its precharge $p_0$ and leaves $V_l$
 to the liquid, absolute pressure, mass and energy over the empty one's are
@@ -54,7 +54,7 @@ from .pumps import FixedPump, PressureBand, Relief, VariablePump
 from .supply import AbstractSupply, supply_pressure_field
 
 
-_FULL = 0.99
+_FULL = 0.99  # of the volume, up to which (F18) is valid
 _STEPS = 4  # of Newton's method: from P/K of some 1e-3 two would do
 
 
@@ -62,7 +62,7 @@ class Accumulator(AbstractSupply):
     """Liquid that presses on a gas, equations (F18) and (F19).
 
     `volume`: $V_0$ of the gas when there is no liquid [m³]. `precharge`: gauge pressure of the gas
-    then [Pa]. `pressure`: gauge, that it begins with, above the precharge [Pa]. `exponent`: $n$
+    then [Pa]. `pressure`: initial, gauge, above the precharge [Pa]. `exponent`: $n$
     [-], in [1, 2]. `liquid`; `room_pressure`, absolute [Pa], and `room_temperature` [K].
     """
 
@@ -88,10 +88,10 @@ class Accumulator(AbstractSupply):
             raise InvalidInputError(
                 "pressure", rule, low, "below it there is no liquid", f"{low:g} Pa"
             )
-        share = float(np.max(-expm1(-self._spread(P))))
-        if share > _FULL:
-            rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - share:.3g}"
-            raise InvalidInputError("pressure", rule, share, "raise the `precharge`", shown="")
+        fill = float(np.max(-expm1(-self._spread(P))))
+        if fill > _FULL:
+            rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - fill:.3g}"
+            raise InvalidInputError("pressure", rule, fill, "raise the `precharge`", shown="")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,15 +108,15 @@ class Accumulator(AbstractSupply):
         return -self.volume * expm1(-self._spread(pressure))
 
     def start(self) -> Numbers:
-        """Mass [kg] at the pressure that it begins with."""
+        """Mass [kg] at the initial pressure."""
         return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI], equation (F18)."""
         m, n, room = state[..., 0], self.exponent, self.room_pressure
         p_0 = self.precharge + room
-        share = minimum(m / (self.liquid.reference_density * self.volume), _FULL)
-        P = p_0 * exp(-n * log1p(-share)) - room  # of a liquid that can't be compressed
+        fill = minimum(m / (self.liquid.reference_density * self.volume), _FULL)
+        P = p_0 * exp(-n * log1p(-fill)) - room  # of an incompressible liquid
         for _ in range(_STEPS):
             rho, V = self.liquid.density(P), self.stored_volume(P)
             slope = rho * (V / self.liquid.bulk_modulus + (self.volume - V) / (n * (P + room)))
@@ -124,12 +124,12 @@ class Accumulator(AbstractSupply):
         return P
 
     def temperature_at(self, state: Numbers) -> Batch:
-        """The room's [K], in any `state` [SI]."""
+        """Temperature of the room [K], in any `state` [SI]."""
         return self.room_temperature + 0.0 * state[..., 0]
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Mass flow [kg/s] in any `state` [SI]: `mass_in` [kg/s], negative where it
-        is drawn; `energy_in` [W] doesn't count.
+        """Mass flow `mass_in` [kg/s] in any `state` [SI], negative for an outflow; `energy_in` [W]
+        doesn't count.
         """
         del energy_in
         return stack_last(mass_in + 0.0 * state[..., 0])
@@ -148,7 +148,7 @@ class Accumulator(AbstractSupply):
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """True where a `state` [SI] has no liquid left."""
+        """True if a `state` [SI] has no liquid left."""
         return state[..., 0] <= 0
 
     def _spread(self, pressure: BatchLike) -> Batch:
@@ -168,9 +168,8 @@ def _growth(z: Any) -> Batch:
 class PumpedAccumulator(AbstractSupply):
     """An accumulator with a pump, equation (F23).
 
-    `accumulator`: with its initial pressure. `pump`. `band`: between which
-    pressures a fixed pump is switched; left out, it always runs. `relief`: a valve to the
-    reservoir, or none.
+    `accumulator`: with its initial pressure. `pump`. `band`: pressures between which a fixed pump
+    is switched; left out, it always runs. `relief`: a valve to the reservoir, or none.
     """
 
     source: ClassVar[str] = "Merritt (1967)"
@@ -184,17 +183,16 @@ class PumpedAccumulator(AbstractSupply):
         if self.band is not None and isinstance(self.pump, VariablePump):
             why = "must be left out with a VariablePump, which swivels by itself"
             raise InvalidInputError("band", why, self.band, shown="one")
-        one, other = self.pump.liquid, self.accumulator.liquid
-        pairs = ((one.bulk_modulus, other.bulk_modulus),
-                 (one.reference_density, other.reference_density))  # fmt: skip
+        pumped, stored = self.pump.liquid, self.accumulator.liquid
+        pairs = ((pumped.bulk_modulus, stored.bulk_modulus),
+                 (pumped.reference_density, stored.reference_density))  # fmt: skip
         if any(is_concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
-            raise InvalidInputError(
-                "pump", "must be for the accumulator's liquid", one, shown="another"
-            )
+            rule = "must be for the accumulator's liquid"
+            raise InvalidInputError("pump", rule, pumped, shown="another")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Mass, whether the pump is on, and energies since the start."""
+        """Names of mass, switch of the pump, and energies since the start."""
         return ("mass", "pump_on", "shaft_work", "pump_lost", "relief_lost")
 
     @property
@@ -203,7 +201,7 @@ class PumpedAccumulator(AbstractSupply):
         return ("kg", "1", "J", "J", "J")
 
     def start(self) -> Numbers:
-        """At the accumulator's pressure, the pump as its band has it, nothing spent yet [SI]."""
+        """State [SI] at the accumulator's pressure, its pump switched by the band."""
         P = self.accumulator.pressure
         on = 1.0 if self.band is None else self.band.start(P)
         none = 0.0 * P
@@ -214,18 +212,18 @@ class PumpedAccumulator(AbstractSupply):
         return self.accumulator.pressure_at(state)
 
     def temperature_at(self, state: Numbers) -> Batch:
-        """The room's [K], in any `state` [SI]."""
+        """Temperature of the room [K], in any `state` [SI]."""
         return self.accumulator.temperature_at(state)
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Equation (F23) [SI] for a `state` [SI] where `mass_in` [kg/s] flows in from the bundle,
-        negative where it is drawn; `energy_in` [W] doesn't count.
+        """Equation (F23) [SI] for a `state` [SI] with the inflow `mass_in` [kg/s] from the bundle,
+        negative for an outflow; `energy_in` [W] doesn't count.
         """
         del energy_in
         P = self.pressure_at(state)
-        known = (P, state[..., 1]) if isinstance(self.pump, FixedPump) else (P,)
-        flow, shaft = self.pump.flow(*known), self.pump.shaft_power(*known)
-        lost = self.pump.lost_power(*known)
+        point = (P, state[..., 1]) if isinstance(self.pump, FixedPump) else (P,)
+        flow, shaft = self.pump.flow(*point), self.pump.shaft_power(*point)
+        lost = self.pump.lost_power(*point)
         out = wasted = 0.0 * P
         if self.relief is not None:
             out = self.relief.flow(P)
@@ -233,7 +231,7 @@ class PumpedAccumulator(AbstractSupply):
         return stack_last(mass_in + flow - out, 0.0 * P, shaft, lost, wasted)
 
     def switched(self, state: Numbers) -> Numbers:
-        """A `state` [SI] with its pump switched by the band [SI]."""
+        """State with its pump switched by the band [SI]."""
         if self.band is None:
             return state
         on = self.band.after(state[..., 1], self.pressure_at(state))
@@ -249,5 +247,5 @@ class PumpedAccumulator(AbstractSupply):
         return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """True where a `state` [SI] has no liquid left."""
+        """True if a `state` [SI] has no liquid left."""
         return self.accumulator.empty(state)

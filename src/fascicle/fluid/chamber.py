@@ -1,32 +1,33 @@
 r"""Chambers: fluid in a volume that moves.
 
-The state, its numbers on the last axis, is what no motion of the wall changes at once: mass, and
-energy where heat takes its time. The pressure follows from it and the volume by an equation of
-state, of which a chamber gives the residual and its slopes in closed form, so that it can be solved
+No motion of the wall changes the state at once, whose numbers are on the last axis: mass, and
+energy if heat takes its time. The pressure follows from it and the volume by an equation of state,
+of which a chamber gives the residual and its slopes in closed form, so that it can be solved
 together with a muscle's volume, which depends on the pressure:
 
 $$g(s, P, V(P)) = 0, \qquad
   \frac{\mathrm{d}g}{\mathrm{d}P} = g_P + g_V \frac{\mathrm{d}V}{\mathrm{d}P} > 0. \tag{F12}$$
 
 The residual rises with pressure and with volume. The rates of the state are affine in that of the
-volume, so that a volume that moves with the pressure can be taken to the other side.
+volume, so that a volume that moves with the pressure can be brought to the other side.
 """
 
 import abc
+from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .fields import nonnegative_field
+from .fields import nonnegative_field, room_pressure_field, temperature_field
 
 
-DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)
+_DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)
 
 
 class Balance(NamedTuple):
-    """The residual of the equation of state, its `value`, and its slopes `by_state` (on the last
+    """Residual of the equation of state: its `value`, and its slopes `by_state` (on the last
     axis), `by_pressure` and `by_volume`; in J, or in kg for a liquid [SI].
     """
 
@@ -37,33 +38,37 @@ class Balance(NamedTuple):
 
 
 class AbstractChamber(Module):
-    """Fluid in a volume that moves.
+    """Fluid in a volume that moves; its fields here are given by keyword.
 
-    - `dead_volume`: of hose and fittings, on top of the volume that each method is given [m³].
-    - `room_pressure`: absolute [Pa].
-    - `names`, `units`: of the state's numbers, and `count`, how many there are [-].
-    - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close.
-    - `gas` and `room_temperature` [K] of a gas, `liquid` of a liquid.
+    - `dead_volume`: of hose and fittings, in addition to the volume of each method [m³].
+    - `room_pressure`: absolute [Pa]. `room_temperature`: of room and wall [K].
+    - `names`, `units`: of the state's numbers, and `count`, their number.
+    - `physical`: true if it keeps both laws of thermodynamics, so that an audit can close.
+    - `gas` of a gas, `liquid` of a liquid.
     """
 
-    dead_volume: ClassVar[Batch]
-    room_pressure: ClassVar[Batch]
     names: ClassVar[tuple[str, ...]]
     units: ClassVar[tuple[str, ...]]
     physical: ClassVar[bool]
     gas: ClassVar[Any]
-    room_temperature: ClassVar[Batch]
     liquid: ClassVar[Any]
+
+    _: KW_ONLY
+    dead_volume: Batch = nonnegative_field(
+        "dead_volume", _DEAD, "leave it out if there is none", default=0.0
+    )
+    room_pressure: Batch = room_pressure_field()
+    room_temperature: Batch = temperature_field()
 
     @property
     def count(self) -> int:
-        """Number of numbers of the state [-]."""
+        """Number of numbers of the state."""
         return len(self.names)
 
     @property
     @abc.abstractmethod
     def lowest_pressure(self) -> Batch:
-        """Gauge pressure [Pa] below which it can't be: without gas, or where a liquid boils."""
+        """Gauge pressure [Pa] at which there is no gas, or a liquid boils."""
 
     @abc.abstractmethod
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
@@ -71,7 +76,7 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """Temperature [K] of a `state` [SI] that is at gauge `pressure` [Pa]."""
+        """Temperature [K] of a `state` [SI] at gauge `pressure` [Pa]."""
 
     @abc.abstractmethod
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
@@ -96,10 +101,10 @@ class AbstractChamber(Module):
 
         **Arguments:**
 
-        - `state`: it [SI].
-        - `pressure`: that goes with it, gauge [Pa].
-        - `mass_in`: mass flow into it [kg/s].
-        - `energy_in`: enthalpy that comes along, a gas's $c_p T$ from upstream [W].
+        - `state`: the state [SI].
+        - `pressure`: its gauge pressure [Pa].
+        - `mass_in`: mass flow into the chamber [kg/s].
+        - `energy_in`: its enthalpy flow, a gas's $c_p T$ from upstream [W].
         - `volume_rate`: of the volume [m³/s].
 
         **Returns:** rates [SI] on the last axis, affine in `volume_rate`.
@@ -118,7 +123,7 @@ class AbstractChamber(Module):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Batch:
-        """Heat that leaves through the wall.
+        """Heat flow out through the wall.
 
         **Arguments:** those of `rates`.
 
@@ -148,13 +153,7 @@ class AbstractMassChamber(AbstractChamber):
     ) -> Numbers:
         """Mass flow into the chamber.
 
-        **Arguments:**
-
-        - `state`: it [SI].
-        - `pressure`: that goes with it, gauge [Pa].
-        - `mass_in`: mass flow into it [kg/s].
-        - `energy_in`: enthalpy that comes along [W].
-        - `volume_rate`: of the volume [m³/s].
+        **Arguments:** those of `AbstractChamber.rates`.
 
         **Returns:** rate of mass [kg/s] on the last axis.
         """
@@ -162,13 +161,8 @@ class AbstractMassChamber(AbstractChamber):
         return stack_last(mass_in + 0.0 * state[..., 0])
 
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
-        """None [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
+        """Zero [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
         return stack_last(0.0 * (state[..., 0] + pressure))
-
-
-def dead_volume_field() -> Any:
-    """Field of a dead volume [m³], at least zero."""
-    return nonnegative_field("dead_volume", DEAD, "leave it out where there is none", default=0.0)
 
 
 def stack_last(*numbers: BatchLike) -> Numbers:

@@ -1,7 +1,7 @@
-"""Numbers of fluid parts, looked at once as they are set.
+"""Fields of fluid components, checked as they are set.
 
-What can't be is refused in a line, what is unusual warned about, as for muscles. Pressures are
-gauge pressures save where a name says `absolute`; the room's own, `room_pressure`, is absolute.
+Invalid values raise an error, unusual ones a warning, as for muscles. Pressures are gauge pressures
+unless a name says `absolute`; the pressure of the room, `room_pressure`, is absolute.
 """
 
 from typing import Any
@@ -26,29 +26,25 @@ ROOM_TEMPERATURE = 293.15  # K: ISO 6358's reference, 20 °C
 
 # from the top of the highest mountain, with room to spare, to the deepest sea
 _ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)
-_WARM = Range("K", 100.0, 230.0, 400.0, 1500.0)
+_TEMPERATURE = Range("K", 100.0, 230.0, 400.0, 1500.0)
 
 
-def positive_field(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
-    """A field of a `name` that is positive and as large as is `known` of it, with
-    `remedy` for what isn't.
-    """
+def positive_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
+    """Field of a positive number within plausible `limits`; `remedy` is part of its error."""
 
     def checked(value: Values) -> Batch:
-        return check_plausible(check_positive(value, name, known.unit, remedy), name, known)
+        return check_plausible(check_positive(value, name, limits.unit, remedy), name, limits)
 
     return record(converter=checked, **default)
 
 
-def nonnegative_field(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
-    """A field of a `name` that isn't negative, and not larger than is `known`, with
-    `remedy` for what is.
-    """
+def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
+    """Field of a number from zero within plausible `limits`; `remedy` is part of its error."""
 
     def checked(value: Values) -> Batch:
         closed = (True, False)
-        x = check_interval(value, 0.0, np.inf, name, known.unit, closed=closed, remedy=remedy)
-        return check_plausible(x, name, known)
+        x = check_interval(value, 0.0, np.inf, name, limits.unit, closed=closed, remedy=remedy)
+        return check_plausible(x, name, limits)
 
     return record(converter=checked, **default)
 
@@ -61,9 +57,7 @@ def interval_field(
     remedy: str = "",
     **default: Any,
 ) -> Any:
-    """A field of a `name` without unit that lies in an interval from `low` [-] to `high`
-    [-], its ends `closed` or not, with `remedy` for what doesn't.
-    """
+    """Field of a number without unit between `low` and `high` [-], each end `closed` or not."""
 
     def checked(value: Values) -> Batch:
         return check_interval(value, low, high, name, "-", "", closed, remedy)
@@ -72,15 +66,13 @@ def interval_field(
 
 
 def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
-    """A field of a `name` that holds one of some `kinds` of parts, or none where that
-    is its `default`.
-    """
+    """Field of a component of one of some `kinds`, or `None` if that is its `default`."""
 
     def checked(value: Any) -> Any:
         if isinstance(value, kinds) or (value is None and default.get("default", kinds) is None):
             return value
-        known = " or ".join(f"`{kind.__name__}`" for kind in kinds)
-        raise InvalidInputError(name, f"must be {known}", value, shown=f"`{type(value).__name__}`")
+        names = " or ".join(f"`{kind.__name__}`" for kind in kinds)
+        raise InvalidInputError(name, f"must be {names}", value, shown=f"`{type(value).__name__}`")
 
     return record(converter=checked, **default)
 
@@ -105,18 +97,16 @@ def room_pressure_field() -> Any:
 
 
 def temperature_field(name: str = "room_temperature") -> Any:
-    """Field of a temperature of that `name` in kelvin."""
-    return positive_field(name, _WARM, default=ROOM_TEMPERATURE)
+    """Field of a temperature [K]."""
+    return positive_field(name, _TEMPERATURE, default=ROOM_TEMPERATURE)
 
 
 def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
-    """Gauge pressure [Pa] of an `absolute` [Pa] one in a room of `room_pressure` [Pa, absolute];
-    `ValueError` where it doesn't lie above the room's.
+    """Gauge pressure [Pa] of an `absolute` pressure [Pa] in a room of `room_pressure` [Pa,
+    absolute]; `InvalidInputError` unless it lies above the room's.
     """
-    p, room = (
-        check_positive(absolute, "absolute", "Pa"),
-        check_positive(room_pressure, "room_pressure", "Pa"),
-    )
+    p = check_positive(absolute, "absolute", "Pa")
+    room = check_positive(room_pressure, "room_pressure", "Pa")
     if is_concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
         low = float(np.min(p))
         raise InvalidInputError(

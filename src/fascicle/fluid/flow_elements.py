@@ -153,13 +153,13 @@ class Orifice(Module):
         """
         del temperature_1, temperature_2
         drop, z = absolute_1 - absolute_2, opening
-        own = 1 / (2 * self.density * (self.discharge_coefficient * self.area) ** 2)
+        c_orifice = 1 / (2 * self.density * (self.discharge_coefficient * self.area) ** 2)
         root = sqrt(drop**2 + self.critical_pressure_difference**2)
         if self.line is None:
-            return z * drop / sqrt(own * root)
+            return z * drop / sqrt(c_orifice * root)
         # z taken out of the root, so that nothing is divided by a closed orifice
         a = z * self.line.laminar_resistance(self.density)
-        c = own + z**2 * self.line.turbulent_resistance(self.density)
+        c = c_orifice + z**2 * self.line.turbulent_resistance(self.density)
         return 2 * z * drop / (a + sqrt(a**2 + 4 * c * root))
 
 
@@ -216,19 +216,19 @@ class SonicValve(Module):
         C, b = self._passage(onward, opening)
         ratio = low / guarded(high > 0, high)
         turbulent = ratio < LAMINAR_FROM
-        share = _choking(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
+        psi = _choking(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
         driving = where(turbulent, high, (high - low) / (1 - LAMINAR_FROM))
-        size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * share * driving
+        size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * psi * driving
         return where(onward, size, -size)
 
     def _passage(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
         """Conductance [m³/(s·Pa)] and critical ratio [-], the hose's included."""
-        own = opening * self.C
+        C = opening * self.C
         if self.line is None:
-            return own, self.b
+            return C, self.b
         hose, b = self.line.conductance, self.line.critical_pressure_ratio
-        first = where(onward, own, hose), where(onward, self.b, b)
-        return in_series(*first, where(onward, hose, own), where(onward, b, self.b))
+        first = where(onward, C, hose), where(onward, self.b, b)
+        return in_series(*first, where(onward, hose, C), where(onward, b, self.b))
 
 
 def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Batch]:

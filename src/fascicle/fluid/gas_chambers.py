@@ -1,7 +1,7 @@
-r"""Chambers of gas: walls that let heat through or keep the gas as warm as the room, and a fit.
+r"""Chambers of gas: with a wall that conducts heat, at the room's temperature, and a fit.
 
-`AdiabaticWall`: its mass and its internal energy $U = m c_v T$ change; at an absolute pressure
-$p = P + p_a$,
+`AdiabaticWall`: its state are its mass and its internal energy $U = m c_v T$; at an
+absolute pressure $p = P + p_a$,
 
 $$\dot m = \dot m_{in}, \qquad \dot U = \dot H_{in} - p \dot V - G (T - T_a), \qquad
   p V = (\gamma - 1) U: \tag{F13}$$
@@ -16,33 +16,40 @@ $$p V = m R T_a. \tag{F14}$$
 
 $$p = p_a \left(\frac{m}{V} \frac{R T_a}{p_a}\right)^n. \tag{F15}$$
 
-It fits the pressure of one motion and is no physics: what enters has no temperature of its own,
-and a cycle may make work of the room's heat without end. An audit refuses it (`physical` is
+It fits the pressure of one motion and is no physics: gas that enters has no temperature of its own,
+and a cycle may convert the room's heat to work without end. An audit refuses it (`physical` is
 `False`).
 
 **Assumes** an ideal gas, mixed at once; (F14) motion slower than its heat leaves. **Source:** the
 first law; (F15) Andersen (1967), The Analysis and Design of Pneumatic Systems.
 """
 
+from dataclasses import KW_ONLY
 from typing import ClassVar
 
 from ..core.array_namespace import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .chamber import AbstractChamber, AbstractMassChamber, Balance, dead_volume_field, stack_last
-from .fields import (
-    component_field,
-    interval_field,
-    nonnegative_field,
-    room_pressure_field,
-    temperature_field,
-)
+from .chamber import AbstractChamber, AbstractMassChamber, Balance, stack_last
+from .fields import component_field, interval_field, nonnegative_field
 from .media import AIR, Gas
 
 
 class AbstractGasChamber(AbstractChamber):
-    """Gas in a volume that moves; `gas`, and `room_temperature` [K] of the wall."""
+    """Gas in a volume that moves. `gas`, and the fields of `AbstractChamber`, by keyword."""
+
+    _: KW_ONLY
+    gas: Gas = component_field("gas", (Gas,), default=AIR)
+
+    @property
+    def _RT(self) -> Batch:
+        return self.gas.specific_gas_constant * self.room_temperature
+
+    def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:
+        """Mass [kg] at gauge `pressure` [Pa] and the room's temperature in a `volume` [m³]."""
+        rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
+        return rho * (volume + self.dead_volume)
 
     @property
     def lowest_pressure(self) -> Batch:
@@ -57,10 +64,9 @@ class AbstractGasChamber(AbstractChamber):
 
 
 class AdiabaticWall(AbstractGasChamber):
-    """Gas behind a wall that lets heat through, equation (F13).
+    """Gas behind a wall that conducts heat, equation (F13).
 
-    `conductance`: $G$, of the wall [W/K]; left out, none. `gas`, `dead_volume` [m³],
-    `room_pressure`, absolute [Pa], and `room_temperature` [K] as everywhere.
+    `conductance`: $G$, of the wall [W/K]; left out, zero.
     """
 
     names: ClassVar[tuple[str, ...]] = ("mass", "internal_energy")
@@ -71,38 +77,31 @@ class AdiabaticWall(AbstractGasChamber):
     conductance: Batch = nonnegative_field(
         "conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0
     )
-    gas: Gas = component_field("gas", (Gas,), default=AIR)
-    dead_volume: Batch = dead_volume_field()
-    room_pressure: Batch = room_pressure_field()
-    room_temperature: Batch = temperature_field()
 
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] and energy [J] at gauge `pressure` [Pa] and `volume` [m³], as warm as the
         room.
         """
-        rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
-        m = rho * (volume + self.dead_volume)
+        m = self._room_mass(pressure, volume)
         return stack_last(m, m * self.gas.c_v * self.room_temperature)
 
     def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """$U/(m c_v)$ of a `state` [K]; `pressure` [Pa] doesn't count. Nothing is as warm as the
-        room.
+        """Temperature $U/(m c_v)$ of a `state` [K], the room's without any gas; `pressure` [Pa]
+        doesn't count.
         """
         m, U = state[..., 0], state[..., 1]
-        some = m > 0
-        T = U / (guarded(some, m) * self.gas.c_v)
-        return where(some, T, self.room_temperature + 0.0 * pressure)
+        T = U / (guarded(m > 0, m) * self.gas.c_v)
+        return where(m > 0, T, self.room_temperature + 0.0 * pressure)
 
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """$p V - (\\gamma - 1) U$ and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa]
-        in a `volume` [m³].
+        """Residual $p V - (\\gamma - 1) U$ and its slopes [SI] for a `state` [SI] at gauge
+        `pressure` [Pa] in a `volume` [m³].
         """
         p, V = pressure + self.room_pressure, volume + self.dead_volume
-        share = self.gas.heat_capacity_ratio - 1
-        value = p * V - share * state[..., 1]
-        return Balance(
-            value, stack_last(0.0 * value, -share + 0.0 * value), V + 0.0 * value, p + 0.0 * value
-        )
+        ratio = self.gas.heat_capacity_ratio - 1
+        value = p * V - ratio * state[..., 1]
+        zero = 0.0 * value
+        return Balance(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
@@ -119,18 +118,12 @@ class AdiabaticWall(AbstractGasChamber):
     ) -> Numbers:
         """Equation (F13).
 
-        **Arguments:**
-
-        - `state`: it [SI].
-        - `pressure`: that goes with it, gauge [Pa].
-        - `mass_in`: mass flow into it [kg/s].
-        - `energy_in`: enthalpy that comes along [W].
-        - `volume_rate`: of the volume [m³/s].
+        **Arguments:** those of `AbstractChamber.rates`.
 
         **Returns:** rates of mass and energy [kg/s], [W], on the last axis.
         """
         work = (pressure + self.room_pressure) * volume_rate
-        return stack_last(mass_in, energy_in - work - self._through_wall(state))
+        return stack_last(mass_in, energy_in - work - self.heat(state))
 
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
         """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
@@ -145,52 +138,42 @@ class AdiabaticWall(AbstractGasChamber):
         energy_in: BatchLike = 0.0,
         volume_rate: BatchLike = 0.0,
     ) -> Batch:
-        """$G (T - T_a)$, which depends on the state alone.
+        """Heat flow $G (T - T_a)$, which depends on the state alone.
 
         **Arguments:** those of `rates`.
 
         **Returns:** heat flow [W].
         """
         del pressure, mass_in, energy_in, volume_rate
-        return self._through_wall(state)
-
-    def _through_wall(self, state: Numbers) -> Batch:
         return self.conductance * (self.temperature(state) - self.room_temperature)
 
 
 class Isothermal(AbstractGasChamber, AbstractMassChamber):
-    """Gas as warm as the room, equation (F14). Fields as those of `AdiabaticWall` [SI]."""
+    """Gas as warm as the room, equation (F14)."""
 
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "ideal gas at one temperature"
 
-    gas: Gas = component_field("gas", (Gas,), default=AIR)
-    dead_volume: Batch = dead_volume_field()
-    room_pressure: Batch = room_pressure_field()
-    room_temperature: Batch = temperature_field()
-
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
-        rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
-        return stack_last(rho * (volume + self.dead_volume))
+        return stack_last(self._room_mass(pressure, volume))
 
     def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """The room's [K], in any `state` [SI] and at any `pressure` [Pa]."""
+        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
         return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """$p V - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in a
-        `volume` [m³].
+        """Residual $p V - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge `pressure`
+        [Pa] in a `volume` [m³].
         """
         p, V = pressure + self.room_pressure, volume + self.dead_volume
-        RT = self.gas.specific_gas_constant * self.room_temperature
-        value = p * V - RT * state[..., 0]
-        return Balance(value, stack_last(-RT + 0.0 * value), V + 0.0 * value, p + 0.0 * value)
+        value = p * V - self._RT * state[..., 0]
+        zero = 0.0 * value
+        return Balance(value, stack_last(-self._RT + zero), V + zero, p + zero)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-        RT = self.gas.specific_gas_constant * self.room_temperature
-        return state[..., 0] * RT / (volume + self.dead_volume) - self.room_pressure
+        return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
 
     def heat(
         self,
@@ -200,21 +183,21 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Batch:
-        """Heat flow through the wall that keeps $U = m c_v T_a$ stays.
+        """Heat flow through the wall with which $U = m c_v T_a$.
 
         **Arguments:** those of `rates`.
 
         **Returns:** heat flow [W].
         """
         work = (pressure + self.room_pressure) * volume_rate
-        kept = self.gas.c_v * self.room_temperature * mass_in
-        return energy_in - work - kept + 0.0 * state[..., 0]
+        stored = self.gas.c_v * self.room_temperature * mass_in
+        return energy_in - work - stored + 0.0 * state[..., 0]
 
 
 class Polytropic(AbstractGasChamber, AbstractMassChamber):
     """Gas by a fitted exponent, equation (F15): no physics, and refused by an audit.
 
-    `exponent`: $n$ [-], in [1, 2]. Other fields as those of `AdiabaticWall` [SI].
+    `exponent`: $n$ [-], in [1, 2].
     """
 
     physical: ClassVar[bool] = False
@@ -223,49 +206,38 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
     exponent: Batch = interval_field(
         "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic air"
     )
-    gas: Gas = component_field("gas", (Gas,), default=AIR)
-    dead_volume: Batch = dead_volume_field()
-    room_pressure: Batch = room_pressure_field()
-    room_temperature: Batch = temperature_field()
 
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], as warm as (F15) has it there: the
-        room at no pressure only.
-        """
+        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], at the temperature of (F15)."""
         ratio = (pressure + self.room_pressure) / self.room_pressure
-        rho = self.gas.density(self.room_pressure, self.room_temperature)
-        return stack_last(rho * (volume + self.dead_volume) * ratio ** (1 / self.exponent))
+        return stack_last(self._room_mass(0.0, volume) * ratio ** (1 / self.exponent))
 
     def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """$T_a (p/p_a)^{1 - 1/n}$ [K] of a `state` [SI] at gauge `pressure` [Pa]."""
+        """Temperature $T_a (p/p_a)^{1 - 1/n}$ [K] of a `state` [SI] at gauge `pressure` [Pa]."""
         p = pressure + self.room_pressure
         ratio = guarded(p > 0, p, self.room_pressure) / self.room_pressure
         return self.room_temperature * ratio ** (1 - 1 / self.exponent) + 0.0 * state[..., 0]
 
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """$p_a V (p/p_a)^{1/n} - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge
-        `pressure` [Pa] in a `volume` [m³].
+        """Residual $p_a V (p/p_a)^{1/n} - m R T_a$ and its slopes [SI] for a `state` [SI] at
+        gauge `pressure` [Pa] in a `volume` [m³].
         """
         V, p_a, n = volume + self.dead_volume, self.room_pressure, self.exponent
         p = pressure + p_a
-        some = p > 0
-        ratio = guarded(some, p, p_a) / p_a
+        ratio = guarded(p > 0, p, p_a) / p_a
         # without gas a straight line goes on, so that a search comes back
-        reduced = where(some, p_a * ratio ** (1 / n), p)
-        slope = where(some, ratio ** (1 / n - 1) / n, 1.0)
-        RT = self.gas.specific_gas_constant * self.room_temperature
-        value = reduced * V - RT * state[..., 0]
-        return Balance(
-            value, stack_last(-RT + 0.0 * value), V * slope + 0.0 * value, reduced + 0.0 * value
-        )
+        reduced = where(p > 0, p_a * ratio ** (1 / n), p)
+        slope = where(p > 0, ratio ** (1 / n - 1) / n, 1.0)
+        value = reduced * V - self._RT * state[..., 0]
+        zero = 0.0 * value
+        return Balance(value, stack_last(-self._RT + zero), V * slope + zero, reduced + zero)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-        RT = self.gas.specific_gas_constant * self.room_temperature
-        ratio = state[..., 0] * RT / ((volume + self.dead_volume) * self.room_pressure)
-        some = ratio > 0
-        raised = where(some, guarded(some, ratio) ** self.exponent, 0.0)
-        return self.room_pressure * (raised - 1)
+        V, p_a = volume + self.dead_volume, self.room_pressure
+        ratio = state[..., 0] * self._RT / (V * p_a)
+        power = where(ratio > 0, guarded(ratio > 0, ratio) ** self.exponent, 0.0)
+        return p_a * (power - 1)
 
     def heat(
         self,

@@ -1,20 +1,20 @@
-r"""Liquid in a volume that moves, with a hose that gives way.
+r"""Liquid in a volume that moves, with a compliant hose.
 
 $$m = \rho(P) \left(V + c P\right), \tag{F16}$$
 
 where $c$ is the compliance of bladder, hose and fittings, volume over pressure. Its energy,
 $m\,e(P) + c P^2/2$, and what flows in at $h(P)$ and out as $P\,\mathrm{d}V$ balance exactly.
 
-**Assumes** one temperature and no vapor: below `lowest_pressure` the liquid boils, and (F16) is no
-longer it. **Source:** Merritt (1967), Hydraulic Control Systems.
+**Assumes** one temperature and no vapor: below `lowest_pressure` the liquid boils, and (F16) no
+longer holds. **Source:** Merritt (1967), Hydraulic Control Systems.
 """
 
 from typing import ClassVar
 
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .chamber import AbstractMassChamber, Balance, dead_volume_field, stack_last
-from .fields import component_field, nonnegative_field, room_pressure_field, temperature_field
+from .chamber import AbstractMassChamber, Balance, stack_last
+from .fields import component_field, nonnegative_field
 from .media import OIL, Liquid
 
 
@@ -24,8 +24,7 @@ _STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 
 class LiquidChamber(AbstractMassChamber):
     """Liquid and compliance, equation (F16).
 
-    `liquid`. `compliance`: $c$ [m³/Pa]; left out, none. `dead_volume` [m³], `room_pressure`,
-    absolute [Pa], and `room_temperature` [K] as everywhere.
+    `liquid`. `compliance`: $c$ [m³/Pa]; left out, zero.
     """
 
     physical: ClassVar[bool] = True
@@ -35,9 +34,6 @@ class LiquidChamber(AbstractMassChamber):
     compliance: Batch = nonnegative_field(
         "compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0
     )
-    dead_volume: Batch = dead_volume_field()
-    room_pressure: Batch = room_pressure_field()
-    room_temperature: Batch = temperature_field()
 
     @property
     def lowest_pressure(self) -> Batch:
@@ -46,31 +42,31 @@ class LiquidChamber(AbstractMassChamber):
 
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
-        held = volume + self.dead_volume + self.compliance * pressure
-        return stack_last(self.liquid.density(pressure) * held)
+        V = volume + self.dead_volume + self.compliance * pressure
+        return stack_last(self.liquid.density(pressure) * V)
 
     def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """The room's [K], in any `state` [SI] and at any `pressure` [Pa]."""
+        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
         return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """$\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in
-        a `volume` [m³].
+        """Residual $\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge
+        `pressure` [Pa] in a `volume` [m³].
         """
         rho, c = self.liquid.density(pressure), self.compliance
-        held = volume + self.dead_volume + c * pressure
-        value = rho * held - state[..., 0]
-        stiff = rho * (held / self.liquid.bulk_modulus + c)
-        return Balance(value, stack_last(-1.0 + 0.0 * value), stiff, rho + 0.0 * value)
+        V = volume + self.dead_volume + c * pressure
+        value = rho * V - state[..., 0]
+        by_pressure = rho * (V / self.liquid.bulk_modulus + c)
+        return Balance(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding
-        wherever the liquid is one.
+        above the vapor pressure.
         """
         P = 0.0 * (state[..., 0] + volume)
         for _ in range(_STEPS):
-            at = self.balance(state, P, volume)
-            P = P - at.value / at.by_pressure
+            residual = self.balance(state, P, volume)
+            P = P - residual.value / residual.by_pressure
         return P
 
     def heat(
@@ -81,7 +77,7 @@ class LiquidChamber(AbstractMassChamber):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Batch:
-        """None: what is compressed at one temperature is taken for a spring.
+        """Zero heat flow: a liquid compressed at one temperature is a spring.
 
         **Arguments:** those of `rates`.
 

@@ -1,8 +1,7 @@
 r"""Gases and liquids, and their specific energies and exergies.
 
 A gas is ideal, $p = \rho R T$, with constant $c_p = \gamma R/(\gamma - 1)$ and $c_v = c_p - R$.
-What could be had of it in a room at $p_a$, $T_a$ is its exergy: streaming, and at rest in a
-volume,
+Its largest work in a room at $p_a$, $T_a$ is its exergy: streaming, and at rest in a volume,
 
 $$e = c_p (T - T_a) - T_a \left(c_p \ln\frac{T}{T_a} - R \ln\frac{p}{p_a}\right), \tag{F1}$$
 $$E = m \left(c_v (T - T_a) + p_a (v - v_a)
@@ -14,7 +13,7 @@ $$\rho = \rho_0 e^{p/K}, \qquad h = \int_0^p \frac{\mathrm{d}p'}{\rho}
    = \frac{K}{\rho_0} \left(1 - e^{-p/K}\right), \qquad e = \int \frac{p\,\mathrm{d}\rho}{\rho^2}
    = h - \frac{p}{\rho}: \tag{F3}$$
 
-$h$ is what a kilogram brings along as it streams, $e$ what it keeps at rest.
+$h$ is the energy of a streaming kilogram, $e$ that of a kilogram at rest.
 
 **Valid for** gases far from where they become liquid, some 100 kPa to 2 MPa and 230 to 400 K.
 **Source:** Bejan (2016), Advanced Engineering Thermodynamics, for exergies; constants beside them.
@@ -74,16 +73,14 @@ class Gas(Module):
         **Arguments:**
 
         - `absolute`: its pressure [Pa], positive.
-        - `temperature`: its [K].
+        - `temperature`: of the gas [K].
         - `room_pressure`: $p_a$, absolute [Pa].
         - `room_temperature`: $T_a$ [K].
 
         **Returns:** exergy [J/kg].
         """
-        warm = self.c_p * (temperature - room_temperature)
-        return warm - room_temperature * self._entropy(
-            absolute, temperature, room_pressure, room_temperature
-        )
+        p, T, p_a, T_a = absolute, temperature, room_pressure, room_temperature
+        return self.c_p * (T - T_a) - T_a * self._entropy(p, T, p_a, T_a)
 
     def stored_exergy(
         self,
@@ -99,7 +96,7 @@ class Gas(Module):
 
         - `mass`: $m$ [kg].
         - `absolute`: its pressure [Pa], positive.
-        - `temperature`: its [K].
+        - `temperature`: of the gas [K].
         - `room_pressure`: $p_a$, absolute [Pa].
         - `room_temperature`: $T_a$ [K].
 
@@ -112,7 +109,7 @@ class Gas(Module):
         return mass * (self.c_v * (T - T_a) + pushed - T_a * entropy)
 
     def _entropy(self, p: BatchLike, T: BatchLike, p_a: BatchLike, T_a: BatchLike) -> Batch:
-        """Over the room's [J/(kg·K)]; of no pressure at all it has none, nor a logarithm."""
+        """Entropy over the room's [J/(kg·K)]; zero instead of a logarithm of zero."""
         p, T = guarded(p > 0, p, p_a), guarded(T > 0, T, T_a)
         return self.c_p * log(T / T_a) - self.specific_gas_constant * log(p / p_a)
 

@@ -1,26 +1,26 @@
-r"""Pumps for liquids, what drives them, and where what they waste goes.
+r"""Pumps for liquids: flow, shaft power and losses.
 
-A pump of displacement $D$ for each turn at $N$ turns a second takes in liquid at the room's
-pressure. At gauge pressure $P$ it gives, and is driven with,
+A pump of displacement $D$ a turn at $N$ turns a second takes in liquid at the room's pressure. Its
+flow and shaft power at gauge pressure $P$ are
 
 $$\dot m = \eta_v s D N \rho_0, \qquad
   \dot W = \frac{s D N P}{\eta_m}, \qquad
   \dot W_{lost} = \dot W - \dot m\, h(P) \ge 0, \tag{F20}$$
 
-with $s$ the share of the displacement that is at work. A `FixedPump` has $s = 1$, or 0 where it is
-switched off, as by a `PressureBand`: on at its low pressure, off at its high one, between them what
-it was. A `VariablePump` swivels back as the pressure comes up to its setting,
+with $s$ the used fraction of the displacement. A `FixedPump` has $s = 1$, or 0 when it is switched
+off, as by a `PressureBand`: on at its low pressure, off at its high one, unchanged between them. A
+`VariablePump` swivels back as the pressure comes up to its setting,
 
 $$s = \frac{P_{set} - P}{\Delta P}, \quad 0 \le s \le 1. \tag{F21}$$
 
-A relief valve lets through
+The flow of a relief valve is
 
 $$\dot m = k (P - P_{crack})^+, \tag{F22}$$
 
-and all of its $\dot m\, h(P)$ is lost.
+and all of its power $\dot m\, h(P)$ is lost.
 
-**Assumes** constant efficiencies, which real pumps don't have far from their best point; a pump
-that runs without pressure costs nothing here. **Source:** Merritt (1967), Hydraulic Control
+**Assumes** constant efficiencies, which real pumps don't have far from their best point; an idle
+pump without pressure takes no power. **Source:** Merritt (1967), Hydraulic Control
 Systems.
 """
 
@@ -46,67 +46,83 @@ def _efficiency(name: str) -> Any:
     return interval_field(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
 
 
-class FixedPump(Module):
+class _Pump(Module):
+    """Equation (F20) of a pump at a used fraction of its displacement."""
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    displacement: Batch = positive_field("displacement", _DISPLACEMENT)
+    speed: Batch = positive_field("speed", _SPEED)
+
+    volumetric_efficiency: ClassVar[Batch]
+    mechanical_efficiency: ClassVar[Batch]
+    liquid: ClassVar[Liquid]
+
+    def _flow(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
+        volume = fraction * self.displacement * self.speed * self.volumetric_efficiency
+        return volume * self.liquid.reference_density + 0.0 * pressure
+
+    def _shaft_power(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
+        return fraction * self.displacement * self.speed * pressure / self.mechanical_efficiency
+
+    def _lost_power(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
+        useful = self._flow(fraction, pressure) * self.liquid.flow_energy(pressure)
+        return self._shaft_power(fraction, pressure) - useful
+
+
+class FixedPump(_Pump):
     """A pump of fixed displacement, equation (F20).
 
     `displacement`: $D$ of a turn [m³]. `speed`: $N$, turns a second [1/s].
     `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`.
     """
 
-    source: ClassVar[str] = "Merritt (1967)"
-
-    displacement: Batch = positive_field("displacement", _DISPLACEMENT)
-    speed: Batch = positive_field("speed", _SPEED)
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
     def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Mass flow [kg/s] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
-        return _flow(self, on, pressure)
+        """Mass flow [kg/s] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
+        return self._flow(on, pressure)
 
     def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Shaft power [W] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
-        return _shaft_power(self, on, pressure)
+        """Shaft power [W] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
+        return self._shaft_power(on, pressure)
 
     def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Lost power [W] at gauge `pressure` [Pa], where it is `on` [-]."""
-        return _lost_power(self, on, pressure)
+        """Lost power [W] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
+        return self._lost_power(on, pressure)
 
 
-class VariablePump(Module):
+class VariablePump(_Pump):
     """A pump that swivels back as the pressure comes up to its setting: (F20) with (F21).
 
     `displacement`: $D$ of a turn, at most [m³]. `speed`: $N$, turns a second [1/s]. `pressure`:
-    gauge, at which it gives nothing [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.
+    gauge, at which its flow vanishes [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.
     `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`.
     """
 
-    source: ClassVar[str] = "Merritt (1967)"
-
-    displacement: Batch = positive_field("displacement", _DISPLACEMENT)
-    speed: Batch = positive_field("speed", _SPEED)
     pressure: Batch = positive_field("pressure", _PRESSURE)
     band: Batch = positive_field("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
-    def share(self, pressure: BatchLike) -> Batch:
-        """$s$ [-] at gauge `pressure` [Pa], equation (F21)."""
+    def fraction(self, pressure: BatchLike) -> Batch:
+        """Fraction $s$ of the displacement [-] at gauge `pressure` [Pa], equation (F21)."""
         return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
 
     def flow(self, pressure: BatchLike) -> Batch:
         """Mass flow [kg/s] at gauge `pressure` [Pa]."""
-        return _flow(self, self.share(pressure), pressure)
+        return self._flow(self.fraction(pressure), pressure)
 
     def shaft_power(self, pressure: BatchLike) -> Batch:
         """Shaft power [W] at gauge `pressure` [Pa]."""
-        return _shaft_power(self, self.share(pressure), pressure)
+        return self._shaft_power(self.fraction(pressure), pressure)
 
     def lost_power(self, pressure: BatchLike) -> Batch:
         """Lost power [W] at gauge `pressure` [Pa]."""
-        return _lost_power(self, self.share(pressure), pressure)
+        return self._lost_power(self.fraction(pressure), pressure)
 
 
 class PressureBand(Module):
@@ -129,8 +145,8 @@ class PressureBand(Module):
 
     def after(self, on: BatchLike, pressure: BatchLike) -> Batch:
         """New state [-] of a switch that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
-        kept = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
-        return where(pressure >= self.high, 0.0, kept)
+        unchanged = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
+        return where(pressure >= self.high, 0.0, unchanged)
 
 
 class Relief(Module):
@@ -149,19 +165,5 @@ class Relief(Module):
         return self.slope * maximum(pressure - self.crack, 0.0)
 
     def lost_power(self, pressure: BatchLike, liquid: Liquid = OIL) -> Batch:
-        """Power that a `liquid` loses in it [W] at gauge `pressure` [Pa]."""
+        """Power lost by a `liquid` [W] at gauge `pressure` [Pa]."""
         return self.flow(pressure) * liquid.flow_energy(pressure)
-
-
-def _flow(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
-    turned = share * pump.displacement * pump.speed * pump.volumetric_efficiency
-    return turned * pump.liquid.reference_density + 0.0 * pressure
-
-
-def _shaft_power(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
-    return share * pump.displacement * pump.speed * pressure / pump.mechanical_efficiency
-
-
-def _lost_power(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
-    given = _flow(pump, share, pressure) * pump.liquid.flow_energy(pressure)
-    return _shaft_power(pump, share, pressure) - given

@@ -1,4 +1,4 @@
-r"""From a command to openings: how a valve's spool moves and what it uncovers.
+r"""Spools: from a command to the openings of a valve.
 
 A command $u$ lies in [-1, 1]: above zero supply and port are joined, below it port and exhaust.
 A spool at $x$ uncovers
@@ -6,7 +6,7 @@ A spool at $x$ uncovers
 $$z_{supply} = \frac{(x - o)^+}{1 - o}, \qquad z_{exhaust} = \frac{(-x - o)^+}{1 - o},
   \tag{F9}$$
 
-nothing as long as $|x|$ is within its overlap $o$. It is where the command is (`Direct`), or
+nothing as long as $|x|$ is within its overlap $o$. Its position is the command (`Direct`), or
 follows it,
 
 $$\dot x = \frac{u - x}{\tau}. \tag{F10}$$
@@ -16,8 +16,8 @@ are vented; on its way to 1 it passes each in turn and leaves it joined to the s
 
 $$x_i = N (1 + x) - 2 i - 1, \quad i = 0 \dots N - 1, \tag{F11}$$
 
-is where port $i$ sees the spool, and (F9) of it, up to 1, what of that port is open. One unit is
-throttled at a time, those before it are at the supply, those after it at the exhaust.
+is the position of the spool at port $i$, and (F9) of it, up to 1, the port's opening. One unit is
+throttled at a time, the units before it are at the supply, those after it at the exhaust.
 
 **Source:** Merritt (1967), Hydraulic Control Systems; the orderly valve after Vemula, Kim,
 Mazzoleni and Bryant (2022), Bioinspiration & Biomimetics 17, from what its abstract says: the
@@ -41,9 +41,7 @@ _TIME = Range("s", 1e-6, 1e-4, 1.0, 1e3)
 
 
 class Openings(NamedTuple):
-    """Shares of each unit's valve that are open to the `supply` and to the `exhaust` [-], units on
-    the last axis.
-    """
+    """Openings of each unit's valve [-] to `supply` and `exhaust`, units on the last axis."""
 
     supply: Batch
     exhaust: Batch
@@ -54,11 +52,11 @@ class AbstractSpool(Module):
 
     @abc.abstractmethod
     def commands(self, units: int) -> int:
-        """Number of commands [-] for a number of `units` [-]."""
+        """Number of commands for a number of `units`."""
 
     @abc.abstractmethod
     def states(self, units: int) -> int:
-        """Number of spools with a state [-] for a number of `units` [-]."""
+        """Number of spools with a state for a number of `units`."""
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -70,17 +68,17 @@ class AbstractSpool(Module):
 
 
 class Direct(AbstractSpool):
-    """A spool for each unit that is where the command is. `overlap`: $o$ [-], in [0, 1)."""
+    """A spool for each unit whose position is the command. `overlap`: $o$ [-], in [0, 1)."""
 
     source: ClassVar[str] = "Merritt (1967)"
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def commands(self, units: int) -> int:
-        """One [-] for each of the `units` [-]."""
+        """One for each of the `units`."""
         return units
 
     def states(self, units: int) -> int:
-        """None for any number of `units` [-]."""
+        """Zero for any number of `units`."""
         return 0 * units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -88,9 +86,9 @@ class Direct(AbstractSpool):
         return 0.0 * command[..., :0] + spool
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (F9) [-] at the `command` [-], whatever the `spool` [-]."""
+        """Equation (F9) at the `command` [-]; the `spool` [-] doesn't count."""
         del spool
-        return _uncovered(command, self.overlap)
+        return _openings(command, self.overlap)
 
 
 class Servovalve(AbstractSpool):
@@ -104,27 +102,27 @@ class Servovalve(AbstractSpool):
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def commands(self, units: int) -> int:
-        """One [-] for each of the `units` [-]."""
+        """One for each of the `units`."""
         return units
 
     def states(self, units: int) -> int:
-        """One [-] for each of the `units` [-]."""
+        """One for each of the `units`."""
         return units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (F10) [1/s] for a `command` [-] and the `spool` there [-]."""
+        """Equation (F10) [1/s] for a `command` and position of the `spool` [-]."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (F9) [-] of the `spool` [-], whatever the `command` [-]."""
+        """Equation (F9) of the `spool` [-]; the `command` [-] doesn't count."""
         del command
-        return _uncovered(spool, self.overlap)
+        return _openings(spool, self.overlap)
 
 
 class OrderlyValve(AbstractSpool):
     """One spool for all units, equations (F10) and (F11).
 
-    `units`: how many ports it has [-]. `time_constant`: $\\tau$ [s]. `overlap`: $o$ at each port
+    `units`: number of its ports. `time_constant`: $\\tau$ [s]. `overlap`: $o$ at each port
     [-], in [0, 1).
     """
 
@@ -138,28 +136,28 @@ class OrderlyValve(AbstractSpool):
             raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
 
     def commands(self, units: int) -> int:
-        """One [-] for all of the `units` [-], which must be as many as it has ports."""
+        """One for all of the `units`, whose number must be that of the ports."""
         self._check(units)
         return 1
 
     def states(self, units: int) -> int:
-        """One [-] for all of the `units` [-], which must be as many as it has ports."""
+        """One for all of the `units`, whose number must be that of the ports."""
         self._check(units)
         return 1
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (F10) [1/s] for the `command` [-] and the `spool` there [-]."""
+        """Equation (F10) [1/s] for the `command` and position of the `spool` [-]."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equations (F11) and (F9) [-] of the `spool` [-], whatever the `command` [-]."""
+        """Equations (F11) and (F9) of the `spool` [-]; the `command` [-] doesn't count."""
         del command
-        seen = self.units * (1 + spool) - 2 * np.arange(self.units) - 1
-        return _uncovered(seen, self.overlap)
+        position = self.units * (1 + spool) - 2 * np.arange(self.units) - 1
+        return _openings(position, self.overlap)
 
     def middle(self, unit: int) -> float:
-        """The command [-] at which port `unit`, counted from 0, is shut and all before it are
-        open to the supply.
+        """Command [-] at which port `unit`, counted from 0, is shut and all before it are open to
+        the supply.
         """
         if not 0 <= unit < self.units:
             raise InvalidInputError("unit", f"must lie in [0, {self.units - 1}]", unit)
@@ -172,13 +170,13 @@ class OrderlyValve(AbstractSpool):
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:
-    """A `command` [-] called `name` as floats [-]; `ValueError` outside [-1, 1]."""
+    """A `command` called `name` as floats [-]; `InvalidInputError` outside [-1, 1]."""
     return check_interval(
         command, -1.0, 1.0, name, "-", "from open exhaust to open supply", closed=(True, True)
     )
 
 
-def _uncovered(x: Any, overlap: Batch) -> Openings:
+def _openings(x: Any, overlap: Batch) -> Openings:
     # at the edges a derivative is the mean of both sides', as differences have it
     supply, exhaust = (
         minimum(maximum(side - overlap, 0.0) / (1 - overlap), 1.0) for side in (x, -x)

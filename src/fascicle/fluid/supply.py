@@ -64,8 +64,8 @@ class AbstractSupply(Module):
 
     @abc.abstractmethod
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Rates of the state [SI], from `state` [SI], where `mass_in` [kg/s] and its enthalpy
-        `energy_in` [W] flow in; drawn from, both are negative.
+        """Rates of a `state` [SI] with an inflow `mass_in` [kg/s] and its enthalpy `energy_in` [W],
+        both negative for an outflow.
         """
 
     def switched(self, state: Numbers) -> Numbers:
@@ -73,8 +73,8 @@ class AbstractSupply(Module):
         return state
 
     def spent(self, state: Numbers) -> dict[str, Batch]:
-        """Energies of the drive and its losses [J] up to a `state` [SI], by name; empty where
-        nothing drives it.
+        """Energies of the drive and its losses [J] up to a `state` [SI], by name; empty without a
+        drive.
         """
         del state
         return {}
@@ -104,7 +104,7 @@ def supply_pressure_field() -> Any:
 
 
 class ConstantSupply(AbstractSupply):
-    """A supply whose pressure stays, however much is drawn.
+    """A supply of constant pressure.
 
     `pressure`: gauge [Pa], above the room's. `supply_temperature` [K]; `room_pressure`, absolute
     [Pa].
@@ -120,8 +120,8 @@ class ConstantSupply(AbstractSupply):
     def from_absolute(
         cls, absolute: Values, room_pressure: Values = ROOM_PRESSURE
     ) -> "ConstantSupply":
-        """A supply of `absolute` pressure [Pa] in a room of `room_pressure` [Pa, absolute]: the
-        supply; `ValueError` where it isn't above the room's.
+        """Supply of `absolute` pressure [Pa] in a room of `room_pressure` [Pa, absolute];
+        `InvalidInputError` unless it is above the room's.
         """
         return cls(gauge_from(absolute, room_pressure), room_pressure=room_pressure)
 
@@ -165,14 +165,14 @@ class ConstantSupply(AbstractSupply):
         return self.pressure <= 0
 
 
-_NEARLY = 100.0  # Pa
+_NEARLY = 100.0  # Pa, a thousandth of an atmosphere: a tank only nears the room's pressure
 
 
 class Tank(AbstractSupply):
-    """Gas in a volume that stays, equation (F17).
+    """Gas in a constant volume, equation (F17).
 
-    `chamber`: of gas, with the tank's wall and room. `volume` [m³]. `pressure`: gauge, that it
-    begins with, as warm as the room [Pa].
+    `chamber`: of gas, with the tank's wall and room. `volume` [m³]. `pressure`: initial, gauge, as
+    warm as the room [Pa].
     """
 
     source: ClassVar[str] = "the chamber's"
@@ -185,16 +185,16 @@ class Tank(AbstractSupply):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names and units of the chamber."""
+        """Names of the chamber's state."""
         return self.chamber.names
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Names and units of the chamber."""
+        """Units of the chamber's state."""
         return self.chamber.units
 
     def start(self) -> Numbers:
-        """The chamber's state [SI] at the pressure that it begins with."""
+        """State of the chamber [SI] at the initial pressure."""
         return self.chamber.start(self.pressure, self.volume)
 
     def pressure_at(self, state: Numbers) -> Batch:
@@ -206,8 +206,8 @@ class Tank(AbstractSupply):
         return self.chamber.temperature(state, self.pressure_at(state))
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Equation (F17) [SI] for a `state` [SI] where `mass_in` [kg/s] and `energy_in` [W] flow
-        in; drawn from, both are negative.
+        """Equation (F17) [SI] for a `state` [SI] with the inflows `mass_in` [kg/s] and `energy_in`
+        [W], negative for an outflow.
         """
         return self.chamber.rates(state, self.pressure_at(state), mass_in, energy_in, 0.0)
 
@@ -216,7 +216,5 @@ class Tank(AbstractSupply):
         return self.chamber.stored(state, self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """True where a `state` [SI] is within a thousandth of an atmosphere of the room's pressure,
-        which it only nears.
-        """
+        """True if a `state` [SI] is within 100 Pa of the room's pressure."""
         return self.pressure_at(state) <= _NEARLY

@@ -1,4 +1,4 @@
-"""A bundle on a tendon: an actuator of MuJoCo's whose control is the bundle's pull.
+"""A bundle on a tendon: a MuJoCo actuator whose control is the bundle's pull.
 
 **Sign:** a control pulls the tendon's ends together, and is positive where the bundle pulls.
 """
@@ -18,8 +18,8 @@ from .optional_imports import mujoco
 
 
 class Attached(NamedTuple):
-    """A `bundle` [-] that a tendon pulls by, both by name [-]: `tendon`, and the `actuator` for it;
-    `rest_length`: of the tendon where the bundle is as long as at rest [m].
+    """A `bundle` on a tendon: names of the `actuator` and the `tendon`, and the tendon's
+    `rest_length` with the bundle at rest [m].
     """
 
     actuator: str
@@ -33,55 +33,49 @@ def attach(
 ) -> Attached:
     """Put a bundle in line with a tendon.
 
-    What the tendon has beside the bundle is a cord that doesn't stretch: where the tendon is
-    shorter than its `rest_length`, the bundle is contracted by the difference. It pushes, too,
-    where it is contracted farther than it contracts by itself.
+    The rest of the tendon is a cord that doesn't stretch: a tendon shorter than its `rest_length`
+    contracts the bundle by the difference. A bundle past its free strain pushes.
 
     **Arguments:**
 
-    - `spec`: MuJoCo's `MjSpec`, to which an actuator is added [-].
-    - `tendon`: its name, of a fixed or a spatial one [-].
-    - `bundle`: the bundle, or one muscle [-].
-    - `rest_length`: of the tendon where the bundle is at rest [m]; in a fixed tendon's own
-      coordinate, which may be below zero.
-    - `name`: of the actuator [-]; left out, the tendon's with `_bundle`.
+    - `spec`: MuJoCo's `MjSpec`, to which an actuator is added.
+    - `tendon`: name of a fixed or a spatial tendon.
+    - `bundle`: the bundle, or one muscle.
+    - `rest_length`: of the tendon with the bundle at rest [m]; in a fixed tendon's own coordinate,
+      which may be below zero.
+    - `name`: of the actuator; left out, the tendon's with `_bundle`.
 
-    **Returns:** an `Attached` [-], for `Drive.of` once the spec is compiled.
+    **Returns:** an `Attached`, for `Drive.of` with the compiled model.
 
-    **Raises:** `ValueError`, one line, for a tendon that doesn't exist.
+    **Raises:** `InvalidInputError` for a tendon that doesn't exist.
     """
-    names = [name_known.name for name_known in spec.tendons]
+    names = [entry.name for entry in spec.tendons]
     if tendon not in names:
         suggestions = difflib.get_close_matches(str(tendon), names, n=1, cutoff=0.4)
-        hint = (
-            f"did you mean {suggestions[0]!r}?"
-            if suggestions
-            else f"it has {', '.join(names) or 'none'}"
-        )
-        raise InvalidInputError(
-            "tendon", f"{tendon!r} isn't one of the model's", tendon, hint, shown=""
-        )
+        remedy = f"it has {', '.join(names) or 'none'}"
+        if suggestions:
+            remedy = f"did you mean {suggestions[0]!r}?"
+        rule = f"{tendon!r} isn't one of the model's"
+        raise InvalidInputError("tendon", rule, tendon, remedy, shown="")
     if isinstance(bundle, Muscle):
         bundle = Bundle([MotorUnit(bundle)])
     if not isinstance(bundle, Bundle):
         raise InvalidInputError(
             "bundle", "must be a Bundle or a Muscle", bundle, shown=type(bundle).__name__
         )
-    at = float(check_finite(rest_length, "rest_length", "m"))
-    called = f"{tendon}_bundle" if name is None else name
-    attached = spec.add_actuator(
-        name=called, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON
-    )  # fmt: skip
-    gain = np.zeros_like(attached.gainprm)
-    gain[0] = -1.0  # a positive force of MuJoCo's would lengthen the tendon
-    attached.gainprm = gain
-    return Attached(called, tendon, bundle, at)
+    length = float(check_finite(rest_length, "rest_length", "m"))
+    name = f"{tendon}_bundle" if name is None else name
+    actuator = spec.add_actuator(name=name, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON)
+    gain = np.zeros_like(actuator.gainprm)
+    gain[0] = -1.0  # a positive force in MuJoCo would lengthen the tendon
+    actuator.gainprm = gain
+    return Attached(name, tendon, bundle, length)
 
 
 class Tendons(AbstractLoad):
-    """Load of bundles on tendons: MuJoCo, which knows where the tendons are.
+    """Load of bundles on tendons: MuJoCo, which moves the tendons.
 
-    `bundles`: how many there are [-].
+    `bundles`: their number.
     """
 
     unit: ClassVar[str] = "m"
@@ -92,30 +86,30 @@ class Tendons(AbstractLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """Of each bundle [m], [-]: its plates come nearer as its tendon shortens."""
+        """Offset [m] and arm [-] of each bundle: its plates come nearer as its tendon shortens."""
         return ((0.0, 1.0),) * self.bundles
 
     @property
     def inertia(self) -> Batch:
-        """None that counts here [kg]."""
+        """Placeholder [kg]: MuJoCo has the inertia."""
         return np.float64(1.0)
 
     def force(self, position: Batch) -> Batch:
-        """None that counts here [N], at any `position` [m]."""
+        """Zero [N] at any `position` [m]: MuJoCo has the forces."""
         return 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """None that counts here [J], at any `position` [m]."""
+        """Zero [J] at any `position` [m]: MuJoCo has the potential."""
         return 0.0 * position
 
     @property
     def damper(self) -> Batch:
-        """None that counts here [SI]."""
+        """Zero [SI]: MuJoCo has the dampers."""
         return np.float64(0.0)
 
     @property
     def stiffness(self) -> Batch:
-        """None that counts here [N/m]."""
+        """Zero [N/m]: MuJoCo has the springs."""
         return np.float64(0.0)
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:

@@ -1,10 +1,9 @@
 r"""Bundles that drive a robot: their chambers beside MuJoCo's state, and one step of both.
 
-A step asks for the tendons' lengths *of this step*, sets each bundle's pull for it, and lets MuJoCo
-take it. With the lengths of the step before, which is what stands in MuJoCo's data before
-`mj_step`, a muscle is a spring that answers late, and makes energy. So does a pull that is held
-through the stages of a Runge-Kutta step: there it is asked for at each stage, by MuJoCo's gain
-callback.
+A step takes the tendons' lengths *of this step*, sets each bundle's pull for them, and lets MuJoCo
+complete it. With the lengths of the step before, which are in MuJoCo's data before `mj_step`, a
+muscle is a delayed spring, and generates energy. So does a pull that is constant through the stages
+of a Runge-Kutta step: there it is evaluated at each stage, by MuJoCo's gain callback.
 
 Fluid flows between steps: at the pressures $P$ of this step a chamber's mass becomes
 
@@ -18,6 +17,7 @@ documentation, "Simulation", on `mj_step1` and `mj_step2`.
 """
 
 import difflib
+import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -47,28 +47,34 @@ from .attach import Attached, Tendons
 from .optional_imports import mjx, mujoco
 
 
-_NEWTON = 3  # from the pressures of the step before: a moved tendon is a step farther than a rate
+_NEWTON = 3  # steps, from the last pressures: a tendon moves farther in a step than by its rate
 
 
 class Fluid(NamedTuple):
-    """Fluid in the chambers of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa]
-    at the last step, `spool` of the valves [-], the `supply`'s state [SI], and `known`,
-    true if all strains and pressures were in the muscles' tables.
+    """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
+    `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and
+    pressures were in the muscles' tables.
     """
 
     chambers: Numbers
     pressures: Numbers
     spool: Numbers
     supply: Numbers
-    known: Any
+    inside: Any
+
+    @property
+    def known(self) -> Any:
+        """Former name of `inside`."""
+        warnings.warn("`Fluid.known` is now `Fluid.inside`.", DeprecationWarning, stacklevel=2)
+        return self.inside
 
 
 class Drive(Module):
-    """Bundles on tendons of one compiled model: `Drive.of` makes it.
+    """Bundles on tendons of one compiled model, made by `Drive.of`.
 
-    `plant`: their muscles, chambers, valves and supply [-]. `rest_lengths`: of their tendons [m].
-    `members`: which units are whose, a row of ones for each bundle [-]. `actuators`: their places
-    in the model [-]. `tendons`: by name [-]. `valved`: whether valves and chambers were given [-].
+    `plant`: their muscles, chambers, valves and supply. `rest_lengths`: of their tendons [m].
+    `members`: a row for each bundle, with ones at its units. `actuators`: their indices in the
+    model. `tendons`: their names. `valved`: true with valves and chambers.
     """
 
     plant: Plant
@@ -91,29 +97,26 @@ class Drive(Module):
         highest_pressure: Values = None,
         shape: tuple[int, int] = (161, 201),
     ) -> "Drive":
-        """The drive of a model.
+        """Drive of a model.
 
         **Arguments:**
 
-        - `model`: MuJoCo's compiled `MjModel` [-].
-        - `attached`: what `attach` returned, of each bundle [-].
-        - `supply`, `chamber`, `valve`: where fluid comes from, what each unit's is in, and what it
-          comes through [-]; left out, all three, pressures are given at each step.
-        - `exhaust_valve`, `spool`: as of a `Plant` [-].
-        - `highest_pressure`: that is given [Pa]; left out, the bundles' largest supply pressure.
-        - `shape`: nodes of the muscles' tables in pressure and strain [-].
+        - `model`: MuJoCo's compiled `MjModel`.
+        - `attached`: of each bundle, as returned by `attach`.
+        - `supply`, `chamber`, `valve`: as of a `Plant`; without all three, the command of a step is
+          pressures.
+        - `exhaust_valve`, `spool`: as of a `Plant`.
+        - `highest_pressure`: of a command [Pa]; left out, the bundles' largest supply pressure.
+        - `shape`: nodes of the muscles' tables in pressure and strain.
 
-        **Returns:** the drive [-].
-
-        **Raises:** `ValueError`, one line, for what doesn't go together, for a chamber that warms,
-        and for a tendon that begins outside of its muscles' tables.
+        **Raises:** `InvalidInputError` for components that don't fit, a chamber whose gas warms,
+        and a tendon that begins outside of its muscles' tables.
         """
         arguments = [value is not None for value in (supply, chamber, valve)]
         if any(arguments) and not all(arguments):
             name = ("supply", "chamber", "valve")[arguments.index(False)]
-            raise InvalidInputError(
-                name, "is missing", None, "give supply, chamber and valve, or none of them"
-            )
+            remedy = "give supply, chamber and valve, or none of them"
+            raise InvalidInputError(name, "is missing", None, remedy)
         if chamber is not None and not isinstance(chamber, AbstractMassChamber):
             rule = "must be one whose state is its mass"
             remedy = "take Isothermal, Polytropic or LiquidChamber"
@@ -126,17 +129,15 @@ class Drive(Module):
         assert supply is not None
         assert chamber is not None
         assert valve is not None
-        bundles = [value.bundle for value in attached]
+        bundles = [entry.bundle for entry in attached]
         load = Tendons(bundles=len(bundles))
-        plant = Plant(
-            bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape
-        )  # fmt: skip
+        plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
         drive = cls(
             plant,
-            np.array([value.rest_length for value in attached]),
+            np.array([entry.rest_length for entry in attached]),
             np.array([np.array(plant.sides) == side for side in range(len(bundles))], float),
-            tuple(_actuator(model, value) for value in attached),
-            tuple(value.tendon for value in attached),
+            tuple(_actuator_index(model, entry) for entry in attached),
+            tuple(entry.tendon for entry in attached),
             all(arguments),
         )
         data = mujoco.MjData(model)
@@ -146,14 +147,14 @@ class Drive(Module):
 
     @property
     def units(self) -> int:
-        """How many motor units there are [-], of all bundles."""
+        """Number of motor units of all bundles."""
         return self.plant.units
 
     def strains(self, lengths: Numbers) -> Numbers:
-        """Strain of each unit's muscles [-] where the bundles' tendons have `lengths` [m]."""
-        shorter = self.rest_lengths - lengths
+        """Strain of each unit's muscles [-] at `lengths` of the bundles' tendons [m]."""
+        contraction = self.rest_lengths - lengths
         plant, sides = self.plant, np.array(self.plant.sides)
-        return 1 - (plant.distances - shorter[..., sides]) / plant.lengths
+        return 1 - (plant.distances - contraction[..., sides]) / plant.lengths
 
     def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
         """Pull of each bundle [N].
@@ -163,42 +164,35 @@ class Drive(Module):
         - `pressures`: of all units [Pa].
         - `lengths`: of the bundles' tendons [m].
 
-        **Returns:** the pulls [N].
-
-        **Raises:** `ValueError` for numbers, not what is traced, outside of the muscles' tables.
+        **Raises:** `InvalidInputError` for concrete numbers outside of the muscles' tables.
         """
         self._check_domain(pressures, lengths)
         return self._pull(pressures, lengths)
 
     def _pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
-        at = self.plant.muscles.at(pressures, self.strains(lengths))
-        return array_namespace(at.force).sum(self.members * (self.plant.counts * at.force), axis=-1)
+        force = self.plant.muscles.at(pressures, self.strains(lengths)).force
+        return array_namespace(force).sum(self.members * (self.plant.counts * force), axis=-1)
 
     def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
-        """Energy [J] that bundles store whose units are held at a pressure: their co-energy, taken
-        off.
+        """Stored energy [J] of all bundles at constant pressures: the negative of their co-energy.
 
         **Arguments:** those of `pull`.
-
-        **Returns:** the energy of all bundles [J].
 
         **Raises:** as `pull`.
         """
         self._check_domain(pressures, lengths)
-        at = self.plant.muscles.at(pressures, self.strains(lengths))
-        return -array_namespace(at.force).sum(self.plant.counts * at.coenergy, axis=-1)
+        coenergy = self.plant.muscles.at(pressures, self.strains(lengths)).coenergy
+        return -array_namespace(coenergy).sum(self.plant.counts * coenergy, axis=-1)
 
     def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
-        """Chambers to begin with.
+        """Initial fluid [SI].
 
         **Arguments:**
 
-        - `model`, `data`: MuJoCo's [-].
+        - `model`, `data`: MuJoCo's.
         - `pressures`: of all units, or of each [Pa].
 
-        **Returns:** a `Fluid` [SI].
-
-        **Raises:** `ValueError` for pressures above the muscles' tables.
+        **Raises:** `InvalidInputError` for pressures above the muscles' tables.
         """
         mujoco.mj_forward(model, data)
         top = float(np.min(self.plant.muscles.highest_pressure))
@@ -213,24 +207,22 @@ class Drive(Module):
         return Fluid(chambers, P, spool, supply, np.array(True))
 
     def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
-        """One step of MuJoCo, which moves `data` on.
+        """Step MuJoCo's `data`; returns the fluid after the step [SI].
 
         **Arguments:**
 
-        - `model`, `data`: MuJoCo's [-].
-        - `fluid`: what the chambers hold [SI].
+        - `model`, `data`: MuJoCo's.
+        - `fluid`: before the step [SI].
         - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
-        - `act`: `jax.jit(drive.act)`, for many steps [-]; left out, NumPy's, there at once.
+        - `act`: `jax.jit(drive.act)`, for many steps; left out, NumPy's, without compilation.
 
-        **Returns:** what they hold then [SI].
-
-        **Raises:** `ValueError`, one line, where a tendon leaves its muscles' tables, of which data
-        are at the beginning of the step, with MuJoCo's RK4 at its end.
+        **Raises:** `InvalidInputError` if a tendon leaves its muscles' tables; data are then at the
+        beginning of the step, with MuJoCo's RK4 at its end.
         """
         command = self._command(command)
         indices = list(self.actuators)
         if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            return self._in_stages(model, data, fluid, command)
+            return self._runge_kutta_step(model, data, fluid, command)
         mujoco.mj_step1(model, data)
         lengths = data.actuator_length[indices]
         after, pull = (act or self.act)(fluid, lengths, command, model.opt.timestep)
@@ -246,76 +238,71 @@ class Drive(Module):
 
         **Arguments:**
 
-        - `fluid`: what the chambers hold [SI].
+        - `fluid`: before the step [SI].
         - `lengths`: of the bundles' tendons, of this step [m].
         - `command`: of the valves [-]; without valves, pressures [Pa].
         - `dt`: the step [s].
 
-        **Returns:** what they hold then [SI], and each bundle's pull in the step [N].
+        **Returns:** the fluid after the step [SI], and each bundle's pull in the step [N].
         """
         plant, eps = self.plant, self.strains(lengths)
         xp = array_namespace(eps, fluid.chambers)
         low, high = plant.muscles.strains
         if not self.valved:
             P = command + 0.0 * eps
-            names = xp.all((eps >= low) & (eps <= high)) & fluid.known
-            return fluid._replace(pressures=P, known=names), self._pull(P, lengths)
+            inside = xp.all((eps >= low) & (eps <= high)) & fluid.inside
+            return fluid._replace(pressures=P, inside=inside), self._pull(P, lengths)
         P = solve_pressures(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
         state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
         flows = evaluate_flows(plant, state, P, command)
         rate = plant.chamber.rates(fluid.chambers, P, flows.mass, flows.enthalpy, 0.0)
-        drawn, temperature = (
-            xp.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy)
-        )  # fmt: skip
+        drawn, enthalpy = (xp.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy))
         inside = (eps >= low) & (eps <= high) & (plant.muscles.highest_pressure >= P)
         after = Fluid(
             fluid.chambers + dt * rate,
             P,
             fluid.spool + dt * plant.spool.rate(command, fluid.spool),
-            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -temperature),
-            xp.all(inside) & fluid.known,
+            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -enthalpy),
+            xp.all(inside) & fluid.inside,
         )
         return after, self._pull(P, lengths)
 
     def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
         """One step of MJX, under `jit`, `vmap` and forward derivatives; nothing is checked, and
-        `fluid.known` says afterwards whether all of it was in the muscles' tables.
+        `fluid.inside` is false after a step outside of the muscles' tables.
 
         **Arguments:**
 
-        - `model`, `data`: MJX's [-].
-        - `fluid`: what the chambers hold [SI].
+        - `model`, `data`: MJX's.
+        - `fluid`: before the step [SI].
         - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
 
-        **Returns:** data [-], and what the chambers hold then [SI].
+        **Returns:** data and fluid after the step [SI].
         """
         import jax
 
         engine, indices = mjx(), np.array(self.actuators)
-        state_now = engine.fwd_position(model, data)
-        lengths = state_now.actuator_length[indices]
+        lengths = engine.fwd_position(model, data).actuator_length[indices]
         fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
         after = engine.step(model, data.replace(ctrl=data.ctrl.at[indices].set(pull)))
-        # with 64 bits some whole numbers come back wider than they went in, and no loop takes that
-        return jax.tree.map(lambda new, old: jnp.asarray(new, old.dtype), after, data), fluid
+        # with 64 bits some whole numbers come back wider than before, which no loop accepts
+        return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
 
     def _command(self, command: Values) -> Numbers:
         count = self.plant.commands if self.valved else self.units
         if self.valved:
-            arguments = np.asarray(validate_commands(command), float)
+            values = np.asarray(validate_commands(command), float)
         else:
-            top = float(np.min(self.plant.muscles.highest_pressure))
-            arguments = np.asarray(
-                check_interval(command, 0.0, top, "command", "Pa", "of the table", (True, True))
+            top, closed = float(np.min(self.plant.muscles.highest_pressure)), (True, True)
+            values = np.asarray(
+                check_interval(command, 0.0, top, "command", "Pa", "of the table", closed)
             )
-        if arguments.shape not in {(), (count,)}:
-            raise InvalidInputError(
-                "command", f"must be one for each of the {count}", arguments.size
-            )
-        return np.broadcast_to(arguments, (count,))
+        if values.shape not in {(), (count,)}:
+            raise InvalidInputError("command", f"must be one for each of the {count}", values.size)
+        return np.broadcast_to(values, (count,))
 
     def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
-        """Refuse numbers outside of the muscles' tables, which hold their values at the edges."""
+        """Raise for numbers outside of the muscles' tables, which end there."""
         if not is_concrete(pressures, lengths):
             return
         self._check(lengths)
@@ -326,18 +313,18 @@ class Drive(Module):
     def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
         low, high = (np.asarray(end) for end in self.plant.muscles.strains)
         strains = np.asarray(self.strains(np.asarray(lengths)))
-        off = np.argwhere((strains < low) | (strains > high) | ~np.isfinite(strains))
-        if off.size:
-            i, eps = int(off[0][-1]), float(strains[tuple(off[0])])
+        outside = np.argwhere(~((strains >= low) & (strains <= high)))
+        if outside.size:
+            i, eps = int(outside[0][-1]), float(strains[tuple(outside[0])])
             tendon = self.tendons[self.plant.sides[i]]
             raise InvalidInputError(
                 "tendon",
                 f"{tendon!r} leaves the table's strains, {low[i]:.3f} to {high[i]:.3f}",
                 eps,
-                "limit its way in the model, or take another `rest_length`",
+                "limit its range in the model, or take another `rest_length`",
                 shown=f"a strain of {eps:.3f}",
             )
-        if fluid is not None and not bool(fluid.known):
+        if fluid is not None and not bool(fluid.inside):
             top = float(np.min(self.plant.muscles.highest_pressure))
             raise InvalidInputError(
                 "pressure",
@@ -347,21 +334,21 @@ class Drive(Module):
                 shown=f"{float(np.max(fluid.pressures)):g} Pa",
             )  # fmt: skip
 
-    def _in_stages(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> Fluid:
-        """A step of Runge and Kutta's, which asks for each pull at each of its stages."""
+    def _runge_kutta_step(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> Fluid:
+        """A Runge-Kutta step, with pulls evaluated at each of its stages."""
         indices = {actuator: side for side, actuator in enumerate(self.actuators)}
-        first = min(indices)  # MuJoCo asks in this order
+        first = min(indices)  # MuJoCo calls in this order
         kind = model.actuator_gaintype.copy()
         before = mujoco.get_mjcb_act_gain()
         initial: list[Any] = []
         pulls: list[Any] = []
 
-        def gain(of: Any, at: Any, actuator: int) -> float:
+        def gain(mj_model: Any, mj_data: Any, actuator: int) -> float:
             side = indices.get(actuator)
             if side is None:
-                return 0.0 if before is None else before(of, at, actuator)
+                return 0.0 if before is None else before(mj_model, mj_data, actuator)
             if actuator == first:
-                lengths = at.actuator_length[list(self.actuators)].copy()
+                lengths = mj_data.actuator_length[list(self.actuators)].copy()
                 after, pulls[:] = self.act(fluid, lengths, command, model.opt.timestep)
                 initial.append((lengths, after))
             return -float(pulls[side])
@@ -374,12 +361,12 @@ class Drive(Module):
         finally:
             mujoco.set_mjcb_act_gain(before)
             model.actuator_gaintype[:] = kind
-        self._check(*initial[0])  # the first stage is where the step begins
+        self._check(*initial[0])  # the first stage is the step's beginning
         return initial[0][1]
 
 
-def _actuator(model: Any, attached: Attached) -> int:
-    """Place of a bundle's actuator in the compiled model."""
+def _actuator_index(model: Any, attached: Attached) -> int:
+    """Index of a bundle's actuator in the compiled model."""
     names = [model.actuator(i).name for i in range(model.nu)]
     if attached.actuator in names:
         return names.index(attached.actuator)
@@ -388,13 +375,14 @@ def _actuator(model: Any, attached: Attached) -> int:
     suggestions = likely or difflib.get_close_matches(attached.actuator, names, n=1, cutoff=0.4)
     remedy = f"it has {', '.join(names) or 'none'}"
     if suggestions:
-        remedy = f"name it as there, `attached._replace(actuator={suggestions[0]!r})`"
-    rule = f"names the actuator {attached.actuator!r}, which the model hasn't"
+        remedy = f"write `attached._replace(actuator={suggestions[0]!r})`"
+    rule = f"names the actuator {attached.actuator!r}, which isn't in the model"
     raise InvalidInputError("attached", rule, attached.actuator, remedy, shown="")
 
 
 def _highest(attached: Sequence[Attached], highest: Values) -> float:
     if highest is not None:
         return float(check_interval(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
-    names = [value.bundle.supply_pressure for value in attached]
-    return max((float(x) for x in names if x is not None), default=HIGHEST_PRESSURE / 1.2)
+    supplies = [entry.bundle.supply_pressure for entry in attached]
+    # the tables reach a fifth beyond the supply's pressure
+    return max((float(x) for x in supplies if x is not None), default=HIGHEST_PRESSURE / 1.2)

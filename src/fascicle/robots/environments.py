@@ -1,8 +1,8 @@
-"""Two environments of Gymnasium's: a joint between two muscles, and a mass that hangs on a bundle.
+"""Two environments of Gymnasium: a joint between two muscles, and a mass that hangs on a bundle.
 
-Actions open valves, observations and actions lie in [-1, 1], and a step of 10 ms is rewarded by
-the error that it leaves, taken off, so that 0 is best. A target stands for an episode of 2 s. The
-muscles are those of Fig. 6 of the paper, valves and loads are made up.
+Actions open valves; observations and actions lie in [-1, 1]. The reward of a step of 10 ms is the
+negative error, so that 0 is best. A target is constant in an episode of 2 s. The muscles are those
+of Fig. 6 of the paper; valves and loads are made up.
 
 Environments in forked processes, as those of `make_vec(…, vectorization_mode="async")`, compute
 with NumPy, half as fast; with `vector_kwargs={"context": "spawn"}` they compile.
@@ -28,8 +28,8 @@ from .optional_imports import mujoco
 
 
 SUPPLY = 413.7e3  # Pa
-_FRAMES = 10  # steps of MuJoCo's in one of the environment's
-_STEP = 0.01  # s
+_FRAMES = 10  # MuJoCo's steps of 1 ms in one of the environment
+_STEP = 0.01  # s, of the environment
 _JOINT = """<mujoco><compiler angle="radian"/>
 <option timestep="0.001"><flag contact="disable"/></option>
 <worldbody><body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
@@ -43,9 +43,9 @@ _MASS = """<mujoco><option timestep="0.001"><flag contact="disable"/></option>
 
 
 class Task(NamedTuple):
-    """Task of an environment: a `model`, how much `contraction` its tendons begin with
-    [m], `counts` of muscles in each motor unit of every bundle [-], the coordinate's `middle` and
-    `reach`, and its largest `speed` that is seen [SI], and targets between `low` and `high` [SI].
+    """Task of an environment: a `model`, the initial `contraction` of its tendons [m], `counts` of
+    muscles in each motor unit of every bundle, the coordinate's `middle` and `reach`, the `speed`
+    that is observed as 1, and targets between `low` and `high` [SI].
     """
 
     model: str
@@ -59,17 +59,17 @@ class Task(NamedTuple):
 
 
 class Environment(gymnasium.Env):
-    """A load on bundles whose valves are opened.
+    """A load on bundles with valves.
 
-    An observation holds the coordinate, its rate, the target, and each unit's pressure, all scaled
-    to [-1, 1].
+    An observation is the coordinate, its rate, the target, and each unit's pressure, all scaled to
+    [-1, 1].
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": 100}
     task: ClassVar[Task]
 
     def __init__(self, render_mode: str | None = None):
-        """`render_mode`: none is known [-]."""
+        """`render_mode` must be `None`."""
         if render_mode is not None:
             raise InvalidInputError(
                 "render_mode", "must be None", render_mode, "MuJoCo's viewer draws it"
@@ -87,7 +87,7 @@ class Environment(gymnasium.Env):
             self.model, attached, ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6),
             SonicValve(5e-10, 0.3), shape=(65, 81),
         )  # fmt: skip
-        # compiled code would wait for ever for JAX's threads, which a forked process hasn't
+        # compiled code would wait for ever for JAX's threads, which a forked process lacks
         self._act = self.drive.act if forked() else jax.jit(self.drive.act)
         units = self.drive.units
         self.action_space = Box(-1.0, 1.0, (units,), np.float32)
@@ -98,39 +98,37 @@ class Environment(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin anew: `seed` of the target [-]; `options` aren't known [-].
+        """Start an episode: `seed` of the target; `options` don't count.
 
-        **Returns:** the observation, and what else there is to know [-].
+        **Returns:** the observation, and position and target [SI].
         """
         super().reset(seed=seed)
         del options
         mujoco.mj_resetData(self.model, self.data)
         self.target = float(self.np_random.uniform(self.task.low, self.task.high))
         self.fluid = self.drive.start(self.model, self.data, 0.3 * SUPPLY)
-        return self._seen(), self._info()
+        return self._observation(), self._info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """One step of 10 ms with valves open by an `action` [-].
 
-        **Returns:** observation, reward, whether a muscle left its table, which ends the episode,
-        whether time is over, which a wrapper tells, and what else there is to know [-].
+        **Returns:** observation, reward, true if a muscle left its table, which ends the episode,
+        false for a time limit, which is a wrapper's, and position and target [SI].
         """
         command = np.clip(np.asarray(action, float), -1.0, 1.0)
-        left = False
+        terminated = False
         try:
             for _ in range(_FRAMES):
-                self.fluid = self.drive.step(
-                    self.model, self.data, self.fluid, command, self._act
-                )  # fmt: skip
+                self.fluid = self.drive.step(self.model, self.data, self.fluid, command, self._act)
         except InvalidInputError:
-            left = True
+            terminated = True
         error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
-        return self._seen(), -error, left, False, self._info()
+        return self._observation(), -error, terminated, False, self._info()
 
-    def _seen(self) -> np.ndarray:
+    def _observation(self) -> np.ndarray:
         task = self.task
-        index, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
-        observation = [(index - task.middle) / task.reach, speed / task.speed,
+        position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
+        observation = [(position - task.middle) / task.reach, speed / task.speed,
                 (self.target - task.middle) / task.reach,
                 *(2 * np.asarray(self.fluid.pressures) / SUPPLY - 1)]  # fmt: skip
         return np.clip(observation, -1.0, 1.0).astype(np.float32)
@@ -152,11 +150,11 @@ class HangingMass(Environment):
 
 
 class Proportional:
-    """The baseline: PI of the position with damping asks for pressures, which valves follow.
+    """Baseline policy: a PI controller of the position with damping sets pressures for the valves.
 
     `proportional`, `integral` [1/s] and `damping`: of the scaled error and speed, to pressures in
-    halves of the supply's about a `bias` [-]; `signs`: of each unit [-]; `valve`: opening for each
-    half of the supply that a pressure is off [-].
+    halves of the supply's about a `bias` [-]; `signs`: of each unit [-]; `valve`: opening for a
+    pressure error of half the supply [-].
     """
 
     def __init__(
@@ -168,20 +166,18 @@ class Proportional:
         bias: float = 0.0,
         valve: float = 4.0,
     ):
-        """Arguments are the fields [-]."""
+        """Arguments are described by the class."""
         self.gains = proportional, integral, damping
         self.signs = np.array(signs)
         self.bias, self.valve = bias, valve
         self.total = 0.0
 
     def begin(self) -> None:
-        """Forget the integral."""
+        """Reset the integral."""
         self.total = 0.0
 
     def __call__(self, observation: np.ndarray) -> np.ndarray:
-        """Action [-] for an `observation` [-]; the integral stands still while its pressures lie
-        beyond their ends.
-        """
+        """Action for an `observation` [-]; the integral stops while its target is out of range."""
         k_p, k_i, k_d = self.gains
         error = float(observation[2] - observation[0])
         target = k_p * error + self.total - k_d * float(observation[1])
@@ -198,16 +194,16 @@ BASELINES = {
 
 
 def score(environment: Any, policy: Any, seeds: range) -> float:
-    """Mean reward of a step [-] in episodes of an `environment` [-], one for each of the `seeds`
-    [-], by a `policy` [-] from observations to actions, which may `begin` anew.
+    """Mean reward of a step [-] in episodes of an `environment`, one for each of the `seeds`, with
+    a `policy` from observations to actions, whose `begin` is called before each episode.
     """
     rewards = []
     for seed in seeds:
         observation, _ = environment.reset(seed=seed)
         getattr(policy, "begin", lambda: None)()
-        over = False
-        while not over:
-            observation, reward, is_done, late, _ = environment.step(policy(observation))
+        ended = False
+        while not ended:
+            observation, reward, terminated, truncated, _ = environment.step(policy(observation))
             rewards.append(reward)
-            over = is_done or late
+            ended = terminated or truncated
     return float(np.mean(rewards))

@@ -1,25 +1,25 @@
-"""The environments' names, told to Gymnasium where it is installed, without their modules."""
+"""Registration of the environments with Gymnasium, if it is installed."""
 
 import os
 from importlib.util import find_spec
 
 
 NAMES = ("AntagonisticJoint", "HangingMass")
-_PROCESS = os.getpid()  # that imported this
+_PROCESS = os.getpid()  # of the first import
 _STEPS = 200  # of 10 ms: an episode
 
 
 def register() -> None:
-    """Tell Gymnasium the environments' names."""
+    """Register the environments by name, without importing them."""
     if find_spec("gymnasium") is None:
         return
     import gymnasium
 
     for name in NAMES:
-        at = f"fascicle/{name}-v0"
-        if at not in gymnasium.registry:
-            point = f"fascicle.robots.environments:{name}"
-            gymnasium.register(id=at, entry_point=point, max_episode_steps=_STEPS)
+        key = f"fascicle/{name}-v0"
+        if key not in gymnasium.registry:
+            entry_point = f"fascicle.robots.environments:{name}"
+            gymnasium.register(id=key, entry_point=entry_point, max_episode_steps=_STEPS)
 
 
 def forked() -> bool:

@@ -1,4 +1,4 @@
-"""MuJoCo and MJX, where they are installed, and of one version: data go from one to the other."""
+"""Imports of MuJoCo and MJX, which must have the same version, since they share data."""
 
 import contextlib
 import importlib
@@ -10,20 +10,20 @@ from typing import Any
 _INSTALL = "pip install 'fascicle[robots]'"
 
 
-def _found(name: str, what: str) -> Any:
+def _import(name: str, label: str) -> Any:
     try:
-        # MJX prints what of its own extras is missing
+        # MJX prints its missing extras
         with contextlib.redirect_stdout(io.StringIO()):
             return importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name is None or not name.startswith(error.name):
             raise
-        raise ModuleNotFoundError(f"{what} is missing: `{_INSTALL}`.", name=error.name) from None
+        raise ModuleNotFoundError(f"{label} is missing: `{_INSTALL}`.", name=error.name) from None
 
 
 def mjx() -> Any:
-    """The module `mujoco.mjx` [-]; `ModuleNotFoundError` where it is missing, `ImportError` where
-    it is of another version than MuJoCo.
+    """Import `mujoco.mjx`; raises `ModuleNotFoundError` if it is missing, `ImportError` if its
+    version isn't MuJoCo's.
     """
     versions = {}
     for name in ("mujoco", "mujoco-mjx"):
@@ -37,7 +37,7 @@ def mjx() -> Any:
             f"mujoco {installed} and mujoco-mjx {required} don't go together:"
             f" `pip install mujoco=={required} mujoco-mjx=={required}`."
         )
-    return _found("mujoco.mjx", "MJX")
+    return _import("mujoco.mjx", "MJX")
 
 
-mujoco: Any = _found("mujoco", "MuJoCo")
+mujoco: Any = _import("mujoco", "MuJoCo")

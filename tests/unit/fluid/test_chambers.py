@@ -8,9 +8,10 @@ from fascicle import fluid
 
 V, ROOM, WARM = 1e-4, 101325.0, 293.15
 CHAMBERS = [
-    fluid.AdiabaticWall(), fluid.AdiabaticWall(0.5, fluid.NITROGEN, 1e-5), fluid.Isothermal(),
+    fluid.AdiabaticWall(), fluid.AdiabaticWall(0.5, gas=fluid.NITROGEN, dead_volume=1e-5),
+    fluid.Isothermal(),
     fluid.Isothermal(dead_volume=2e-5, room_pressure=8e4), fluid.Polytropic(1.2),
-    fluid.LiquidChamber(), fluid.LiquidChamber(fluid.WATER, 2e-13, 1e-5),
+    fluid.LiquidChamber(), fluid.LiquidChamber(fluid.WATER, 2e-13, dead_volume=1e-5),
 ]  # fmt: skip
 every = pytest.mark.parametrize("of", CHAMBERS, ids=lambda of: type(of).__name__)
 PRESSURES = np.array([-5e4, 0.0, 1e3, 4e5])

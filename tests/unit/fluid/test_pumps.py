@@ -31,9 +31,9 @@ def test_switched_off_it_does_nothing():
 
 def test_variable_pump_holds_its_pressure():
     P = np.array([0.0, 0.9e6, 0.95e6, 1e6, 1.2e6])
-    assert_allclose(variable.share(P), [1, 1, 0.5, 0, 0], atol=1e-15)
-    assert_allclose(variable.flow(P), variable.share(P) * pump.flow(P), rtol=1e-14)
-    assert_allclose(variable.shaft_power(P), variable.share(P) * pump.shaft_power(P), rtol=1e-14)
+    assert_allclose(variable.fraction(P), [1, 1, 0.5, 0, 0], atol=1e-15)
+    assert_allclose(variable.flow(P), variable.fraction(P) * pump.flow(P), rtol=1e-14)
+    assert_allclose(variable.shaft_power(P), variable.fraction(P) * pump.shaft_power(P), rtol=1e-14)
     assert np.all(variable.lost_power(P) >= 0)
 
 

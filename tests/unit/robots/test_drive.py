@@ -156,7 +156,7 @@ def test_mjx_is_mujoco(spatial, elbow):
         expected.append([*data.qpos, *data.qvel, *(held.pressures / SUPPLY)])
     # rounding of a second's thousand steps
     assert np.max(np.abs(np.asarray(rows) - expected)) < 1e-12
-    assert bool(ended.known)
+    assert bool(ended.inside)
     assert np.ptp(np.array(expected)[:, 0]) > 0.1  # it has moved
 
 
@@ -168,7 +168,7 @@ def test_mjx_says_afterwards_that_a_table_was_left(elbow):
     _, after = jax.jit(lambda d, h: drive.step_mjx(mjx.put_model(model), d, h, jnp.asarray(HELD)))(
         mjx.put_data(model, data), jax.tree.map(jnp.asarray, held)
     )
-    assert not bool(after.known)
+    assert not bool(after.inside)
 
 
 def test_what_can_not_be_is_refused_in_a_line(elbow, bundle):
