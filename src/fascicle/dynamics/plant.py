@@ -126,15 +126,15 @@ class Plant(Module):
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
         top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
-        tables = Tables.from_muscles(muscles, top, shape)
-        self.muscles = (
-            tables if law == "table" else Exact.from_muscles(muscles, top, tables.strains)
-        )
+        unit_laws: AbstractMuscles = Tables.from_muscles(muscles, top, shape)
+        if law == "exact":
+            unit_laws = Exact.from_muscles(muscles, top, unit_laws.strains)
         if volume == "geometric":
             sizes = ("length", "outer_radius", "braid_angle")
             braid = Braid(*(np.array([float(getattr(m, x)) for m in muscles]) for x in sizes))
             walls = np.array([float(muscle.bladder.volume) for muscle in muscles])
-            self.muscles = Geometric(self.muscles, braid, walls)
+            unit_laws = Geometric(unit_laws, braid, walls)
+        self.muscles = unit_laws
 
     @property
     def units(self) -> int:
