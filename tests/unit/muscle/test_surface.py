@@ -109,17 +109,3 @@ def test_jax_agrees_and_is_differentiated(table, points):
 def test_what_it_can_t_say_is_refused(table, call, rule):
     with pytest.raises(fs.InvalidInputError, match=re.escape(rule)):
         call(table)
-
-
-def test_of_the_same_muscle_it_is_made_once():
-    again = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, 0.5)
-    first = fs.UnitSurface.tabulate(again, TOP, shape=(9, 11))
-    assert fs.UnitSurface.tabulate(again.replace(), TOP, shape=(9, 11)) is first
-    others = (
-        (again.replace(length=0.128), TOP, (9, 11)),
-        (again, TOP - 1, (9, 11)),
-        (again, TOP, (9, 12)),
-    )
-    assert all(
-        fs.UnitSurface.tabulate(one, top, shape=shape) is not first for one, top, shape in others
-    )

@@ -29,7 +29,6 @@ so that the fluid fills $V(0) + (V(\varepsilon_b) - V(0))/s$.
 is in its domain. **Source:** derived here.
 """
 
-import abc
 from functools import cache
 from typing import Any, ClassVar
 
@@ -58,28 +57,32 @@ def quadrature() -> tuple[np.ndarray, np.ndarray]:
 
 
 class AbstractEnds(AbstractLaw):
-    """The ends of a muscle; `is_compliant`: true if the bladder's strain depends on its force."""
+    """The ends of a muscle, rigid unless a law overrides the methods; `is_compliant`: true if the
+    bladder's strain depends on its force.
+    """
 
     is_compliant: ClassVar[bool] = True
 
     @property
-    @abc.abstractmethod
     def compliance(self) -> Batch:
         """Compliance of both ends together [m/N]."""
+        return 0.0
 
-    @abc.abstractmethod
     def stretch(self, length: BatchLike) -> Batch:
         """Ratio of the bladder's strain to the muscle's [-] without a force; `length` $L_0$ [m]."""
+        del length
+        return 1.0
 
-    @abc.abstractmethod
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
+        return tension.bladder_pull(pressure, strain)
 
-    @abc.abstractmethod
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
         """Co-energy [J] of a muscle at rest length and `pressure` [Pa], less that of its volume at
         rest: zero where the bladder is at rest, too.
         """
+        del tension
+        return 0.0 * pressure
 
 
 class Rigid(AbstractEnds):
@@ -88,25 +91,6 @@ class Rigid(AbstractEnds):
     name: ClassVar[str] = "rigid"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
     is_compliant: ClassVar[bool] = False
-
-    @property
-    def compliance(self) -> Batch:
-        """Zero [m/N]."""
-        return 0.0
-
-    def stretch(self, length: BatchLike) -> Batch:
-        """1 [-] at any `length` [m]."""
-        del length
-        return 1.0
-
-    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force [N] of the `tension` law at `pressure` [Pa] and `strain` [-]."""
-        return tension.bladder_pull(pressure, strain)
-
-    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
-        """Zero [J] at any `pressure` [Pa]."""
-        del tension
-        return 0.0 * pressure
 
 
 class Compliant(AbstractEnds):

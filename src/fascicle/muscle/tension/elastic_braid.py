@@ -41,7 +41,7 @@ from ...core.validation import check_positive
 from ..bladder import Bladder
 from ..braid import Braid
 from ..materials import Slopes
-from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
+from .tension_law import SIZES, AbstractTension, Pull
 
 
 class ElasticBraid(AbstractTension):
@@ -110,10 +110,6 @@ class ElasticBraid(AbstractTension):
             mesh_slope=mesh_slope - pull * q_slope * u_slope,
             bladder_slope=-wall * (stress + 2 * lam**2 * bend) + wall * lam * by_stretch,
         )
-
-    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $T = C_1$ [-]; 0 at $P = 0$, and where fibers give way it falls again."""
-        return solved_free_strain(self, bladder, pressure, offset)
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
         """Co-energy [J] that the braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,

@@ -53,7 +53,7 @@ from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .tension_law import AbstractTension, Offset, Pull, force_residual, solved_free_strain
+from .tension_law import AbstractTension, Offset, Pull, force_residual
 
 
 class AbstractEmpirical(AbstractTension):
@@ -74,10 +74,6 @@ class AbstractEmpirical(AbstractTension):
     @abc.abstractmethod
     def published_constants(cls) -> list[Constant]:
         """Constants of the law with their published values in SI units."""
-
-    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $F = C_1$ [-]."""
-        return solved_free_strain(self, bladder, pressure, offset)
 
 
 _BAR, _PERCENT = 1e5, 1e-2

@@ -31,7 +31,7 @@ from ...core.parameters import Switch
 from ...core.roots import guarded
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
+from .tension_law import SIZES, AbstractTension, Pull
 
 
 class Kothera2009(AbstractTension):
@@ -76,10 +76,6 @@ class Kothera2009(AbstractTension):
             - section * (square_slope * bore**2 + 2 * square * bore * bore_slope)
         )  # fmt: skip
         return Pull(mesh, wall, mesh_slope, wall_slope)
-
-    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $T = C_1$ [-]; 0 at $P = 0$, from there rising."""
-        return solved_free_strain(self, bladder, pressure, offset)
 
 
 def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:

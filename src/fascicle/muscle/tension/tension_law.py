@@ -91,9 +91,9 @@ class AbstractTension(AbstractLaw):
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], with slopes."""
 
-    @abc.abstractmethod
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """Strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
+        """First strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
+        return solved_free_strain(self, bladder, pressure, offset)
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
         """Co-energy [J] that a braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
@@ -128,10 +128,6 @@ class KluteHannaford(AbstractTension):
         mesh, mesh_slope = bladder.braid.mesh(pressure, strain)
         wall, wall_slope = bladder.pull(strain)
         return Pull(mesh, wall, mesh_slope, wall_slope)
-
-    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $F_{mesh} + F_{bladder} = C_1$ [-]; 0 at $P = 0$, from there rising."""
-        return solved_free_strain(self, bladder, pressure, offset)
 
 
 class Ideal(AbstractTension):
