@@ -47,7 +47,7 @@ DRAWS = 199  # of which the 10th from either end are the ends of a 90 % interval
 _TAIL = 0.05
 _MIN_DRAWS = 19
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
-_POINTS, _REACH = 11, 3.0  # of a profile, where nobody says otherwise
+_POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard deviations
 
 
 def with_profiles(calibration: Calibration) -> Calibration:
@@ -66,22 +66,24 @@ def profiles(
 ) -> tuple[Profile, ...]:
     """Profile the parameters of a calibration.
 
+    A profile ends on either side where it passes the critical rise.
+
     **Arguments:**
 
     - `calibration`: the calibration; profiles that it has already are not computed again.
-    - `points`: at how many values each is held, odd.
-    - `reach`: how far on either side, in standard deviations [-].
-    - `names`: of these parameters; left out, all.
+    - `points`: largest number of values that a profile holds its parameter at, odd.
+    - `reach`: distance of the first and last from the fitted value, in standard deviations [-].
+    - `names`: of these parameters; all by default.
 
     **Returns:** the profiles in the order of the parameters.
     """
     steps = np.linspace(-reach, reach, points)
-    # readings are held, and residuals taken for noise: as much more unsure as the fit is of it
+    # noise is held at its fitted value: the rise counts in proportion to noise's part of variance
     minimum = calibration.minimum
     noise = np.diag(minimum.covariance - minimum.from_curves)
     share = noise / np.diag(calibration.covariance)
-    usual = (points, reach) == (_POINTS, _REACH)
-    present = {one.name: one for one in calibration.profiles} if usual else {}
+    default = (points, reach) == (_POINTS, _REACH)
+    present = {profile.name: profile for profile in calibration.profiles} if default else {}
     out = []
     for i, name in enumerate(calibration.names):
         if names is not None and name not in names:
@@ -89,8 +91,7 @@ def profiles(
         if name in present:
             out.append(present[name])
             continue
-        value, coordinate, rise = _profile(calibration, i, steps)
-        rise = rise * share[i]
+        value, coordinate, rise = _profile(calibration, i, steps, share[i])
         width = np.ptp(_crossings(coordinate, rise))
         factor = calibration.problem.parameters[i].deviation / WEAK  # coordinates of a factor of e
         known = bool(width < 2 * NORMAL * KNOWN * factor)
@@ -99,24 +100,32 @@ def profiles(
 
 
 def _profile(
-    calibration: Calibration, index: int, steps: np.ndarray
+    calibration: Calibration, index: int, steps: np.ndarray, share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values where a parameter was held [SI unit], its coordinates [-], and the rises of the sum
-    of squares [-].
-    """
+    """Values [SI unit] and coordinates [-] of a held parameter, and the rises there [-]."""
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
     others = np.delete(np.arange(z.size), index)
-    # along the fit's own correlations: the others begin where a linear problem has them
-    away = steps[:, None] * C[index] / np.sqrt(C[index, index])
-    # a rise is asked to a thousandth, of a cost of some hundreds
-    ends = solve(problem, z + away, others, tolerance=ROUGH)
+    # the start of each refit moves all coordinates along the fit's correlations
+    direction = C[index] / np.sqrt(C[index, index])
+
+    def prior(point: np.ndarray) -> float:
+        return ((point[index] - problem.center[index]) / problem.deviation[index]) ** 2
+
     least = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
-    # the likelihood's rise: what the parameter's own prior adds is none of the data's
-    own = np.append(ends.points[:, index], z[index]) - problem.center[index]
-    own = (own / problem.deviation[index]) ** 2
-    rise = 2 * (ends.cost - least) - own[:-1] + own[-1]
-    values = np.array([value_of(problem, point)[index] for point in ends.points])
-    return values, ends.points[:, index], rise
+    points, rises = [z], [0.0]
+    for side in (-np.sort(-steps[steps < 0]), np.sort(steps[steps > 0])):
+        for step in side:
+            end = solve(problem, (z + step * direction)[None], others, tolerance=ROUGH)
+            # a parameter's own prior is no part of the likelihood
+            own = prior(end.points[0]) - prior(z)
+            points.append(end.points[0])
+            rises.append(share * (2 * (end.cost[0] - least) - own))
+            if rises[-1] > _CRITICAL:
+                break
+    order = np.argsort([point[index] for point in points])
+    path = np.array(points)[order]
+    values = np.array([value_of(problem, point)[index] for point in path])
+    return values, path[:, index], np.array(rises)[order]
 
 
 def _crossings(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:

@@ -26,16 +26,16 @@ prior taken off, know it to a deviation below 1, a factor of e either way.
 **Source:** Tobin (1958) for censored regression.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
+from ..core.array_namespace import where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Float
 from ..muscle import Muscle
@@ -48,11 +48,12 @@ from .readings import Readings, SmoothCurves, top_pressure
 LOSSES = ("linear", "soft_l1", "cauchy")
 KNOWN = 1.0  # deviation of an identifiable coordinate
 NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
-ROUGH = 1e-6  # of the cost, where it is for an error's first digits
+ROUGH = 1e-5  # of the cost, which is some hundreds: 0.005 of a profile's critical rise of 2.7
 _CERTAIN = 30.0  # deviations below the limit, where a censored reading says nothing in float64
 # steps of finite differences: roots in the law are exact to 1e-12, so a first-order difference is
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
+_BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
 _MAX_STEPS = 200
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
 FINE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
@@ -62,9 +63,6 @@ _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
 _NOISE_ROUNDS = 6
 _FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
-
-# factors that move neither the free strain nor that of collapse
-_AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
 Vector = Float[AnyArray, "parameter"]
@@ -122,18 +120,22 @@ class Problem:
         """The readings' curves of the muscle to begin with; factors don't change them."""
         return SmoothCurves(self.muscle, self.grid.pressure[:, 0], top_pressure(self.grid))
 
-    def muscle_at(self, point: Vector) -> Muscle:
-        """The muscle at a `point`, with the tables of its curves."""
+    def muscle_at(self, point: AnyArray) -> Muscle:
+        """The muscle at a `point`, with the tables of its curves; a batch of muscles at points
+        with further axes.
+        """
         k = len(self.parameters)
         muscle = put(self.parameters, self.muscle, point[:k])
-        coefficients = self.curves if len(point) == k else point[k:]
+        coefficients = self.curves if len(point) == k else point[k:, ..., None]
         if coefficients is None:
             return muscle
         curves = self.smooth_curves
+        # tables have an axis of pressures of their own
+        tabulated = put(self.parameters, self.muscle, point[:k, ..., None])
         if not all(parameter in FACTORS for parameter in self.parameters):
-            curves = SmoothCurves(muscle, curves.pressure, top_pressure(self.grid))
+            curves = SmoothCurves(tabulated, curves.pressure, top_pressure(self.grid))
         c1, c2 = curves.tables(coefficients)
-        pressures = muscle.tuning.effective_pressure(curves.pressure)
+        pressures = tabulated.tuning.effective_pressure(curves.pressure)
         tuning = with_fields(muscle.tuning, pressures=pressures, c1=c1, c2=c2)
         return with_fields(muscle, tuning=tuning)
 
@@ -145,35 +147,34 @@ class Problem:
             return self.grid.strain
         return self.grid.strain * (self.rest_length / muscle.length)
 
-    def force(self, point: Vector, roots: Mapping[str, Any] = MappingProxyType({})) -> Table:
-        """The model's forces [N] at the readings' places; `roots`: strains of `Piecewise.at` [-]
-        that are known.
+    def force(self, point: AnyArray) -> Table:
+        """Forces [N] of the model at the readings' places, 0 where a row is filled up; further axes
+        of a `point` come first.
         """
-        muscle = self.muscle_at(point)
-        law, P, strain = muscle.law, self.grid.pressure, self.strain(muscle)
+        muscle = self.muscle_at(point[..., None, None] if point.ndim > 1 else point)
+        level, places, order = self._rows
+        law, P = muscle.law, self.grid.pressure[level]
+        strain = self.strain(muscle)
+        strain = strain.reshape(*strain.shape[:-2], -1)[..., places]
         with np.errstate(all="ignore"):  # of branches that aren't taken
-            if self.pulls:
-                return law.tension.force(P, strain)
-            return law.at(P, **roots).force(strain)[0]
-
-    def _fixed_roots(self, point: Vector, column: int) -> Mapping[str, Any]:
-        """Strains [-] at a `point` that its number in a `column` doesn't change."""
-        if self.pulls or column >= len(self.parameters) or self.parameters[column] not in FACTORS:
-            return {}
-        if point.tobytes() not in self._roots:
-            self._roots.clear()
-            with np.errstate(all="ignore"):
-                muscle = self.muscle_at(point).law.at(self.grid.pressure)
-            known = {"free": muscle.column.free_strain, "collapse": muscle.collapse}
-            self._roots[point.tobytes()] = known
-        roots = self._roots[point.tobytes()]
-        if self.parameters[column].name in _AFTER_COLLAPSE:
-            return roots
-        return {"free": roots["free"]}
+            rows = law.tension.force(P, strain) if self.pulls else law.at(P).force(strain)[0]
+        return where(self.grid.used, rows.reshape(*rows.shape[:-2], -1)[..., order], 0.0)
 
     @cached_property
-    def _roots(self) -> dict[bytes, dict[str, Any]]:
-        return {}
+    def _rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows of about equal length that the forces are computed in: level of each row, indices of
+        its places in the table, and the index of each of the table's places in the rows.
+        """
+        used = self.grid.used
+        counts = np.sum(used, axis=1)
+        width = max(1, round(np.mean(counts)))
+        rows = np.maximum(1, -(-counts // width))
+        level = np.repeat(np.arange(len(counts)), rows)
+        rank = np.cumsum(used, axis=1) - 1
+        order = np.where(used, (np.cumsum(rows) - rows)[:, None] * width + rank, 0)
+        places = np.repeat(level * used.shape[1] + np.argmax(used, axis=1)[level], width)
+        places[order[used]] = np.flatnonzero(used)
+        return level, places.reshape(-1, width), order
 
     def force_slopes(
         self, point: Vector, force: Table, columns: np.ndarray | None = None, fine: bool = False
@@ -186,22 +187,32 @@ class Problem:
 
         - `point`: where it is taken.
         - `force`: the forces there [N].
-        - `columns`: indices of the numbers; left out, all.
-        - `fine`: whether differences are of second order.
+        - `columns`: indices of the numbers; all by default.
+        - `fine`: use differences of second order.
         """
         columns = np.arange(len(point)) if columns is None else columns
+        # curves' coefficients are newtons, the others logarithms
+        size = np.where(
+            columns < len(self.parameters), 1.0, np.maximum(1.0, np.abs(point[columns]))
+        )
+        size = size * (_SECOND_ORDER if fine else _FIRST_ORDER)
+        steps = size * (np.arange(len(point))[:, None] == columns)
         out = np.zeros((*force.shape, len(columns)))
-        size = _SECOND_ORDER if fine else _FIRST_ORDER
-        for i, column in enumerate(columns):
-            roots = self._fixed_roots(point, column)
-            h = size * (1.0 if column < len(self.parameters) else max(1.0, abs(point[column])))
-            step = h * (np.arange(len(point)) == column)
-            rise = self.force(point + step, roots) - force
+        # as many columns at once as stay in a processor's cache
+        count = max(1, _BATCH // force.size)
+        for i in range(0, len(columns), count):
+            step, chunk = steps[:, i : i + count], slice(i, i + count)
+            rise = self._batch(point[:, None] + step, force.shape) - force
             if fine:
                 # in this form a force that doesn't change has a slope of exactly zero
-                rise = 2 * rise - (self.force(point + 2 * step, roots) - force) / 2
-            out[..., i] = rise / h
+                further = self._batch(point[:, None] + 2 * step, force.shape) - force
+                rise = 2 * rise - further / 2
+            out[..., chunk] = np.moveaxis(rise, 0, -1) / size[chunk]
         return out
+
+    def _batch(self, points: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        """Forces [N] at several `points`, one a column."""
+        return np.broadcast_to(self.force(points), (points.shape[1], *shape))
 
     def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;

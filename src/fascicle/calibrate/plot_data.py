@@ -191,10 +191,12 @@ def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list
     **Arguments:**
 
     - `calibration`: the calibration.
-    - `profiles`: of its parameters, in their order.
+    - `profiles`: of some of its parameters.
     """
+    estimates = {estimate.name: estimate for estimate in calibration.parameters}
     rows = []
-    for profile, estimate in zip(profiles, calibration.parameters, strict=True):
+    for profile in profiles:
+        estimate = estimates[profile.name]
         kind = DIMENSIONS[estimate.dimension]
         scale = float(kind.factors[kind.shown])
         rows.append(

@@ -24,12 +24,9 @@ class Straight(Problem):
 
     design: np.ndarray | None = None
 
-    def force(self, point, _roots=None):
+    def force(self, point):
         """X z."""
-        return self.design @ point
-
-    def _fixed_roots(self, _point, _column):
-        return {}
+        return np.moveaxis(self.design @ point, -1, 0) if point.ndim > 1 else self.design @ point
 
 
 @pytest.fixture(scope="session")

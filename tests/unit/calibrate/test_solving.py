@@ -28,16 +28,14 @@ class Given(Problem):
     wall: float = 1e9
     winding: bool = False
 
-    def force(self, point, _roots=None):
+    def force(self, point):
         """Of the valley, or of a valley too winding to walk."""
         x, y = point
         r = np.stack([10 * (y - x**2), 1 - x])
         if self.winding:
             r = np.stack([1e6 * (y - np.sin(20 * x)), 10 - x])
-        return np.where(x < self.wall, r, np.nan)[None]
-
-    def _fixed_roots(self, _point, _column):
-        return {}
+        r = np.where(x < self.wall, r, np.nan)
+        return np.moveaxis(r, 0, -1)[..., None, :] if point.ndim > 1 else r[None]
 
 
 @pytest.fixture

@@ -112,7 +112,11 @@ def run(
     ),
     posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
     compare: bool = flag("Comparison with other laws; takes minutes.", "--compare"),
-    profile: bool = option("Profile of each parameter.", "--profile/--no-profile", default=True),
+    profile: bool | None = option(
+        "Profiles of all parameters, or none in the report; default: those of the parameters that"
+        " the data barely determine.",
+        "--profile/--no-profile",
+    ),
     out: str | None = option(
         "Folder of muscle, report and figures; default: calibrated-DATA, none with --json.",
         "--out -o",
@@ -157,9 +161,10 @@ def run(
         if intervals == "bootstrap":
             calibration = uncertainty.bootstrap(calibration, seed=seed, tell=update)
         result = Result(uncertainty.with_profiles(calibration), choice, remarks)
-        if profile and not (as_json and out is None):
+        if profile is not False and folder is not None:
             update("profiling")
-            result = result._replace(profiles=uncertainty.profiles(result.fit))
+            shown = uncertainty.profiles(result.fit) if profile else result.fit.profiles
+            result = result._replace(profiles=shown)
         if posterior:
             from ...calibrate.posterior import sample
 
