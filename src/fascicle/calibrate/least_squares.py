@@ -154,6 +154,8 @@ class Problem:
         muscle = self.muscle_at(point[..., None, None] if point.ndim > 1 else point)
         level, places, order = self._rows
         law, P = muscle.law, self.grid.pressure[level]
+        if point.ndim > 1:
+            P = np.broadcast_to(P, (*point.shape[1:], *P.shape))  # laws put nodes ahead of it
         strain = self.strain(muscle)
         strain = strain.reshape(*strain.shape[:-2], -1)[..., places]
         with np.errstate(all="ignore"):  # of branches that aren't taken
