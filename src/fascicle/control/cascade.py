@@ -190,9 +190,9 @@ class Cascade(Module):
         policies, targets, short, excess = [], [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
             indices, arm = plant.unit_indices(side), plant.load.arms[side][1]
-            share = (1 / (2 * arm)) if joint else 1 / arm
+            force_ratio = (1 / (2 * arm)) if joint else 1 / arm
             unit_demand = UnitDemand(
-                demand * share + (self.co_contraction if joint else 0.0), rate * share,
+                demand * force_ratio + (self.co_contraction if joint else 0.0), rate * force_ratio,
                 strains[indices], measurement.pressures[indices],
                 minimum(measurement.supply_pressure, self.highest_pressure), gains.pressure_time,
                 dt,
@@ -203,8 +203,8 @@ class Cascade(Module):
             targets.append(target)
             too_much = unit_demand.force > capability.largest[-1]
             too_little = unit_demand.force < jnp.sum(capability.empty)
-            short.append(where(share > 0, too_much, too_little))
-            excess.append(where(share > 0, too_little, too_much))
+            short.append(where(force_ratio > 0, too_much, too_little))
+            excess.append(where(force_ratio > 0, too_little, too_much))
         # a larger output is out of reach if the bundle that pulls on can't, or the other one less
         is_short, is_excess = jnp.any(jnp.stack(short)), jnp.any(jnp.stack(excess))
 
@@ -248,10 +248,12 @@ class Cascade(Module):
             return 0.0 * reference, memory.friction
         plant, P = self.plant, maximum(measurement.pressures, 0.0)
         arms = plant.lengths * plant.gains
-        way = arms * (reference - before)
-        speed = way / (self.dt * self.every)
+        travel = arms * (reference - before)
+        speed = travel / (self.dt * self.every)
         muscles = plant.muscles.at(P, plant.strains(reference))
-        slid = self.friction.advance(memory.friction, way, speed, (P, P), muscles.force_by_pressure)
+        slid = self.friction.advance(
+            memory.friction, travel, speed, (P, P), muscles.force_by_pressure
+        )
         return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
 
     def _delayed(self, memory: Memory, measurement: Measurement) -> tuple[Measurement, Numbers]:

@@ -79,7 +79,7 @@ def cascade(
             check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
-    every = _steps(period, step, "sample_time")
+    period_steps = _steps(period, step, "sample_time")
     lateness = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
     delay_steps = _steps(lateness, step, "delay") if lateness else 0
     supply = plant.supply_pressure
@@ -109,7 +109,7 @@ def cascade(
         np.float64(
             check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
         ),
-        np.float64(step), of, delay_steps, every,
+        np.float64(step), of, delay_steps, period_steps,
     )  # fmt: skip
     if derived:
         pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))

@@ -223,12 +223,12 @@ class PumpedAccumulator(AbstractSupply):
         P = self.pressure_at(state)
         point = (P, state[..., 1]) if isinstance(self.pump, FixedPump) else (P,)
         flow, shaft = self.pump.flow(*point), self.pump.shaft_power(*point)
-        lost = self.pump.lost_power(*point)
+        losses = self.pump.lost_power(*point)
         out = wasted = 0.0 * P
         if self.relief is not None:
             out = self.relief.flow(P)
             wasted = self.relief.lost_power(P, self.accumulator.liquid)
-        return stack_last(mass_in + flow - out, 0.0 * P, shaft, lost, wasted)
+        return stack_last(mass_in + flow - out, 0.0 * P, shaft, losses, wasted)
 
     def switched(self, state: Numbers) -> Numbers:
         """State with its pump switched by the band [SI]."""

@@ -99,7 +99,7 @@ class ReadingsPlot:
     - `blocked_force`, `free_strain`: the readings [N], [-].
     - `blocked_force_error`, `free_strain_error`: half of their 90 % intervals [N], [-].
     - `curve_pressure`: of the curves [Pa].
-    - `blocked_force_curve`, `free_strain_curve`: least, middle and largest [N], [-], rows.
+    - `blocked_force_curve`, `free_strain_curve`: lowest, middle and largest [N], [-], rows.
     """
 
     pressure: np.ndarray
@@ -215,8 +215,8 @@ def residuals(data: FitPlot) -> Figure:
     P, norm = data.pressure, _norm(data.pressure)
     # readings of one level side by side in the order of their strain, as far as there is room
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0))
-    least = np.nanmin(data.strain)
-    span = max(np.nanmax(data.strain) - least, 1e-12)
+    lowest = np.nanmin(data.strain)
+    span = max(np.nanmax(data.strain) - lowest, 1e-12)
     for i, pressure in enumerate(P):
         valid = np.flatnonzero(np.isfinite(data.residual[i]))
         points = _thinned(valid, data.strain[i], max(_POINTS, _RESIDUALS // P.size))
@@ -224,7 +224,7 @@ def residuals(data: FitPlot) -> Figure:
                 "markersize": 2.4, "markeredgewidth": 0, "alpha": 0.75}  # fmt: skip
         strain, residual = data.strain[i][points], data.residual[i][points]
         over_strain.plot(strain, residual, **dots)
-        offset = room * (2 * (strain - least) / span - 1)
+        offset = room * (2 * (strain - lowest) / span - 1)
         over_pressure.plot((pressure + offset) / 1e3, residual, **dots)
         if valid.size:
             half = max(room, 0.008 * (P[-1] - P[0]))

@@ -174,14 +174,14 @@ def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
         return
     low, high = ax.get_ylim()
     # only stops near the motion, so that it isn't squeezed into a line
-    near = 0.5 * (high - low)
+    margin = 0.5 * (high - low)
     top, bottom = factor * float(plant.load.stop.high), factor * float(plant.load.stop.low)
-    if top < high + near:
-        ax.axhspan(top, high + near, **_HATCHED)
-        high = max(high, top + 0.1 * near)
-    if bottom > low - near:
-        ax.axhspan(low - near, bottom, **_HATCHED)
-        low = min(low, bottom - 0.1 * near)
+    if top < high + margin:
+        ax.axhspan(top, high + margin, **_HATCHED)
+        high = max(high, top + 0.1 * margin)
+    if bottom > low - margin:
+        ax.axhspan(low - margin, bottom, **_HATCHED)
+        low = min(low, bottom - 0.1 * margin)
     ax.set_ylim(low, high)
 
 

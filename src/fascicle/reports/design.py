@@ -208,13 +208,17 @@ def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
 
 def _terms(result: SearchResult) -> list[str]:
     """Sentences on the task, objectives and limits."""
-    share = allowed_miss_fraction(result.limits)
+    fraction = allowed_miss_fraction(result.limits)
     terms = [
         f"Every design must {task_requirement(result)}."
-        + ("" if share else " A share that may be missed would be given in [limits] not_reached.")
+        + (
+            ""
+            if fraction
+            else " A share that may be missed would be given in [limits] not_reached."
+        )
     ]
     senses = {"min": ", less is better", "max": ", more is better", None: ", only recorded"}
-    for name in dict.fromkeys([*result.reported_objectives, *(n for n in SHARES if share)]):
+    for name in dict.fromkeys([*result.reported_objectives, *(n for n in SHARES if fraction)]):
         bounds = []
         if (limit := result.limits.get(name)) is not None:
             bounds = [

@@ -110,8 +110,8 @@ def _margin(summary: Summary) -> str:
         f" {pretty(spare / STANDARD_GRAVITY, 'mass', 3)} more"
     )
     if cases.tightest != i:
-        least = pretty(float(cases.spare[cases.tightest]), "force")
-        text += f"; the fewest newtons are {least}, at case {cases.tightest + 1}"
+        fewest = pretty(float(cases.spare[cases.tightest]), "force")
+        text += f"; the fewest newtons are {fewest}, at case {cases.tightest + 1}"
     if np.isfinite(summary.load_factor):
         factor = figures(np.floor(1e3 * summary.load_factor) / 1e3)
         text += f"; all loads could be {factor} times as large"
@@ -132,22 +132,22 @@ def margin_warning(result: SearchResult, summary: Summary) -> str:
     """Warning of a small margin of the recommended design; empty if it is large enough."""
     if Limit(least=result.least_margin).holds(summary.relative_margin):
         return ""
-    i, least = _closest(summary), _percent(result.least_margin)
+    i, threshold = _closest(summary), _percent(result.least_margin)
     force, largest = (
         pretty(x[i], "force") for x in (summary.cases.task.force, summary.cases.largest)
     )
     text = (
         f"the margin is {_percent(summary.relative_margin)}: case {i + 1} asks for {force}, where"
-        f" this bundle is computed to give {largest}. That is below {least} ([limits] margin)."
+        f" this bundle is computed to give {largest}. That is below {threshold} ([limits] margin)."
         " Computed forces can be off by tens of percent, and by more where the braid angle is a"
         " degree off, so it may not do the task."
     )
     if (index := result.cheapest_with_margin) is None:
-        return f"{text} No design of this search has {least}: look for larger or more muscles."
+        return f"{text} No design of this search has {threshold}: look for larger or more muscles."
     better = result.all_designs(np.array([index]))
     return (
-        f"{text} The cheapest design that has {least} is {better.labels[0]},"
-        f' {muscle_sizes(result, better, 0)}: relative_margin = {{ at_least = "{least}" }} in'
+        f"{text} The cheapest design that has {threshold} is {better.labels[0]},"
+        f' {muscle_sizes(result, better, 0)}: relative_margin = {{ at_least = "{threshold}" }} in'
         " [limits] takes it."
     )
 

@@ -185,8 +185,8 @@ def policy_report(
 def policy_heads(plant: "Plant", quantity: str) -> list[str]:
     """Heads of the table of policies."""
     _, unit = display_unit(plant, quantity)
-    share = ["of D"] if quantity == "force" else []
-    return ["policy", f"drawdown {unit}", *share, f"rms {unit}", "lag ms", "energy J",
+    ratio = ["of D"] if quantity == "force" else []
+    return ["policy", f"drawdown {unit}", *ratio, f"rms {unit}", "lag ms", "energy J",
             "more than\nthreshold", "fluid g", "recruited", "front", ""]  # fmt: skip
 
 
@@ -199,10 +199,10 @@ def policy_rows(
     rows = []
     for (name, run), on_front in zip(runs.items(), front, strict=True):
         value = run.worth
-        share = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
+        ratio = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
         extra = f"{100 * (value.supply_energy / reference - 1):+.1f} %" if reference else "-"
         rows.append([
-            name, f"{factor * value.drawdown:.4g}", *(share if quantity == "force" else []),
+            name, f"{factor * value.drawdown:.4g}", *(ratio if quantity == "force" else []),
             f"{factor * value.rms:.4g}", f"{1e3 * value.lag:.4g}", f"{value.supply_energy:.4g}",
             extra, f"{1e3 * value.fluid:.4g}", f"{value.recruited}", "front" if on_front else "",
             "can't be trusted" if run.doubts else "",
