@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import fascicle as fs
 from fascicle import control, dynamics, fluid
 from fascicle.control import Gains
+from fascicle.core.errors import InvalidInputError
 
 
 SUPPLY = 413.7e3
@@ -117,29 +118,29 @@ def test_gradients_by_gains_are_finite(bench, ramp, start):
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "argument"),
     [
-        ({"policy": "handover"}, "did you mean 'hand_over'?"),
-        ({"policy": "hand_over", "of": "speed"}, "`of` 'speed' is unknown"),
-        ({"policy": "threshold", "band": 0.0}, "`band` must be positive"),
-        ({"policy": "threshold", "band": -1.0}, "`band` must be positive"),
-        ({"policy": "orderly", "gains": Gains(force=-1.0)}, "`force gain` must lie in [0, inf)"),
-        ({"policy": "orderly", "gains": Gains(pressure_time=0.0)}, "`pressure_time` must be pos"),
-        ({"policy": "orderly", "sample_time": 0.0}, "`sample_time` must be positive"),
-        ({"policy": "orderly", "sample_time": 1.5e-3}, "must be whole steps of 0.001 s"),
-        ({"policy": "orderly", "delay": -1e-3}, "`delay` must lie in [0, inf) s"),
+        ({"policy": "handover"}, "policy"),
+        ({"policy": "hand_over", "of": "speed"}, "of"),
+        ({"policy": "threshold", "band": 0.0}, "band"),
+        ({"policy": "threshold", "band": -1.0}, "band"),
+        ({"policy": "orderly", "gains": Gains(force=-1.0)}, "force gain"),
+        ({"policy": "orderly", "gains": Gains(pressure_time=0.0)}, "pressure_time"),
+        ({"policy": "orderly", "sample_time": 0.0}, "sample_time"),
+        ({"policy": "orderly", "sample_time": 1.5e-3}, "sample_time"),
+        ({"policy": "orderly", "delay": -1e-3}, "delay"),
         (
             {"policy": "orderly", "highest_pressure": 5e5},
-            "must lie in (0, 413700] Pa of the supply",
+            "highest_pressure",
         ),
-        ({"policy": "orderly", "flow_limit": 2.0}, "`flow_limit` must lie in (0, 1]"),
-        ({"policy": "orderly", "of": "position"}, "`of` must be force where the motion is given"),
+        ({"policy": "orderly", "flow_limit": 2.0}, "flow_limit"),
+        ({"policy": "orderly", "of": "position"}, "of"),
     ],
 )
-def test_what_cant_be_is_refused(bench, options, told):
-    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+def test_what_cant_be_is_refused(bench, options, argument):
+    with pytest.raises(InvalidInputError) as error:
         control.cascade(bench, **options)
-    assert told in str(refused.value) and "\n" not in str(refused.value)
+    assert error.value.argument == argument
 
 
 def test_an_orderly_valve_leaves_nothing_to_choose(bench, pair):

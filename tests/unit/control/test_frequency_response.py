@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import control, dynamics
+from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics.step_size import estimate_substeps
 
 
@@ -83,20 +84,20 @@ def test_power_units_by_hand():
 
 
 @pytest.mark.parametrize(
-    ("edits", "told"),
+    ("edits", "argument"),
     [
-        ({"frequencies": [0.7]}, "`frequencies` must have whole periods in 0.5 s, got 0.7"),
-        ({"frequencies": [-2.0]}, "`frequencies` must be positive"),
-        ({"amplitudes": [0.0]}, "`amplitudes` must be positive"),
-        ({"time": 0.0}, "`time` must be positive"),
+        ({"frequencies": [0.7]}, "frequencies"),
+        ({"frequencies": [-2.0]}, "frequencies"),
+        ({"amplitudes": [0.0]}, "amplitudes"),
+        ({"time": 0.0}, "time"),
     ],
 )
-def test_what_cant_be_is_refused(scenario, edits, told):
+def test_what_cant_be_is_refused(scenario, edits, argument):
     plant, controller = scenario.plant, scenario.control.controller
     given = {"amplitudes": [1e-3], "frequencies": [2.0], "time": 0.5} | edits
-    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+    with pytest.raises(InvalidInputError) as error:
         control.frequency_response(plant, controller, 12.7e-3, start=scenario.start, **given)
-    assert told in str(refused.value)
+    assert error.value.argument == argument
 
 
 def test_a_force_isnt_a_sine_of_position(scenario):

@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle import control
+from fascicle.core.errors import InvalidInputError
 
 
 SUPPLY = 413.7e3
@@ -82,20 +83,20 @@ def test_what_is_needed_grows_with_the_demands_rate_and_the_time(pair):
 
 
 @pytest.mark.parametrize(
-    ("call", "told"),
+    ("call", "argument"),
     [
-        (lambda b: control.transition(b, 0.2, unit=1), "`unit` must be a whole number in [2, 2]"),
-        (lambda b: control.transition(b, 0.2, unit=3), "`unit` must be a whole number in [2, 2]"),
-        (lambda b: control.transition(b, 0.2, unit=True), "`unit` must be a whole number"),
-        (lambda b: control.transition(b, np.nan), "`strain` must lie in"),
-        (lambda b: control.transition(b, 0.9), "`strain` must lie in"),
-        (lambda b: control.gain(b, -1.0, 0.2), "`pressure` must lie in [0, 1e6] Pa"),
-        (lambda b: control.needed_reserve(b, 0.2, 1.0, -1.0), "`time` must lie in [0, inf) s"),
-        (lambda b: control.needed_reserve(b, 0.2, np.inf, 1.0), "`force_rate` must lie in"),
-        (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "`supply_pressure`"),
+        (lambda b: control.transition(b, 0.2, unit=1), "unit"),
+        (lambda b: control.transition(b, 0.2, unit=3), "unit"),
+        (lambda b: control.transition(b, 0.2, unit=True), "unit"),
+        (lambda b: control.transition(b, np.nan), "strain"),
+        (lambda b: control.transition(b, 0.9), "strain"),
+        (lambda b: control.gain(b, -1.0, 0.2), "pressure"),
+        (lambda b: control.needed_reserve(b, 0.2, 1.0, -1.0), "time"),
+        (lambda b: control.needed_reserve(b, 0.2, np.inf, 1.0), "force_rate"),
+        (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "supply_pressure"),
     ],
 )
-def test_what_cant_be_is_refused(pair, call, told):
-    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+def test_what_cant_be_is_refused(pair, call, argument):
+    with pytest.raises(InvalidInputError) as error:
         call(pair)
-    assert told in str(refused.value) and "\n" not in str(refused.value)
+    assert error.value.argument == argument
