@@ -59,7 +59,7 @@ def test_halving_the_steps_changes_little(lift):
     assert_allclose(whole.outputs.pressures, halves.outputs.pressures, rtol=1e-6)
 
 
-def test_a_run_that_goes_on_is_the_same_run(lift):
+def test_a_schedule_gives_the_run_of_its_rows(lift):
     start = dynamics.equilibrium_state(lift, BEGIN)
     whole = dynamics.simulate(lift, np.tile([[0.3, -0.1]], (SHORT, 1)), start=start, substeps=2)
     again = dynamics.simulate(
@@ -200,27 +200,6 @@ def test_slopes_are_finite_where_nothing_flows(tracking, lift, case):
     assert np.all(np.isfinite(slopes)) and np.any(slopes != 0)
     # at a valve that just opens a slope is one of two; which one, both ways agree on
     assert_allclose(reverse(gains, start), slopes, rtol=1e-10)
-
-
-@pytest.mark.slow
-def test_a_batch_is_its_runs(lift):
-    rng = np.random.default_rng(5)
-    start = dynamics.equilibrium_state(lift, BEGIN)
-    commands, masses = rng.uniform(-1, 1, (8, SHORT, 2)), rng.uniform(8, 16, 8)
-
-    def heavier(mass):
-        return eqx.tree_at(lambda p: p.load.mass, lift, mass)
-
-    def ran(rows, mass):
-        return dynamics.simulate(heavier(mass), rows, start=start, substeps=2)
-
-    many = jax.vmap(lambda u, m: ran(u, m).outputs)(commands, masses)
-    for k in range(8):
-        one = ran(commands[k], masses[k]).outputs
-        # sums in another order
-        assert_allclose(many.position[k], one.position, rtol=0, atol=1e-13)
-        assert_allclose(many.pressures[k], one.pressures, rtol=1e-10)
-        assert_array_equal(many.status[k], one.status)
 
 
 def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
