@@ -153,7 +153,13 @@ class AbstractMassChamber(AbstractChamber):
     ) -> Numbers:
         """Mass flow into the chamber.
 
-        **Arguments:** those of `AbstractChamber.rates`.
+        **Arguments:**
+
+        - `state`: the state [SI].
+        - `pressure`: its gauge pressure [Pa].
+        - `mass_in`: mass flow into the chamber [kg/s].
+        - `energy_in`: its enthalpy flow [W].
+        - `volume_rate`: of the volume [m³/s].
 
         **Returns:** rate of mass [kg/s] on the last axis.
         """

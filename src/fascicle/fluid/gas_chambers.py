@@ -118,7 +118,13 @@ class AdiabaticWall(AbstractGasChamber):
     ) -> Numbers:
         """Equation (F13).
 
-        **Arguments:** those of `AbstractChamber.rates`.
+        **Arguments:**
+
+        - `state`: the state [SI].
+        - `pressure`: its gauge pressure [Pa].
+        - `mass_in`: mass flow into the chamber [kg/s].
+        - `energy_in`: its enthalpy flow [W].
+        - `volume_rate`: of the volume [m³/s].
 
         **Returns:** rates of mass and energy [kg/s], [W], on the last axis.
         """
