@@ -153,10 +153,15 @@ def write_table(
 ) -> tuple[Path, Path]:
     """Write `NAME.h` and `NAME.c` of a table into a folder.
 
-    **Arguments:** those of `table_code`, and
+    **Arguments:**
 
+    - `target`: the muscle, bundle or controller, as for `table_code`.
     - `folder`: the folder; it is created if it is missing.
-    - `highest_pressure`: highest gauge pressure of the table [Pa].
+    - `name`: prefix of all names in C, and of the files.
+    - `precision`: type of numbers in C, "double" or "float".
+    - `highest_pressure`: highest gauge pressure of the table [Pa]; default: the bundle's supply
+      pressure, or 1 MPa.
+    - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
 
     **Returns:** the paths of header and source.
 
