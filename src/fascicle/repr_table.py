@@ -1,8 +1,8 @@
-"""Printed objects: a title, its sizes and laws in words, a small table; in notebooks too.
+"""Printed objects: a title, sizes and laws, a small table; in notebooks too.
 
-`print(muscle)` shows it, and a notebook shows it as a table of its own. Numbers stand with their
-units, and a long table shows its ends. Under `jax.jit` there are no numbers to show: Python's own
-words stand there.
+`print(muscle)` prints the text, and a notebook shows the HTML. Numbers have their units; a long
+table shows its ends. Traced objects, under `jax.jit`, have no numbers: Python's own text replaces
+the table.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,11 +12,11 @@ from .core.validation import is_concrete
 from .units import figures
 
 
-_MOST_ROWS = 12
+_MAX_ROWS = 12  # as many as fit on a screen beside the code
 
 
 class ReprTable(NamedTuple):
-    """A `title`, `facts` by name, a table of `rows` under `heads`, and what to `notes`."""
+    """A `title`, `facts` by name, a table of `rows` under `heads`, and `notes`."""
 
     title: str
     facts: Sequence[tuple[str, str]] = ()
@@ -27,12 +27,12 @@ class ReprTable(NamedTuple):
     def text(self) -> str:
         """Table as lines of text."""
         width = max((len(name) for name, _ in self.facts), default=0)
-        parts = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
+        blocks = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
         if self.rows:
-            parts.append(_lines(self.heads, _ends(self.rows)))
+            blocks.append(_lines(self.heads, _ends(self.rows)))
         if self.notes:
-            parts.append([f"  {note}" for note in self.notes])
-        return "\n\n".join("\n".join(part) for part in parts)
+            blocks.append([f"  {note}" for note in self.notes])
+        return "\n\n".join("\n".join(block) for block in blocks)
 
     def html(self) -> str:
         """Table as a piece of HTML."""
@@ -41,11 +41,11 @@ class ReprTable(NamedTuple):
             f'<td style="text-align:left">{_safe(value)}</td></tr>'
             for name, value in self.facts
         )
-        # numbers under one another, also where a page has no style of its own for tables
-        room = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
-        heads = "".join(f"<th {room}>{_safe(head)}</th>" for head in self.heads)
+        # digits are aligned, also on a page without a style for tables
+        style = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
+        heads = "".join(f"<th {style}>{_safe(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td {room}>{_safe(entry)}</td>" for entry in row) + "</tr>"
+            "<tr>" + "".join(f"<td {style}>{_safe(entry)}</td>" for entry in row) + "</tr>"
             for row in _ends(self.rows)
         )
         table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
@@ -59,34 +59,34 @@ class ReprTable(NamedTuple):
 
 
 def with_table_repr(
-    sheet: Callable[[Any], ReprTable], line: Callable[[Any], str] | None = None
+    table: Callable[[Any], ReprTable], line: Callable[[Any], str] | None = None
 ) -> Callable:
-    """A decorator of a class whose objects print as a sheet.
+    """Decorator of a class whose objects print as a table.
 
     **Arguments:**
 
-    - `sheet`: makes it of an object.
-    - `line`: says it in one line, for `repr`; left out, Python's own words.
+    - `table`: function of an object that returns its table.
+    - `line`: function that describes an object in one line, for `repr`; default: Python's.
 
     **Returns:** the decorator.
     """
 
-    def of(kind: Any) -> Any:
-        own = kind.__repr__
+    def decorate(kind: Any) -> Any:
+        default = kind.__repr__
         if line is not None:
-            kind.__repr__ = _if_concrete(line, own)
-        kind.__str__ = _if_concrete(lambda thing: sheet(thing).text(), own)
+            kind.__repr__ = _if_concrete(line, default)
+        kind.__str__ = _if_concrete(lambda obj: table(obj).text(), default)
         kind._repr_html_ = _if_concrete(
-            lambda thing: sheet(thing).html(), lambda thing: f"<pre>{_safe(own(thing))}</pre>"
+            lambda obj: table(obj).html(), lambda obj: f"<pre>{_safe(default(obj))}</pre>"
         )
-        kind._repr_pretty_ = lambda thing, printer, _: printer.text(str(thing))
+        kind._repr_pretty_ = lambda obj, printer, _: printer.text(str(obj))
         return kind
 
-    return of
+    return decorate
 
 
 def format_range(values: Any, show: Callable[[float], str]) -> str:
-    """One number as `show` writes it, or how far several reach and how many there are."""
+    """Text of one number, or of the range and count of several."""
     import numpy as np
 
     x = np.asarray(values, float)
@@ -98,7 +98,7 @@ def format_range(values: Any, show: Callable[[float], str]) -> str:
 
 
 def title_with_shape(title: str, points: Any) -> str:
-    """A `title` with how many `points` there are, where it isn't one."""
+    """A title with the shape of several `points`."""
     shape = points.shape if hasattr(points, "shape") else ()
     if shape == ():
         return title
@@ -107,22 +107,22 @@ def title_with_shape(title: str, points: Any) -> str:
 
 
 def format_number(value: float, digits: int = 4) -> str:
-    """A number as a table shows it: four figures, "-" where there is none."""
+    """A number in a table: four digits, "-" for NaN."""
     value = float(value)
     return "-" if value != value else figures(value + 0.0, digits)  # noqa: PLR0124 NaN
 
 
-def _if_concrete(shown: Callable[[Any], str], otherwise: Callable[[Any], str]) -> Callable:
-    return lambda thing: shown(thing) if is_concrete(thing) else otherwise(thing)
+def _if_concrete(concrete: Callable[[Any], str], traced: Callable[[Any], str]) -> Callable:
+    return lambda obj: concrete(obj) if is_concrete(obj) else traced(obj)
 
 
 def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
-    """The rows, those in the middle of many left out."""
-    if len(rows) <= _MOST_ROWS:
+    """The first and the last rows of a long table."""
+    if len(rows) <= _MAX_ROWS:
         return list(rows)
-    half = _MOST_ROWS // 2
-    left_out = f"… {len(rows) - 2 * half} more"
-    return [*rows[:half], [left_out, *[""] * (len(rows[0]) - 1)], *rows[-half:]]
+    half = _MAX_ROWS // 2
+    omission = f"… {len(rows) - 2 * half} more"
+    return [*rows[:half], [omission, *[""] * (len(rows[0]) - 1)], *rows[-half:]]
 
 
 def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
@@ -135,6 +135,6 @@ def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _safe(text: str) -> str:
-    import html  # which nobody needs who prints no page
+    import html  # rarely needed
 
     return html.escape(text)

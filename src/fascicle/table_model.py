@@ -111,7 +111,8 @@ def validation_message(
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
     rule = rule.replace("Input should be", "must be")
     count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
-    return location_message(source, keys, f"{rule.rstrip('.')}.{count}", value_at(data, path))
+    rule = rule if rule.endswith("?") else f"{rule.rstrip('.')}."
+    return location_message(source, keys, f"{rule}{count}", value_at(data, path))
 
 
 def location_message(source: str, keys: Iterable[Any], rule: str, value: Any = None) -> str:

@@ -1,13 +1,11 @@
 """Quantities with units: text to SI float and back, lists and ranges.
 
-Conversion happens only where data enters or leaves: files and the command line read
-`"34.5 kPa"` here, and the laws only ever see pascals. A number without its unit is
+Files and the command line convert here; the laws only see SI units. A number without its unit is
 refused wherever a unit is due.
 
-The units people use are a table of exact SI factors. Decimal text times such a factor is
-a rational number, rounded to float64 once, so `"6.35 mm"` is the float `6.35e-3` to the
-last bit and `"0:0.33:0.03"` holds the float `0.21`. Any other unit goes to pint, which is
-imported only then.
+Common units have exact SI factors. Decimal text times such a factor is a rational number, rounded
+to float64 once, so `"6.35 mm"` is the float `6.35e-3` to the last bit and `"0:0.33:0.03"` holds the
+float `0.21`. Other units go to pint, which is imported only then.
 """
 
 import difflib
@@ -31,18 +29,18 @@ _DEGREE = Fraction(math.pi) / 180
 
 
 class Dimension(NamedTuple):
-    """A kind of quantity: the units it is read in and the ones it is shown in."""
+    """A kind of quantity, with the units to read and to write it."""
 
     article: str
     si: str
-    shown: str
-    exact: tuple[str, ...]  # tried in this order when a value must be read back bitwise
+    common: str  # unit in tables and messages
+    exact: tuple[str, ...]  # tried in this order for text that must be read back bitwise
     factors: Mapping[str, Fraction]
-    beyond: tuple[str, ...] = ()  # shown instead, in this order, where that is plainer to read
+    alternatives: tuple[str, ...] = ()  # to avoid exponents, in this order
 
     @property
     def unitless(self) -> bool:
-        """True where a bare number is a quantity of this kind."""
+        """True if a bare number is a quantity of this kind."""
         return "" in self.factors
 
 
@@ -151,7 +149,7 @@ _QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)(?![a-z]))\s*(.*?)\s*",
     re.IGNORECASE | re.ASCII | re.DOTALL,
 )
-# what pint may see: names with one-digit powers, joined by * and /; never an expression
+# units for pint: names with one-digit powers, joined by * and /; never an expression
 _UNIT = re.compile(r"(?:1/)?[^\W\d]+(?:\^-?[1-9])?(?:[*/][^\W\d]+(?:\^-?[1-9])?)*")
 _SPELLINGS = str.maketrans({"μ": "µ", "·": "*", "²": "^2", "³": "^3"})
 
@@ -163,8 +161,8 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
 
     - `text`: a number and its unit, such as `"34.5kPa"`; for a strain or a number also
       a bare number or `"12 %"`.
-    - `dimension`: what it must be, a key of `DIMENSIONS`.
-    - `name`: what to call it in an error; the dimension if left out.
+    - `dimension`: a key of `DIMENSIONS`.
+    - `name`: of the quantity in errors; default: the dimension.
 
     **Returns:** its value [SI unit of the dimension], rounded once.
 
@@ -174,7 +172,7 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
 
 
 def sample(dimension: str) -> str:
-    """A quantity of a `dimension` as a file has it, to be shown in an error."""
+    """An example of a quantity of a `dimension`, as in a file."""
     text = _EXAMPLES[dimension]
     return text if DIMENSIONS[dimension].unitless else f'"{text}"'
 
@@ -182,15 +180,14 @@ def sample(dimension: str) -> str:
 def parse_list(text: str, dimension: str, name: str | None = None) -> list[float]:
     """Read a list `a,b,c` or a range `start:stop:step`, or a list of both.
 
-    A range holds both its ends. Where the step doesn't divide it, the last step is the
-    shorter one. A falling range takes a negative step; a step of zero, or one that leads
-    away from the stop, is refused.
+    A range holds both its ends. If the step doesn't divide it, the last step is shorter. A falling
+    range takes a negative step; a step of zero is refused, and one that leads away from the stop.
 
     **Arguments:**
 
     - `text`: the list; each quantity in it carries its unit.
-    - `dimension`: what each must be, a key of `DIMENSIONS`.
-    - `name`: what to call it in an error; the dimension if left out.
+    - `dimension`: of each value, a key of `DIMENSIONS`.
+    - `name`: of the list in errors; default: the dimension.
 
     **Returns:** the values [SI unit of the dimension], in the order given.
 
@@ -240,14 +237,14 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
 
     - `value`: a number [SI unit of the dimension]; infinite or NaN reads "-".
     - `dimension`: a key of `DIMENSIONS`.
-    - `digits`: how many count.
+    - `digits`: number of significant digits.
 
     **Returns:** the text.
     """
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
         return "-"
-    units = (kind.shown, *kind.beyond)
+    units = (kind.common, *kind.alternatives)
     scaled = {unit: float(value) / float(kind.factors[unit]) for unit in units}
     plain = (unit for unit, x in scaled.items() if "e" not in f"{x:.{digits}g}")
     nearest = min(units, key=lambda unit: abs(math.log10(abs(scaled[unit]) or 1.0)))
@@ -260,8 +257,8 @@ def figures(value: float, digits: int = 4) -> str:
 
     **Arguments:**
 
-    - `value`: it [any unit].
-    - `digits`: how many count.
+    - `value`: the number [any unit].
+    - `digits`: number of significant digits.
 
     **Returns:** the text; with an exponent only from ten million on, and below 0.0001.
     """
@@ -272,80 +269,81 @@ def figures(value: float, digits: int = 4) -> str:
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
 
-    def refused(shown: str, remedy: str = "") -> InvalidInputError:
+    def invalid(value: str, remedy: str = "") -> InvalidInputError:
         rule = f'must be {kind.article}, such as "{example}"'
-        return InvalidInputError(name, rule, text, remedy, shown=shown)
+        return InvalidInputError(name, rule, text, remedy, shown=value)
 
     if isinstance(text, int | float) and not isinstance(text, bool) and kind.unitless:
         text = repr(text)
     if isinstance(text, int | float) and not isinstance(text, bool):
-        raise refused(f"the bare number {text!r}", "write it with its unit")
+        raise invalid(f"the bare number {text!r}", "write it with its unit")
     if not isinstance(text, str):
-        raise refused(_quote(text))
+        raise invalid(_quote(text))
     match = _QUANTITY.fullmatch(text)
     if match is None or len(text) > _MAX_TEXT:
-        raise refused(_quote(text), "start with a number")
+        raise invalid(_quote(text), "start with a number")
     number, unit = match[1], match[2].translate(_SPELLINGS)
     if not math.isfinite(float(number)):
-        raise refused(_quote(text), "it must be finite")
+        raise invalid(_quote(text), "it must be finite")
     if unit.startswith(","):
-        raise refused(_quote(text), "write the decimals after a point")
+        raise invalid(_quote(text), "write the decimals after a point")
     if not unit and not kind.unitless:
-        raise refused(f"the bare number {number}", "write it with its unit")
+        raise invalid(f"the bare number {number}", "write it with its unit")
     factor = _factor(unit, dimension)
     if isinstance(factor, str):
-        raise refused(_quote(text), factor.removesuffix("."))
+        raise invalid(_quote(text), factor.removesuffix("."))
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
     if dimension == "temperature" and unit.strip("° ") in ("C", "degC"):
         value = Fraction(number) + _CELSIUS
     if dimension == "angle" and factor == _DEGREE:
-        value = math.radians(float(number))  # as everybody's code writes it, to the last bit
+        value = math.radians(float(number))  # as other code computes it, to the last bit
     try:
         float(value)
     except OverflowError:
-        raise refused(_quote(text), "it must be finite") from None
+        raise invalid(_quote(text), "it must be finite") from None
     return value
 
 
 @functools.lru_cache(maxsize=256)
 def _factor(unit: str, dimension: str) -> Fraction | str:
-    """SI factor of `unit`, or in words why it has none."""
+    """SI factor of `unit`, or a message if it has none."""
     kind = DIMENSIONS[dimension]
-    tidy = re.sub(r"\s*([*/^])\s*", r"\1", unit.replace("**", "^").replace("°", "deg"))
-    tidy = re.sub(r"\s+", "*", tidy).replace("1/*", "1/").removesuffix("^1")
-    tidy = re.sub(r"^/", "1/", re.sub(r"^([^\W\d]+)\^-1$", r"1/\1", tidy))
-    if tidy in kind.factors:
-        return kind.factors[tidy]
-    units = [one for one in kind.factors if one]
-    # one that is equal but for case is meant, however near another one may be
-    same = [one for one in units if one.casefold() == tidy.casefold()]
-    near = same or difflib.get_close_matches(tidy, units, n=1, cutoff=0.5)
-    unknown = f"unknown unit {_quote(unit)}" + (f", did you mean {near[0]!r}?" if near else ".")
-    if not _UNIT.fullmatch(tidy):
+    name = re.sub(r"\s*([*/^])\s*", r"\1", unit.replace("**", "^").replace("°", "deg"))
+    name = re.sub(r"\s+", "*", name).replace("1/*", "1/").removesuffix("^1")
+    name = re.sub(r"^/", "1/", re.sub(r"^([^\W\d]+)\^-1$", r"1/\1", name))
+    if name in kind.factors:
+        return kind.factors[name]
+    units = [candidate for candidate in kind.factors if candidate]
+    # a unit that differs in case alone is meant, however similar another one may be
+    equal = [candidate for candidate in units if candidate.casefold() == name.casefold()]
+    similar = equal or difflib.get_close_matches(name, units, n=1, cutoff=0.5)
+    hint = f", did you mean {similar[0]!r}?" if similar else "."
+    unknown = f"unknown unit {_quote(unit)}{hint}"
+    if not _UNIT.fullmatch(name):
         return unknown
-    found = _by_pint(unit, tidy, dimension) or unknown
-    if same and isinstance(found, str) and found is not unknown:
-        return f"{found.removesuffix('.')}, did you mean {same[0]!r}?"
-    return found
+    factor = _pint_factor(unit, name, dimension) or unknown
+    if equal and isinstance(factor, str) and factor is not unknown:
+        return f"{factor.removesuffix('.')}, did you mean {equal[0]!r}?"
+    return factor
 
 
-def _by_pint(unit: str, tidy: str, dimension: str) -> Fraction | str:
-    """As `_factor`, of a unit that pint may know; empty where it doesn't."""
+def _pint_factor(unit: str, name: str, dimension: str) -> Fraction | str:
+    """SI factor of a unit from pint, or a message; empty for units that pint doesn't know."""
     from pint import PintError  # half a second, and rarely needed
 
     kind = DIMENSIONS[dimension]
     try:
-        known = _registry().parse_units(tidy.replace("^", "**"))
+        pint_unit = _registry().parse_units(name.replace("^", "**"))
         si = kind.si.replace("^", "**") or "dimensionless"
-        if _registry().Quantity(0.0, known).to(si).magnitude:
-            return ""  # counted from a zero of its own, such as degrees Fahrenheit
-        return Fraction(_registry().Quantity(1.0, known).to(si).magnitude)
+        if _registry().Quantity(0.0, pint_unit).to(si).magnitude:
+            return ""  # counted from another zero, such as degrees Fahrenheit
+        return Fraction(_registry().Quantity(1.0, pint_unit).to(si).magnitude)
     except PintError as error:
         if type(error).__name__ == "DimensionalityError":
             return f"{_quote(unit)} is no unit of {kind.article.split(' ', 1)[1]}."
         return ""
-    except Exception:  # noqa: BLE001 pint evaluates the user's text, and lets much out
+    except Exception:  # noqa: BLE001 pint evaluates the user's text, and raises many kinds
         return ""
 
 
@@ -357,26 +355,23 @@ def _registry() -> Any:
 
 
 def _range(text: str, dimension: str, name: str) -> list[float]:
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise InvalidInputError(
-            name, f"has the range {_quote(text)}", text, "write start:stop:step", shown=""
-        )
-    start, stop, step = (Fraction(_exact(part, dimension, name)) for part in parts)
+    def invalid(remedy: str) -> InvalidInputError:
+        return InvalidInputError(name, f"has the range {_quote(text)}", text, remedy, shown="")
+
+    entries = text.split(":")
+    if len(entries) != 3:
+        raise invalid("write start:stop:step")
+    start, stop, step = (Fraction(_exact(entry, dimension, name)) for entry in entries)
     if step == 0:
-        raise InvalidInputError(
-            name, f"has the range {_quote(text)}", text, "its step must not be 0", shown=""
-        )
+        raise invalid("its step must not be 0")
     if (stop - start) * step < 0:
-        raise InvalidInputError(
-            name, f"has the range {_quote(text)}", text, "its step leads away", shown=""
-        )
+        raise invalid("its step leads away")
     count = (stop - start) / step
     if count > MAX_POINTS:
         raise _too_many(text, name)
-    # degrees and pint's units are floats already: divides up to rounding is divides
-    whole, divides = round(count), abs(count - round(count)) < Fraction(1, 10**9)
-    inner = whole if divides else math.floor(count) + 1
+    # degrees and pint's units are floats already: a step divides the range up to rounding
+    divides = abs(count - round(count)) < Fraction(1, 10**9)
+    inner = round(count) if divides else math.floor(count) + 1
     return [float(start + i * step) for i in range(inner)] + [float(stop)]
 
 
@@ -386,6 +381,6 @@ def _too_many(text: str, name: str) -> ValueError:
 
 
 def _quote(value: Any) -> str:
-    """`value` in one short line, whatever it is."""
+    """A value in one short line."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:40]}…{text[-1]}"

@@ -198,10 +198,10 @@ def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list
     for profile in profiles:
         estimate = estimates[profile.name]
         kind = DIMENSIONS[estimate.dimension]
-        scale = float(kind.factors[kind.shown])
+        scale = float(kind.factors[kind.common])
         rows.append(
             plot.ProfilePlot(
-                estimate.name, kind.shown, profile.value / scale, profile.rise,
+                estimate.name, kind.common, profile.value / scale, profile.rise,
                 estimate.value / scale, estimate.low / scale, estimate.high / scale,
                 (profile.low / scale, profile.high / scale), estimate.identifiable,
             )

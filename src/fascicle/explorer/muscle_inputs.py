@@ -49,7 +49,7 @@ class MuscleInputs:
         for name, (_, dimension) in SIZES.items():
             self.fields[name].show(
                 float(getattr(muscle, name)),
-                view.display_units.get(dimension, DIMENSIONS[dimension].shown),
+                view.display_units.get(dimension, DIMENSIONS[dimension].common),
             )
         names = [name for name, material in MATERIALS.items() if material == muscle.material]
         self._material.value = names[0] if names else _CUSTOM
@@ -124,7 +124,7 @@ class LawInputs:
             self._add_widgets(law)
         self.select.value = law.name
         for constant in law.constants():
-            unit = units.get(constant.dimension, DIMENSIONS[constant.dimension].shown)
+            unit = units.get(constant.dimension, DIMENSIONS[constant.dimension].common)
             self.fields[constant.name].show(float(getattr(law, constant.name)), unit)
         for name, choice in self.choices.items():
             choice.value = getattr(law, name)

@@ -56,7 +56,7 @@ def message_in_units(text: str, units: Mapping[str, str]) -> str:
     """A `text` of the library, its amounts in the page's `units`, by dimension."""
     for dimension, unit in units.items():
         kind = DIMENSIONS[dimension]
-        for written in {kind.si, kind.shown} - {unit, ""}:
+        for written in {kind.si, kind.common} - {unit, ""}:
             scale = float(kind.factors[written]) / float(kind.factors[unit])
 
             def convert(match: re.Match[str], scale: float = scale, unit: str = unit) -> str:

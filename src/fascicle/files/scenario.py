@@ -320,10 +320,10 @@ def _parts(
     parts: dict[str, Any] = {}
     for key, table in tables.items():
         kind, location = classes[key], root.child(key, kind="part")
-        for inner, part in (("stop", dynamics.Stop), ("line", fluid.Line)):
+        for inner, inner_kind in (("stop", dynamics.Stop), ("line", fluid.Line)):
             if inner in table:
                 with location.child(inner, kind="part").error_context():
-                    table[inner] = part(**table[inner])
+                    table[inner] = inner_kind(**table[inner])
         if kind is fluid.OrderlyValve:
             table["units"] = units
         if kind is fluid.Orifice and not gas:
@@ -368,11 +368,11 @@ def _supply(
         raise location.error(("kind",), rule)
     pump_parts: dict[str, Any] = {}
     if kind is fluid.PumpedAccumulator:
-        for key, part in {"pump": pump_class(root.data, root), **PUMPED}.items():
+        for key, part_kind in {"pump": pump_class(root.data, root), **PUMPED}.items():
             if key in table:
                 options = table.pop(key) | ({"liquid": medium} if key == "pump" else {})
                 with location.child(key, kind="part").error_context():
-                    pump_parts[key] = part(**options)
+                    pump_parts[key] = part_kind(**options)
     with location.error_context():
         if kind in (fluid.Accumulator, fluid.PumpedAccumulator):
             store = fluid.Accumulator(**table, liquid=medium, **room)

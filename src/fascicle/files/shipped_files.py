@@ -47,7 +47,11 @@ def example_text(name: str) -> str:
     """
     kinds = {key: kind for kind in ("scenarios", "examples") for key in shipped_names(kind)}
     if name not in kinds:
-        near = difflib.get_close_matches(str(name), kinds, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(sorted(kinds))}."
+        similar = difflib.get_close_matches(str(name), kinds, n=1, cutoff=0.4)
+        hint = (
+            f"did you mean {similar[0]}?"
+            if similar
+            else f"choose one of {', '.join(sorted(kinds))}."
+        )
         raise ValueError(f"no example is named {str(name)[:60]!r}: {hint}")
     return shipped_text(kinds[name], name)

@@ -232,12 +232,12 @@ def _margin(text: Any, location: FileLocation, keys: tuple[str, ...]) -> float:
     """Margin as a share of the demanded force [-]."""
     rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
     try:
-        share = parse(text, "number", keys[-1])
+        margin = parse(text, "number", keys[-1])
     except ValueError:
         raise location.error(keys, rule) from None
-    if not 0 <= share <= 10:
+    if not 0 <= margin <= 10:
         raise location.error(keys, rule)
-    return share
+    return margin
 
 
 def _limit(name: str, bounds: Mapping[str, Any], location: FileLocation) -> Limit:
@@ -465,9 +465,9 @@ def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Mus
 
 
 def _product(section: ProductSection, length: float) -> Product:
-    for key, (most, unit) in _MAX_VALUES.items():
+    for key, (limit, unit) in _MAX_VALUES.items():
         if (value := getattr(section, key)) is not None:
-            check_interval(value, 0.0, most, key, unit, closed=(False, True))
+            check_interval(value, 0.0, limit, key, unit, closed=(False, True))
     return Product(
         section.name,
         _total(section.price, section.price_per_length, length),

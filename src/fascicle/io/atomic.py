@@ -1,8 +1,8 @@
-"""Files that appear whole or not at all.
+"""Files that appear completely or not at all.
 
-The content is written into a hidden draft folder beside its place, and moved there in one step;
-whatever goes wrong before leaves what was there untouched. A draft folder is locked as long as its
-writer lives: the next writer in the same folder removes the drafts of those that were killed.
+The content is written into a hidden draft folder beside the target, and moved there in one step; an
+error before that leaves an existing file untouched. A draft folder is locked while its writer
+lives: the next writer in the same folder removes the drafts of killed ones.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ else:
     import fcntl
 
 _DRAFT, _DRAFT_END = ".fascicle-", ".draft"
-_LITTER = {"Thumbs.db", "desktop.ini"}  # of file browsers, as hidden files are
+_BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
 _FORMER = "former"  # inside a draft folder: the folder that is being replaced
 _AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <stdio.h>, and macOS's
 
@@ -29,45 +29,42 @@ _AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <st
 def write(
     path: str | os.PathLike[str], fill: Callable[[Path], object], folder: bool = False
 ) -> None:
-    """Let `fill` write a file, and put it at `path` once it is complete.
+    """Let `fill` write a file, and move it to `path` when it is complete.
 
     **Arguments:**
 
-    - `path`: where it goes [-]; a file that is there is replaced.
-    - `fill`: writes the content at the path it is given [-].
-    - `folder`: whether that is a folder [-]; one that is there is replaced too.
+    - `path`: the file; an existing one is replaced.
+    - `fill`: writes the content at the path that it is called with.
+    - `folder`: true for a folder; an existing one is replaced.
 
-    **Raises:** `OSError`, one line, where nothing can be written there.
+    **Raises:** `OSError`, one line, if it can't be written.
     """
     with replace_whole(path, folder) as draft:
         fill(draft)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Put `text` at `path`, whole or not at all.
+    """Write a text file, completely or not at all.
 
     **Arguments:**
 
-    - `path`: where it goes [-]; a file that is there is replaced.
-    - `text`: what it will hold [-], as UTF-8.
+    - `path`: the file; an existing one is replaced.
+    - `text`: its content, written as UTF-8.
 
-    **Raises:** `OSError`, one line, where nothing can be written there.
+    **Raises:** `OSError`, one line, if it can't be written.
     """
     write(path, lambda draft: draft.write_text(text, encoding="utf-8", newline="\n"))
 
 
 @contextlib.contextmanager
 def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
-    """Give a place to write to, and move what was written there to `path` at the end.
+    """Context of a draft, which is moved to `path` at the end.
 
-    **Arguments:**
+    **Arguments:** `path`, `folder`: as for `write`.
 
-    - `path`: where it goes [-]; a file that is there is replaced.
-    - `folder`: whether that is a folder [-]; one that is there is replaced too.
+    **Returns:** the draft's path, of the same name.
 
-    **Returns:** the draft's path [-], of the same name.
-
-    **Raises:** `OSError`, one line, where nothing can be written there.
+    **Raises:** `OSError`, one line, if it can't be written.
     """
     target = draft = check_writable(path, folder)
     try:
@@ -80,18 +77,18 @@ def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterato
             else:
                 draft.replace(target)
     except OSError as error:
-        if str(draft) in str(error) and error.errno is None:  # a line of this kind, of the draft
+        if str(draft) in str(error) and error.errno is None:  # raised here, about the draft
             raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
         raise OSError(_line(path, error.strerror or str(error))) from None
 
 
 @contextlib.contextmanager
 def open_draft(target: Path) -> Iterator[Path]:
-    """Give a path to write to, in a hidden folder that is removed at the end.
+    """Context of a path in a hidden folder beside a `target`, which is removed at the end.
 
-    **Arguments:** `target`: beside which the folder is made [-].
+    **Arguments:** `target`: the file that will replace it.
 
-    **Returns:** the path in it, of the target's name [-].
+    **Returns:** the path, of the target's name.
     """
     remove_abandoned(target.parent)
     folder, lock = _locked_folder(target.parent)
@@ -104,23 +101,23 @@ def open_draft(target: Path) -> Iterator[Path]:
 
 
 def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
-    """Refuse a path that can't be written, before the work that would go there is done.
+    """Refuse a path that can't be written, before the work begins.
 
     **Arguments:**
 
-    - `path`: where a file will go [-].
-    - `folder`: whether a folder may stand there, to be replaced [-].
+    - `path`: of a file to write.
+    - `folder`: true if a folder may be replaced.
 
-    **Returns:** the path, links followed, so that a link stays one [-].
+    **Returns:** the path, links followed, so that a link stays one.
 
-    **Raises:** `OSError`, one line, where nothing can be written there.
+    **Raises:** `OSError`, one line, if it can't be written.
     """
     target = Path(path)
     try:
         target = target.resolve()
         reason = _reason(target, folder)
         if not reason:
-            # trying is the one test that holds for root, read-only disks and full ones alike
+            # only a trial is reliable for root, on read-only disks and on full ones
             with open_draft(target) as draft:
                 draft.touch(exist_ok=False)
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a NUL in the name
@@ -137,9 +134,9 @@ def check_overwrite(
 
     **Arguments:**
 
-    - `path`: where a file will go.
+    - `path`: of a file to write.
     - `overwrite`: true to accept an existing file.
-    - `flag`: the option that says so, for the message.
+    - `flag`: the option to overwrite, for the message.
 
     **Raises:** `FileExistsError`, one line.
     """
@@ -162,11 +159,11 @@ def check_folder(
     if overwrite or not target.is_dir():
         return target
     names = sorted(entry.name for entry in target.iterdir())
-    names = [name for name in names if not name.startswith(".") and name not in _LITTER]
+    names = [name for name in names if not name.startswith(".") and name not in _BROWSER_FILES]
     if names:
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        count = f" and {len(names) - 1} more" if len(names) > 1 else ""
         raise FileExistsError(
-            f"{os.fspath(path)}: already holds {names[0]}{more}; name a new folder, or use {flag}"
+            f"{os.fspath(path)}: already holds {names[0]}{count}; name a new folder, or use {flag}"
             " to replace files of the same name and keep all others."
         )
     return target
@@ -186,7 +183,7 @@ def write_folder(
     **Arguments:**
 
     - `path`, `overwrite`, `flag`: as for `check_folder`.
-    - `fill`: writes into the empty folder that it is given.
+    - `fill`: writes into the empty folder that it is called with.
 
     **Raises:** as `check_folder`.
     """
@@ -200,22 +197,19 @@ def write_folder(
                 return
             check_folder(path, overwrite, flag)  # again: the work may have taken an hour
             entries = sorted(draft.iterdir())
-            for there in (target / entry.name for entry in entries):
-                if there.is_dir() and not there.is_symlink():
-                    raise IsADirectoryError(f"{there}: is a folder, where a file would go.")
+            for existing in (target / entry.name for entry in entries):
+                if existing.is_dir() and not existing.is_symlink():
+                    raise IsADirectoryError(f"{existing}: is a folder, where a file would go.")
             for entry in entries:
                 entry.replace(target / entry.name)
     except OSError as error:
-        if error.errno is None:  # one of these lines, perhaps with the draft's path
+        if error.errno is None:  # raised here, perhaps about the draft
             raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
         raise OSError(_line(path, error.strerror or str(error))) from None
 
 
 def remove_abandoned(parent: Path) -> None:
-    """Remove the draft folders of writers that were killed: nobody holds their lock.
-
-    **Arguments:** `parent`: the folder that they are in [-].
-    """
+    """Remove the draft folders of killed writers in a folder: their lock is free."""
     with contextlib.suppress(OSError):
         for folder in list(parent.glob(f"{_DRAFT}*{_DRAFT_END}")):
             with contextlib.suppress(OSError):
@@ -232,18 +226,13 @@ def remove_abandoned(parent: Path) -> None:
 
 
 def holds_drafts_only(folder: Path) -> bool:
-    """Whether a folder is empty but for what killed writers may have left.
-
-    **Arguments:** `folder`: it [-].
-
-    **Returns:** whether it is [-].
-    """
+    """True for a folder that holds at most drafts of killed writers."""
     names = [entry.name for entry in folder.iterdir()]
     return all(name.startswith(_DRAFT) and name.endswith(_DRAFT_END) for name in names)
 
 
 def _reason(target: Path, folder: bool) -> str:
-    """Why nothing can be written at `target`; empty if it may be."""
+    """Reason why `target` can't be written; empty if it can."""
     if target.is_symlink():  # links were followed: this one leads to itself
         return "it is a link that leads nowhere"
     if target.is_dir():
@@ -255,37 +244,37 @@ def _reason(target: Path, folder: bool) -> str:
 
 def _line(path: str | os.PathLike[str], reason: str) -> str:
     name = os.fspath(path)
-    shown = name if name.isprintable() and len(name) < 200 else repr(name)[:200]
-    return f"{shown}: can't be written: {reason}."
+    name = name if name.isprintable() and len(name) < 200 else repr(name)[:200]
+    return f"{name}: can't be written: {reason}."
 
 
 def _replace_folder(draft: Path, target: Path) -> None:
-    """Put the folder `draft` in the place of the folder `target`."""
+    """Replace the folder `target` by the folder `draft`."""
     if _exchange(draft, target):
         return
-    # where folders can't be exchanged in one step, the former one steps aside first; of a run that
-    # is killed here, `remove_abandoned` puts it back
+    # on systems that can't exchange folders the existing one is moved first; `remove_abandoned`
+    # moves it back if this process is killed here
     former = draft.parent / _FORMER
     former.mkdir()
     target.replace(former / target.name)
     draft.replace(target)
 
 
-def _exchange(one: Path, other: Path) -> bool:
-    """Whether two folders could be exchanged in one step, and were."""
+def _exchange(first: Path, second: Path) -> bool:
+    """Exchange two folders in one step; false on systems that can't."""
     if sys.platform == "win32":
         return False
-    libc, names = ctypes.CDLL(None), (os.fsencode(one), os.fsencode(other))
+    libc, names = ctypes.CDLL(None), (os.fsencode(first), os.fsencode(second))
     if hasattr(libc, "renameat2"):
-        places = (_AT_FDCWD, names[0], _AT_FDCWD, names[1])
-        return libc.renameat2(*places, _RENAME_EXCHANGE) == 0
+        arguments = (_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE)
+        return libc.renameat2(*arguments) == 0
     if hasattr(libc, "renamex_np"):
         return libc.renamex_np(*names, _RENAME_SWAP) == 0
     return False
 
 
 def _locked_folder(parent: Path) -> tuple[Path, int | None]:
-    """A new draft folder, and the handle that holds its lock."""
+    """A new draft folder, and the handle of its lock."""
     while True:
         folder = parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
         folder.mkdir()
@@ -299,7 +288,7 @@ def _locked_folder(parent: Path) -> tuple[Path, int | None]:
 
 
 def _lock(folder: Path, wait: bool) -> int | None:
-    """A handle that holds a folder's lock; `None` where there are no locks, or another has it."""
+    """Handle of a folder's lock; `None` on systems without locks, and if it is locked."""
     if fcntl is None:
         return None
     handle = os.open(folder, os.O_RDONLY)

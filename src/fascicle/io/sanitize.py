@@ -1,13 +1,13 @@
-"""Words of strangers as they are shown: nothing in them hides, turns around or runs on."""
+"""Text from outside, made visible: no hidden characters, no changed direction, limited length."""
 
 import json
 import re
 from typing import Any
 
 
-_LONGEST = 400  # characters of a message: what is longer is no message
-# control signs save line breaks and tabs; signs of direction and of no width, which make a name
-# look like another one; byte order marks, tags, and halves of signs that no file can hold
+_MAX_LENGTH = 400  # characters of a message
+# control characters but line breaks and tabs; characters of direction and of no width, which make a
+# name look like another one; byte order marks, tags, and halves of characters
 _HIDDEN = re.compile(
     r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
     r"\ufeff\ufff9-\ufffb\U000e0000-\U000e007f\ud800-\udfff]"
@@ -15,30 +15,30 @@ _HIDDEN = re.compile(
 
 
 def escape_invisible(text: str) -> str:
-    """A `text` [-] with its hidden signs written as their numbers [-]; line breaks stay."""
-    return _HIDDEN.sub(lambda found: _number(found.group()), text)
+    """A text with its hidden characters written as their numbers; line breaks stay."""
+    return _HIDDEN.sub(lambda match: _number(match.group()), text)
 
 
-def sanitize_line(text: str, longest: int = _LONGEST) -> str:
-    """A text as one line of which every sign can be seen.
+def sanitize_line(text: str, limit: int = _MAX_LENGTH) -> str:
+    """A text as one line of visible characters.
 
     **Arguments:**
 
-    - `text`: it [-].
-    - `longest`: how many of its characters may be left [-]; an ellipsis stands for the middle.
+    - `text`: the text.
+    - `limit`: largest number of its characters; an ellipsis replaces the middle.
 
-    **Returns:** the line [-].
+    **Returns:** the line.
     """
-    if len(text) > longest:
-        text = f"{text[: longest // 2]} … {text[-(longest // 3) :]}"
+    if len(text) > limit:
+        text = f"{text[: limit // 2]} … {text[-(limit // 3) :]}"
     line = " ".join(escape_invisible(text).split())
     return "".join(sign if sign.isprintable() else _number(sign) for sign in line)
 
 
 def dump_json(value: Any) -> str:
-    """A `value` [any unit] as JSON, in its own letters; hidden signs are escaped [-]."""
+    """JSON of a value, with letters of all languages; hidden characters are escaped."""
     text = json.dumps(value, ensure_ascii=False)
-    return _HIDDEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
+    return _HIDDEN.sub(lambda match: json.dumps(match.group())[1:-1], text)
 
 
 def _number(sign: str) -> str:

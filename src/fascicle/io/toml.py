@@ -1,7 +1,7 @@
 """TOML text from a user: every error is one line that names the file.
 
 The parser makes a table for each part of a key, in time and memory that grow with the square of
-the depth: `a.a.a. … = 1` in 64 kB took 40 s and 4 GB. So the depth is found before it is parsed;
+the depth: `a.a.a. … = 1` in 64 kB took 40 s and 4 GB. So the depth is checked before parsing;
 files of this format go five levels deep.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 
 
 DEEPEST = 16  # of a key's parts, or of brackets in brackets: three times what any file needs
-# strings and comments hold any sign; what is left are keys, numbers, dots and brackets
+# strings and comments hold any character; the rest is keys, numbers, dots and brackets
 _TOKEN = re.compile(
     r"""(?P<string> \"{3} (?: [^"\\]++ | \\. | "(?!"") )*+ \"{3}  |  '{3} .*? '{3}
                   | " (?: [^"\\\n]++ | \\. )*+ "  |  ' [^'\n]*+ ')
@@ -23,12 +23,12 @@ _TOKEN = re.compile(
 
 
 def check_nesting_depth(text: str, source: str) -> None:
-    """Refuse a TOML text whose tables lie too deep in one another to be a file of ours.
+    """Refuse a TOML text with deeper tables than any file of fascicle.
 
     **Arguments:**
 
-    - `text`: the TOML [-].
-    - `source`: what to call it in an error [-].
+    - `text`: the TOML.
+    - `source`: its name in errors.
 
     **Raises:** `ValueError`, in one line with the line's number.
     """
@@ -45,27 +45,26 @@ def check_nesting_depth(text: str, source: str) -> None:
             brackets = max(brackets + (kind == "open") - (kind == "close"), 0)
         if parts > DEEPEST or brackets > DEEPEST:
             number = text.count("\n", 0, token.start()) + 1
-            what = "a key's parts" if parts > DEEPEST else "brackets in brackets"
-            raise ValueError(
-                f"{source}: not TOML: nested too deep on line {number}, more than {DEEPEST} {what}."
-            )
+            nested = "a key's parts" if parts > DEEPEST else "brackets in brackets"
+            rule = f"nested too deep on line {number}, more than {DEEPEST} {nested}."
+            raise ValueError(f"{source}: not TOML: {rule}")
 
 
-_LARGEST = 2**63  # TOML's own integers have 64 bits
+_INTEGER_LIMIT = 2**63  # TOML's own integers have 64 bits
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
-    """The tables of a TOML text.
+    """Tables of a TOML text.
 
     **Arguments:**
 
-    - `text`: the TOML [-].
-    - `source`: what to call it in an error [-].
+    - `text`: the TOML.
+    - `source`: its name in errors.
 
-    **Returns:** nested tables and lists [-].
+    **Returns:** nested tables and lists.
 
-    **Raises:** `ValueError`, one line with the place, for what is no TOML, lies too deep, or holds
-    a whole number that has no 64 bits.
+    **Raises:** `ValueError`, one line with the position, for a text that is no TOML, is nested too
+    deep, or holds a whole number beyond 64 bits.
     """
     check_nesting_depth(text, source)
     try:
@@ -84,8 +83,8 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
 
 
 def _too_large(data: Any) -> Iterator[list[str]]:
-    """Keys that lead to numbers beyond TOML's range, which Python's don't have."""
-    if isinstance(data, int) and not -_LARGEST <= data < _LARGEST:
+    """Keys that lead to numbers beyond the range of TOML's integers."""
+    if isinstance(data, int) and not -_INTEGER_LIMIT <= data < _INTEGER_LIMIT:
         yield []
     entries = data.items() if isinstance(data, dict) else ()
     entries = enumerate(data) if isinstance(data, list) else entries

@@ -1,6 +1,6 @@
 """Measured data: a dynamometer's CSV as a record, its runs, and back to a file.
 
-Names are imported when they are first used: a record's shape needs no pandas, a file no model.
+Names are imported at their first use: a record needs no pandas, a file no model.
 """
 
 from typing import TYPE_CHECKING

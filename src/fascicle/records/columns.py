@@ -128,8 +128,8 @@ def check_roles(mapping: Mapping[str, str], argument: str) -> None:
 
 def _nearest(name: str, choices: Sequence[str], quote: str) -> str:
     """A question for the most similar name; empty if none is similar."""
-    near = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
-    return f"did you mean {quote}{near[0]}{quote}?" if near else ""
+    similar = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
+    return f"did you mean {quote}{similar[0]}{quote}?" if similar else ""
 
 
 def _index_of(table: Table, role: str, header: str) -> int:

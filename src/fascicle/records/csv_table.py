@@ -313,8 +313,8 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 
 def _precision() -> Any:
-    """The option that makes pandas read a decimal as the nearest float; 3.1 and later always do."""
+    """Option of pandas to read a decimal as the nearest float; the default from 3.1 on."""
     import pandas as pd
 
-    older = tuple(map(int, re.findall(r"\d+", pd.__version__)[:2])) < (3, 1)
-    return "round_trip" if older else None
+    version = tuple(map(int, re.findall(r"\d+", pd.__version__)[:2]))
+    return "round_trip" if version < (3, 1) else None

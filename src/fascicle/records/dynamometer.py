@@ -12,7 +12,7 @@ $$F = m_i\text{-stiffened } F(P_i, \varepsilon) - \tfrac{b}{2} h F(P_i, 0) + \te
 muscle pulls harder while it is drawn out than while it contracts. *Mullins softening*: in
 its first cycles the rubber is stiffer by $m$, which decays over $c$ cycles; a pressure
 counts as one cycle, after those of preconditioning. *Fabrication scatter*: muscles built to one
-drawing come out a little unlike, with a length and a braid angle from normal distributions,
+drawing differ slightly: their length and braid angle are normally distributed,
 
 $$L = L_0 (1 + s_L z_1), \qquad \alpha = \alpha_0 + s_\alpha z_2, \tag{D2}$$
 
@@ -27,7 +27,7 @@ $$\varepsilon = 1 - \frac{1 - \varepsilon_f(P_1, P_2)}{1 - \varepsilon_f(0, 0)} 
 is what is measured, whatever distance free strains refer to.
 
 **Not simulated:** creep, dynamics, temperature, the softening's dependence on the largest
-strain. Everything that comes out is synthetic and says so.
+strain. Every record is synthetic, and marked as such.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 5.3 and 6; friction between fibers after
 Chou and Hannaford (1996); softening after Mullins (1969).
 """
@@ -50,7 +50,7 @@ from .record import Record
 
 
 _LEVELS = tuple(413.7e3 * i / 12 for i in range(13))  # Pa, 0 to 60 psi in steps of 5 psi
-_LARGEST_SCATTER = 0.2  # of the length, and rad: more is no drawing
+_MAX_SCATTER = 0.2  # of the length, and rad: more is no scatter of one drawing
 _NOT_NEGATIVE = ("noise", "resolution", "pressure_noise", "displacement_noise", "hysteresis",
                  "mullins", "length_scatter", "angle_scatter")  # fmt: skip
 _SCATTERS = {"length": "length_scatter", "braid_angle": "angle_scatter"}
@@ -59,7 +59,7 @@ _UNITS = {"pressures": "Pa", "speed": "m/s", "resolution": "N", "pressure_noise"
 
 
 class StiffenedMaterial(AbstractMaterial):
-    """A `material` that is stiffer by a `factor` [-] in everything."""
+    """A `material` with its stiffness times a `factor` [-]."""
 
     material: AbstractMaterial
     factor: Batch
@@ -79,7 +79,7 @@ class StiffenedMaterial(AbstractMaterial):
         return self.factor * self.material.energy(axial_squared, hoop_squared)
 
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+        """Slopes of the energy density [J/m³] over the squared stretches [-]."""
         slopes = self.material.slopes(axial_squared, hoop_squared)
         return Slopes(*(self.factor * slope for slope in slopes))
 
@@ -94,17 +94,17 @@ class Scatter:
     def __post_init__(self):
         """**Raises:** `InvalidInputError` for a scatter that is negative or huge."""
         both = (True, True)
-        check_interval(self.length, 0.0, _LARGEST_SCATTER, "length", "-", "of the length", both)
+        check_interval(self.length, 0.0, _MAX_SCATTER, "length", "-", "of the length", both)
         try:
             angle = check_interval(
-                self.braid_angle, 0.0, _LARGEST_SCATTER, "braid_angle", "rad", closed=both
+                self.braid_angle, 0.0, _MAX_SCATTER, "braid_angle", "rad", closed=both
             )
         except InvalidInputError as error:
             if not isinstance(error.value, float):
                 raise
-            rule = f"must lie in [0, {np.degrees(_LARGEST_SCATTER):.4g}] deg"
-            shown = pretty(error.value, "angle")
-            raise InvalidInputError("braid_angle", rule, error.value, shown=shown) from None
+            rule = f"must lie in [0, {np.degrees(_MAX_SCATTER):.4g}] deg"
+            text = pretty(error.value, "angle")
+            raise InvalidInputError("braid_angle", rule, error.value, shown=text) from None
         object.__setattr__(self, "braid_angle", float(angle))
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
@@ -112,11 +112,11 @@ class Scatter:
 
         **Arguments:**
 
-        - `muscle`: the drawing [-].
-        - `generator`: source of random numbers [-].
-        - `size`: shape of the batch [-]; default: a single muscle.
+        - `muscle`: the drawing.
+        - `generator`: source of random numbers.
+        - `size`: shape of the batch; default: a single muscle.
 
-        **Returns:** the muscle, or a batch of them [-].
+        **Returns:** the muscle, or a batch of them.
         """
         z = generator.standard_normal((2, *size))
         length = muscle.length * (1 + self.length * z[0])
@@ -194,33 +194,33 @@ class VirtualDynamometer:
             rule = "must hold at least one pressure above 0 Pa, in a list"
             raise InvalidInputError("pressures", rule, None)
         for name in _NOT_NEGATIVE:
-            # a share of the force itself: 5 was meant as 5 %
-            most = 1.0 if name in ("noise", "hysteresis") else np.inf
+            # a share of the force: 5 means 5 %
+            limit = 1.0 if name in ("noise", "hysteresis") else np.inf
             value, unit = getattr(self, name), _UNITS.get(name, "-")
-            remedy = f"write {value:g} %" if most == 1 and np.all(value >= 1) else ""
-            check_interval(value, 0.0, most, name, unit, closed=(True, False), remedy=remedy)
+            remedy = f"write {value:g} %" if limit == 1 and np.all(value >= 1) else ""
+            check_interval(value, 0.0, limit, name, unit, closed=(True, False), remedy=remedy)
         for name in ("speed", "mullins_cycles"):
             check_interval(getattr(self, name), 0.0, np.inf, name, _UNITS.get(name, "-"))
         if self.samples < 2 or self.preconditioning < 0:
             rule = "must be at least 2 and `preconditioning` at least 0"
-            given = self.samples, self.preconditioning
-            raise InvalidInputError("samples", rule, given, shown=f"{given[0]} and {given[1]}")
+            values = self.samples, self.preconditioning
+            raise InvalidInputError("samples", rule, values, shown=f"{values[0]} and {values[1]}")
         try:
-            Scatter(self.length_scatter, self.angle_scatter)  # has limits of its own
+            Scatter(self.length_scatter, self.angle_scatter)
         except InvalidInputError as error:
-            name, angle = _SCATTERS[error.argument], error.argument == "braid_angle"
-            shown = pretty(error.value, "angle") if angle else None
-            raise InvalidInputError(name, error.rule, error.value, error.remedy, shown) from None
+            text = pretty(error.value, "angle") if error.argument == "braid_angle" else None
+            name = _SCATTERS[error.argument]
+            raise InvalidInputError(name, error.rule, error.value, error.remedy, text) from None
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
         """Record one test of one muscle.
 
         **Arguments:**
 
-        - `muscle`: the muscle on the drawing [-].
-        - `seed`: random seed [-]; the same seed gives the same bits.
+        - `muscle`: the muscle on the drawing.
+        - `seed`: random seed; the same seed gives the same bits.
 
-        **Returns:** a synthetic `Record`, whose notes hold every setting [SI].
+        **Returns:** a synthetic `Record`, whose notes hold every setting.
 
         **Raises:** `InvalidInputError` for a batch of muscles.
         """
@@ -240,9 +240,9 @@ class VirtualDynamometer:
         )  # fmt: skip
 
     def sweeps(self, muscle: Muscle) -> Sweeps:
-        """Compute the readings before any noise, for use with many seeds.
+        """Readings before any noise, for use with many seeds.
 
-        **Arguments:** `muscle`: the muscle on the machine [-].
+        **Arguments:** `muscle`: the muscle on the machine.
 
         **Returns:** forces [N] over pressures [Pa] and strains [-].
 
@@ -269,8 +269,8 @@ class VirtualDynamometer:
 
         **Arguments:**
 
-        - `muscle`: the muscle, or its `sweeps` [SI].
-        - `seeds`: one for each test [-]; each gives the forces of `record`.
+        - `muscle`: the muscle, or its `sweeps`.
+        - `seeds`: one for each test; each gives the forces of `record`.
 
         **Returns:** readings [N]: seeds, pressures, readings in the order of time.
 
@@ -278,14 +278,14 @@ class VirtualDynamometer:
         """
         if self.length_scatter or self.angle_scatter:
             rule = "and `angle_scatter` must be 0 for many tests of one muscle"
-            given = self.length_scatter, self.angle_scatter
-            shown = f"{given[0]:g} and {given[1]:g} rad"
-            raise InvalidInputError("length_scatter", rule, given, "use `record`", shown)
+            values = self.length_scatter, self.angle_scatter
+            text = f"{values[0]:g} and {values[1]:g} rad"
+            raise InvalidInputError("length_scatter", rule, values, "use `record`", text)
         exact = muscle if isinstance(muscle, Sweeps) else self.sweeps(muscle)
         return np.stack([self._read(exact, seed)[0] for seed in seeds])
 
     def fabricated(self, muscle: Muscle, seed: int) -> Muscle:
-        """The muscle on the machine [-]: `muscle` [-] with the scatter of `seed` [-]."""
+        """The muscle on the machine: a muscle with the fabrication scatter of a `seed`."""
         scatter = Scatter(self.length_scatter, self.angle_scatter)
         return scatter.draw(muscle, _streams(seed)[-1])
 
@@ -340,7 +340,7 @@ class Pairs:
         return self.free_strain / self.nominal - 1
 
     def agreement(self, most: float = 0.10, outlier: float = 0.15) -> tuple[float, float]:
-        """Shares of the pairs that agree as well as the paper's did.
+        """Shares of the pairs that agree with the drawing as well as the paper's pair did.
 
         Every point of the paper lies within 10 % of the model, except one within 15 %.
 
@@ -349,8 +349,8 @@ class Pairs:
         - `most`: largest deviation of every point but one [-].
         - `outlier`: largest deviation of that one [-].
 
-        **Returns:** the share of pairs that agree at least so well, and of those that agree
-        just so: one point beyond `most`, not beyond `outlier` [-].
+        **Returns:** the share of pairs within these limits [-], and of those with exactly one point
+        beyond `most`.
         """
         worst = np.sort(np.abs(self.deviation), axis=1)
         good = (worst[:, -1] <= outlier) & (worst[:, -2] <= most)
@@ -369,12 +369,12 @@ def fabricated_pairs(
 
     **Arguments:**
 
-    - `muscle`: the drawing [-].
-    - `scatter`: of fabrication [-].
+    - `muscle`: the drawing.
+    - `scatter`: of fabrication.
     - `first_pressure`: unit 1's gauge pressure [Pa].
     - `pressures`: unit 2's [Pa], at least two.
-    - `draws`: number of pairs [-].
-    - `seed`: random seed [-]; scatters with one seed see the same chances, so they compare.
+    - `draws`: number of pairs.
+    - `seed`: random seed; scatters drawn with one seed can be compared.
 
     **Returns:** free strains [-] over pressures [Pa].
 
@@ -394,11 +394,11 @@ def fabricated_pairs(
         MotorUnit(with_fields(muscle, length=lengths[:, i, None], braid_angle=angles[:, i, None]))
         for i in range(2)
     )
-    # unchecked: a pair takes its own distance, and needs none at which both can be
+    # unchecked: each pair has its own distance of the plates
     bundle = Bundle([MotorUnit(muscle)] * 2)
     pairs = with_fields(bundle, plate_distance=muscle.length, motor_units=units)
-    table = np.asarray(pairs.free_strain(P))
-    measured = 1 - (1 - table[:, 1:]) / (1 - table[:, :1])
+    free = np.asarray(pairs.free_strain(P))
+    measured = 1 - (1 - free[:, 1:]) / (1 - free[:, :1])
     return Pairs(np.asarray(second), measured[0], measured[1:])
 
 
@@ -414,14 +414,12 @@ def agreements(
 
     **Arguments:**
 
-    - `muscle`: as for `fabricated_pairs` [-].
-    - `scatters`: of fabrication [-].
-    - `first_pressure`: as for `fabricated_pairs` [Pa].
-    - `pressures`: as for `fabricated_pairs` [Pa].
-    - `draws`: pairs for each scatter [-].
-    - `seed`: random seed, the same for each scatter [-].
+    - `muscle`, `first_pressure`, `pressures`: as for `fabricated_pairs`.
+    - `scatters`: of fabrication.
+    - `draws`: pairs for each scatter.
+    - `seed`: random seed, the same for each scatter.
 
-    **Returns:** the two shares of `Pairs.agreement`, a row for each scatter [-].
+    **Returns:** the shares of `Pairs.agreement` [-], a row for each scatter.
     """
     return np.array(
         [
@@ -432,5 +430,5 @@ def agreements(
 
 
 def _streams(seed: int) -> list[np.random.Generator]:
-    """Load cell, transducer, ruler, fabrication: none changes with another's setting."""
+    """Independent random numbers of load cell, transducer, ruler and fabrication."""
     return np.random.default_rng(seed).spawn(4)

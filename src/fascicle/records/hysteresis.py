@@ -1,9 +1,9 @@
 """Hysteresis loops of a record: the half-way curve, and the loops' width.
 
-A braid rubs: at one pressure a muscle pulls less while it contracts than while it is pulled out.
-The quasi-static laws know no friction, and the mean of both branches at one strain comes nearest to
-what they describe. In use a muscle pulls by half of the loop's width less while it contracts, and
-by as much more on the way back: an error of any static law, however well it fits.
+Friction in the braid lowers a muscle's pull while it contracts, and raises it while it is drawn
+out. The quasi-static laws have no friction; the mean of both branches at one strain comes nearest
+to them. In use a muscle's force differs from the half-way curve by half of the loop's width: an
+error of any static law, however well it fits.
 """
 
 from collections.abc import Sequence
@@ -16,18 +16,18 @@ from .record import COLUMNS, DOWN, UNKNOWN, UP, Record
 from .segmentation import Run, runs
 
 
-_ONE_LEVEL = 5e-3  # of full scale: runs at closer levels, and widths at closer pressures, are one
-_DENSE = 4  # readings per point of the grid, from which a branch is averaged in cells
-_MOST_WIDTHS = 12  # pressures for which widths are given; of more, neighbors are averaged
+_LEVEL_WIDTH = 5e-3  # of full scale: closer runs are at one level, wider than a regulator's drift
+_DENSE = 4  # readings per point of the grid: denser ones are averaged, which lowers noise
+_MAX_WIDTHS = 12  # pressures in a table of widths; of more, neighbors are averaged
 
 
 @dataclass(frozen=True, eq=False)
 class Averaged:
-    """A half-way record; the record it was made of stays unchanged.
+    """A record of half-way readings.
 
-    - `record`: half-way readings, and those of levels with one branch as they were [SI].
-    - `width`: force on the way back less that on the way there, at each reading [N]; NaN at levels
-      with one branch.
+    - `record`: half-way readings, and unchanged those of levels with one branch.
+    - `width`: force of the branch down less that of the branch up, at each reading [N]; NaN at
+      levels with one branch.
     """
 
     record: Record
@@ -36,9 +36,9 @@ class Averaged:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Widths of hysteresis loops: force on the way back less that on the way there.
+    """Widths of hysteresis loops: force of the branch down less that of the branch up.
 
-    - `pressure`: levels that were measured both ways [Pa], rising.
+    - `pressure`: levels with both branches [Pa], rising.
     - `width`: mean over the loop at each of them [N]; `widest`: the largest there [N].
     - `pull`: the largest half-way force at each of them [N].
     - `half`: root mean square of half the width over all of them [N].
@@ -65,10 +65,10 @@ def averaged(record: Record, points: int = 50) -> Averaged:
 
     **Arguments:**
 
-    - `record`: readings of both branches [SI].
-    - `points`: most readings of a level on the grid [-]; fewer where a branch has fewer.
+    - `record`: readings of both branches.
+    - `points`: largest number of grid points of a level; fewer if a branch has fewer readings.
 
-    **Returns:** the half-way record, and the loops' width [SI].
+    **Returns:** the half-way record, and the loops' width.
 
     **Raises:** `InvalidInputError` for fewer than two `points`, or a record without runs.
     """
@@ -81,7 +81,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         )
     pieces, widths, loops = [], [], 0
     for level in _group_by_level(record, segments):
-        branches = {way: [run for run in level if run.branch == way] for way in (UP, DOWN)}
+        branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
         if loop is None:
             piece = record.only(np.concatenate([run.points for run in level]))
@@ -119,14 +119,14 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
     force = half_way.record.force[both]
     top = max(float(P.max()), 1.0)
     order = np.argsort(P, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(P[order]) > _ONE_LEVEL * top) + 1)
-    if len(parts) > _MOST_WIDTHS:
-        parts = np.array_split(order, _MOST_WIDTHS)
+    levels = np.split(order, np.flatnonzero(np.diff(P[order]) > _LEVEL_WIDTH * top) + 1)
+    if len(levels) > _MAX_WIDTHS:
+        levels = np.array_split(order, _MAX_WIDTHS)
     return Loop(
-        pressure=np.array([P[part].mean() for part in parts]),
-        width=np.array([width[part].mean() for part in parts]),
-        widest=np.array([width[part][np.argmax(np.abs(width[part]))] for part in parts]),
-        pull=np.array([force[part].max() for part in parts]),
+        pressure=np.array([P[level].mean() for level in levels]),
+        width=np.array([width[level].mean() for level in levels]),
+        widest=np.array([width[level][np.argmax(np.abs(width[level]))] for level in levels]),
+        pull=np.array([force[level].max() for level in levels]),
         half=float(np.sqrt(np.mean((width / 2) ** 2))),
     )
 
@@ -137,7 +137,7 @@ def _group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
     scales = {"pressure": np.max(np.abs(record.pressure)), "strain": np.ptp(record.strain)}
     for run in sorted(segments, key=lambda run: (run.kind, run.level)):
         last = levels[-1][-1] if levels else None
-        reach = _ONE_LEVEL * scales[run.kind]
+        reach = _LEVEL_WIDTH * scales[run.kind]
         if last is not None and last.kind == run.kind and run.level - last.level <= reach:
             levels[-1].append(run)
         else:
@@ -150,24 +150,29 @@ def _half_way(
 ) -> tuple[Record, np.ndarray] | None:
     """The half-way curve of one level, and its width; `None` if the branches don't overlap."""
     by_pressure = branches[UP][0].kind == "pressure"
-    free, held = ("strain", "pressure") if by_pressure else ("pressure", "strain")
-    indices = {way: np.concatenate([run.points for run in branches[way]]) for way in (UP, DOWN)}
-    swept = {way: getattr(record, free)[indices[way]] for way in (UP, DOWN)}
+    free, level = ("strain", "pressure") if by_pressure else ("pressure", "strain")
+    indices = {side: np.concatenate([run.points for run in branches[side]]) for side in branches}
+    swept = {side: getattr(record, free)[indices[side]] for side in branches}
     low = max(float(values.min()) for values in swept.values())
     high = min(float(values.max()) for values in swept.values())
     if not low < high:
         return None
-    grid = _common_grid(swept, low, high, points)
+    up, down = (np.unique(x[(x >= low) & (x <= high)]) for x in swept.values())
+    grid, size = np.intersect1d(up, down), min(up.size, down.size)
+    # a table with the same strains on both branches has its grid
+    if not grid.size == size <= points:
+        grid = np.linspace(low, high, max(min(points, size), 2))
+    names = ("force", "censored", level)
     up, down = (
         {
-            name: _interpolate(grid, swept[way], getattr(record, name)[indices[way]].astype(float))
-            for name in ("force", "censored", held)
+            name: _interpolate(grid, swept[side], getattr(record, name)[rows].astype(float))
+            for name in names
         }
-        for way in (UP, DOWN)
+        for side, rows in indices.items()
     )
     arrays = {
         free: grid,
-        held: (up[held] + down[held]) / 2,
+        level: (up[level] + down[level]) / 2,
         "force": (up["force"] + down["force"]) / 2,
         # one clipped neighbor is enough to censor the point between them
         "censored": np.maximum(up["censored"], down["censored"]) > 0,
@@ -176,25 +181,16 @@ def _half_way(
     return replace(record, **arrays, time=None), down["force"] - up["force"]
 
 
-def _common_grid(swept: dict[int, np.ndarray], low: float, high: float, points: int) -> np.ndarray:
-    up, down = (np.unique(values[(values >= low) & (values <= high)]) for values in swept.values())
-    shared, fewest = np.intersect1d(up, down), min(up.size, down.size)
-    # a table measured at the same strains both ways needs no grid of its own
-    if shared.size == fewest <= points:
-        return shared
-    return np.linspace(low, high, max(min(points, fewest), 2))
-
-
 def _interpolate(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """`values` on the `grid`, from readings at `x` in any order, dense ones averaged in cells."""
+    """Values on the `grid`, from readings at `x` in any order; dense ones are averaged in cells."""
     if x.size > _DENSE * grid.size:
         cells = np.searchsorted((grid[1:] + grid[:-1]) / 2, x)
     else:
         _, cells = np.unique(x, return_inverse=True)
     counts = np.bincount(cells)
-    some = counts > 0
-    centers = np.bincount(cells, weights=x)[some] / counts[some]
-    means = np.bincount(cells, weights=values)[some] / counts[some]
+    filled = counts > 0
+    centers = np.bincount(cells, weights=x)[filled] / counts[filled]
+    means = np.bincount(cells, weights=values)[filled] / counts[filled]
     if centers.size < 2:
         return np.full(grid.size, means[0])
 

@@ -171,30 +171,21 @@ def load(
     return _read_record(raw, str(path), path.name, info, notes, header)
 
 
-def loads(
-    text: str,
-    source: str = "<text>",
-    *,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    rest_length: Any = None,
-    clipped_at_zero: bool | None = None,
-    header: int | None = None,
-) -> Record:
+def loads(text: str, source: str = "<text>", **options: Any) -> Record:
     """Read a dynamometer's table from text.
 
     **Arguments:**
 
     - `text`: the table.
     - `source`: its name in errors.
-    - `columns`, `units`, `rest_length`, `clipped_at_zero`, `header`: as for `load`.
+    - `options`: `columns`, `units`, `rest_length`, `clipped_at_zero`, `header` of `load`.
 
     **Returns:** the record.
 
     **Raises:** `ValueError` as `load`.
     """
-    info = _overrule(Sidecar(), columns, units, rest_length, clipped_at_zero)
-    return _read_record(text.encode(), source, source, info, (), header)
+    header = options.pop("header", None)
+    return _read_record(text.encode(), source, source, _overrule(Sidecar(), **options), (), header)
 
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
@@ -232,10 +223,10 @@ def _validate_sidecar(data: dict[str, Any], source: str) -> Sidecar:
 
 def _overrule(
     info: Sidecar,
-    columns: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
-    rest_length: Any,
-    clipped_at_zero: bool | None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rest_length: Any = None,
+    clipped_at_zero: bool | None = None,
 ) -> Sidecar:
     """The sidecar's information, overruled by the caller's."""
     for argument, mapping in (("columns", columns or {}), ("units", units or {})):
@@ -247,8 +238,8 @@ def _overrule(
     rest_length = to_si(rest_length, "rest_length", "m")
     if rest_length is not None:
         if not (np.isfinite(rest_length) and rest_length > 0):
-            rule, shown = "must be positive and finite", f"{rest_length} m"
-            raise InvalidInputError("rest_length", rule, rest_length, shown=shown)
+            rule, text = "must be positive and finite", f"{rest_length} m"
+            raise InvalidInputError("rest_length", rule, rest_length, shown=text)
         changes["rest_length"] = float(rest_length)
     if clipped_at_zero is not None:
         changes["clipped_at_zero"] = clipped_at_zero
@@ -260,11 +251,11 @@ def _read_record(
 ) -> Record:
     table = open_table(raw, source, header)
     columns, column_notes = choose_columns(table, info.columns, info.units)
-    above = (*table.remarks, *table.titles)
-    remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]
-    rest, rest_notes = _rest_length(table, info, dict(remarks))
+    header_lines = (*table.remarks, *table.titles)
+    remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
+    rest_length, rest_notes = _rest_length(table, info, dict(remarks))
     position = columns[next(role for role in POSITIONS if role in columns)]
-    if rest is None and position.role != "strain":
+    if rest_length is None and position.role != "strain":
         where = f"{table.where}, column `{position.header}`"
         before = f"{where}: a {position.role} needs the rest length: give "
         toml = f"{Path(name).stem or 'its'}.toml"
@@ -288,7 +279,9 @@ def _read_record(
     pressure, warnings = check_pressures(columns["pressure"], raws["pressure"], force, cell_error)
     top = float(np.max(pressure))
     warnings += check_forces(columns["force"], raws["force"], force, top, cell_error)
-    strain, strain_notes = _strain(position, raws[position.role], rest or np.nan, info, cell_error)
+    strain, strain_notes = _strain(
+        position, raws[position.role], rest_length or np.nan, info, cell_error
+    )
     censored, clip_notes = _censored(table, cells, columns.get("clipped"), force, info)
     branch = np.full(force.size, UNKNOWN, dtype=np.int8)
     if "branch" in columns:
@@ -306,8 +299,8 @@ def _read_record(
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
     return Record(
-        pressure, strain, force, censored, branch.astype(np.int8), time, rest,
-        synthetic=info.synthetic or _is_synthetic(above),
+        pressure, strain, force, censored, branch.astype(np.int8), time, rest_length,
+        synthetic=info.synthetic or _is_synthetic(header_lines),
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
         notes=tuple(f"{name}: {note}" for note in all_notes),
     )  # fmt: skip
@@ -346,8 +339,8 @@ def _title_note(table: Table) -> tuple[str, ...]:
     if not table.titles:
         return ()
     lines = "; ".join(line if len(line) <= 60 else f"{line[:57]}…" for line in table.titles[:3])
-    more = f" and {len(table.titles) - 3} more" if len(table.titles) > 3 else ""
-    return (f"lines above the header not read as data: {lines}{more}",)
+    count = f" and {len(table.titles) - 3} more" if len(table.titles) > 3 else ""
+    return (f"lines above the header not read as data: {lines}{count}",)
 
 
 def _is_synthetic(remarks: Sequence[str]) -> bool:
@@ -364,12 +357,12 @@ def _rest_length(
     if info.rest_length is not None or "rest_length" not in remarks:
         return info.rest_length, ()
     try:
-        rest = parse(remarks["rest_length"].strip('" '), "length", "rest_length")
+        length = parse(remarks["rest_length"].strip('" '), "length", "rest_length")
     except ValueError as error:
         raise ValueError(f"{table.source}: in its remarks, {error}") from None
-    if rest <= 0:
+    if length <= 0:
         raise ValueError(f"{table.source}: in its remarks, `rest_length` must be positive.")
-    return rest, (f"rest length {pretty(rest, 'length')} read from its remarks",)
+    return length, (f"rest length {pretty(length, 'length')} read from its remarks",)
 
 
 def _strain(

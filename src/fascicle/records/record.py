@@ -1,7 +1,7 @@
 """Measurements on one muscle, reading by reading, in SI units and one sign convention.
 
 A reading is a gauge pressure, a contraction and a pulling force. A *censored* reading was clipped
-at zero: the gauge could not push, so the force is only known not to exceed it.
+at zero: the gauge could not push, so its force is an upper bound.
 """
 
 import io
@@ -66,7 +66,7 @@ class Record:
         force: Any,
         censored: Any = None,
         branch: Any = None,
-        **more: Any,
+        **fields: Any,
     ) -> "Record":
         """Build a record from arrays.
 
@@ -75,11 +75,11 @@ class Record:
         - `pressure`: gauge pressure [Pa].
         - `strain`: contraction [-].
         - `force`: pulling force [N]; all three broadcast, and are flattened.
-        - `censored`: flags of clipped readings [-]; default none.
-        - `branch`: 1, −1 or 0 [-]; default unknown.
-        - `more`: the other fields [SI].
+        - `censored`: flags of clipped readings; default: none.
+        - `branch`: 1, −1 or 0; default: unknown.
+        - `fields`: the other fields.
 
-        **Returns:** the record [SI].
+        **Returns:** the record.
 
         **Raises:** `InvalidInputError` for shapes that don't fit and readings that aren't finite.
         """
@@ -94,52 +94,47 @@ class Record:
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 value = float(values[bad[0]])
-                shown = f"{value} in reading {bad[0] + 1}"
-                raise InvalidInputError(name, "must be finite", value, "drop that reading", shown)
+                text = f"{value} in reading {bad[0] + 1}"
+                raise InvalidInputError(name, "must be finite", value, "drop that reading", text)
         return cls(
             **columns,
             censored=flat(False if censored is None else censored, bool),
             branch=flat(UNKNOWN if branch is None else branch, np.int8),
-            **more,
+            **fields,
         )
 
     def __len__(self) -> int:
         return self.force.size
 
-    def only(self, chosen: Any, *notes: str) -> "Record":
+    def only(self, selection: Any, *notes: str) -> "Record":
         """Select readings.
 
         **Arguments:**
 
-        - `chosen`: a mask or indices [-].
-        - `notes`: added to the record's notes [-].
+        - `selection`: a mask or indices.
+        - `notes`: added to the record's notes.
 
-        **Returns:** the selected readings [SI].
+        **Returns:** the selected readings.
         """
-        arrays = {name: getattr(self, name)[chosen] for name in COLUMNS}
-        time = None if self.time is None else self.time[chosen]
+        arrays = {name: getattr(self, name)[selection] for name in COLUMNS}
+        time = None if self.time is None else self.time[selection]
         return replace(self, **arrays, time=time, notes=(*self.notes, *notes))
 
 
 def join(records: Sequence[Record]) -> Record:
     """Concatenate records of one muscle.
 
-    **Arguments:** `records`: at least one [SI].
+    **Arguments:** `records`: at least one.
 
-    **Returns:** all their readings [SI]; a warning and a note name records that hold the same ones.
+    **Returns:** all their readings; a warning and a note name records with equal readings.
 
     **Raises:** `InvalidInputError` if their strains refer to different lengths.
     """
     lengths = {record.rest_length for record in records} - {None}
     if len(lengths) > 1:
-        shown = sorted(map(str, lengths))
-        raise InvalidInputError(
-            "records",
-            "must share one rest length",
-            shown,
-            "name one in each file's TOML",
-            shown=f"{shown} m",
-        )
+        values, remedy = sorted(map(str, lengths)), "name one in each file's TOML"
+        rule = "must share one rest length"
+        raise InvalidInputError("records", rule, values, remedy, shown=f"{values} m")
     duplicates = _duplicate_messages(records)
     for message in duplicates:
         warnings.warn(f"{message}.", stacklevel=2)
@@ -162,8 +157,8 @@ def write(record: Record, path: str | os.PathLike[str]) -> None:
 
     **Arguments:**
 
-    - `record`: the readings [SI].
-    - `path`: the CSV file [-]; an existing file is replaced.
+    - `record`: the readings.
+    - `path`: the CSV file; an existing file is replaced.
 
     **Raises:** `OSError` if the file can't be written.
     """
@@ -173,9 +168,9 @@ def write(record: Record, path: str | os.PathLike[str]) -> None:
 def dumps(record: Record) -> str:
     """Text of a CSV file that reads back to the same floats.
 
-    **Arguments:** `record`: the readings [SI].
+    **Arguments:** `record`: the readings.
 
-    **Returns:** the text [-]: remarks with rest length and sources, a header, a row per reading.
+    **Returns:** the text: remarks with rest length and sources, a header, a row per reading.
     """
     columns = {"pressure [Pa]": record.pressure, "strain [-]": record.strain}
     columns["force [N]"] = record.force

@@ -1,10 +1,10 @@
 """Segmentation of a record into runs: sweeps at one pressure, or at one length.
 
-A record comes as samples in time, with setpoints held and ramps between them, or as a table
-whose rows stand in any order. The levels at which pressure and strain were held are found first,
-exact ones before noisy ones. A run is then a stretch of readings at one level in which the other
-quantity moves; where the order of the rows has no meaning, a run is all readings at a level.
-Whichever of pressure and strain explains more of the record is the quantity that was held.
+A record comes as samples in time, with constant setpoints and ramps between them, or as a table
+with rows in any order. First the levels of pressure and strain are found, exact ones before noisy
+ones. A run is then a stretch of readings at one level in which the other quantity moves; in a table
+without order, a run is all readings at a level. The quantity that explains more of the record,
+pressure or strain, is the constant one.
 """
 
 from collections.abc import Sequence
@@ -22,18 +22,18 @@ _NOISY = (0.008, 0.03)  # of full scale: regulators droop, and levels must stay 
 _DEVIATIONS = 4  # of the noise that stay within a level
 _WINDOW = 9  # readings that are smoothed over
 _LONG_RECORD = 200  # readings: fewer are a table, and aren't smoothed
-_FEWEST = 3  # readings in a run, and at a level
-_MOVES = 0.1  # of its whole span: least motion of the other quantity in a run
-_SHORT = 0.005  # of the strain's span: a sweep that short, at a held pressure, is not a dwell
-_TURNS = 0.1  # of a run's span: a shorter way back is no branch
+_MIN_READINGS = 3  # in a run, and at a level: fewer show no motion
+_MIN_MOTION = 0.1  # of its whole span: least motion of the other quantity in a run
+_SHORT = 0.005  # of the strain's span: shorter sweeps at a pressure are dwells
+_MIN_RETURN = 0.1  # of a run's span: a shorter way back is no branch
 _ORDERED = 0.6  # of the readings that lie in stretches where rows are in order
 _SORTED = 0.8  # of the readings that are at levels where they aren't
-_SECOND = 0.2  # of the readings in runs of the other kind, for these to count
+_MIN_SECOND = 0.2  # of the readings in runs of the other kind, for these to count
 _SHORT_SEGMENT = 0.2  # of the usual run's readings: shorter ones are ends of ramps near a level
-_TRACED = 4000  # readings in which a run's turns are looked for
-_BINS = 8192  # of the histogram in which levels are looked for
+_MAX_TRACED = 4000  # readings of a run that are searched for turns: resolves a branch
+_BINS = 8192  # of the histogram of levels: finer than the noise of transducers
 _LEVEL_SHARE = 2e-3  # of the record's readings, that a level has at least
-_MOST_LEVELS = 1000
+_MAX_LEVELS = 1000  # more are ramps
 
 Kind = Literal["pressure", "strain"]
 
@@ -42,8 +42,8 @@ Kind = Literal["pressure", "strain"]
 class Run:
     """Readings of a record that belong to one sweep.
 
-    - `kind`: the quantity that was held, "pressure" or "strain", or "mixed" for ramps and the rest.
-    - `level`: the median of the held quantity [Pa] or [-]; NaN for mixed runs.
+    - `kind`: the constant quantity, "pressure" or "strain", or "mixed" for ramps and the like.
+    - `level`: median of the constant quantity [Pa] or [-]; NaN for mixed runs.
     - `points`: the readings' indices in the record, in its order.
     - `branch`: 1 contracting or inflating, −1 back, 0 unknown.
     """
@@ -63,10 +63,10 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
 
     **Arguments:**
 
-    - `record`: readings of one muscle [SI].
-    - `by`: the held quantity, "pressure" or "strain" [-]; "auto": whichever explains more.
+    - `record`: readings of one muscle.
+    - `by`: the constant quantity, "pressure" or "strain"; "auto": the one that explains more.
 
-    **Returns:** the runs, each reading in exactly one of them, in the order of their first [SI].
+    **Returns:** the runs, each reading in exactly one of them, in the order of their first reading.
 
     **Raises:** `InvalidInputError` for another `by`.
     """
@@ -78,13 +78,18 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
     if not len(record):
         return ()
     stretches, ordered = _find_stretches(record, kinds[by])
-    segments = [part for run in stretches for part in _split_branches(record, run, ordered)]
-    if len(record) >= _LONG_RECORD:
-        segments = _drop_short_segments(segments)
-    if record.time is None and not np.any(record.branch) and _never_turns(segments):
+    segments = [branch for run in stretches for branch in _split_branches(record, run, ordered)]
+    if len(record) >= _LONG_RECORD and segments:
+        # ends of ramps near a level are shorter than the run of the middle reading
+        sizes = np.sort([run.points.size for run in segments])
+        usual = sizes[np.searchsorted(np.cumsum(sizes), np.sum(sizes) / 2)]
+        segments = [run for run in segments if run.points.size >= _SHORT_SEGMENT * usual]
+    directions = {(run.kind, run.branch) for run in segments}
+    has_turns = len(directions) > len({kind for kind, _ in directions})
+    if record.time is None and not np.any(record.branch) and not has_turns:
         segments = [replace(run, branch=UNKNOWN) for run in segments]
-    left = np.flatnonzero(~_covered(record, segments))
-    gaps = np.split(left, np.flatnonzero(np.diff(left) > 1) + 1) if left.size else []
+    outside = np.flatnonzero(~_covered(record, segments))
+    gaps = np.split(outside, np.flatnonzero(np.diff(outside) > 1) + 1) if outside.size else []
     segments += [Run("mixed", np.nan, points, UNKNOWN) for points in gaps]
     return tuple(sorted(segments, key=lambda run: int(run.points[0])))
 
@@ -92,87 +97,82 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
 def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
     """Runs with both branches together, and a flag: the rows' order has a meaning."""
     values: dict[Kind, np.ndarray] = {"pressure": record.pressure, "strain": record.strain}
-    other: dict[Kind, Kind] = {"pressure": "strain", "strain": "pressure"}
-    scales = {"pressure": float(np.max(np.abs(record.pressure))), "strain": _span(record.strain)}
+    opposite: dict[Kind, Kind] = {"pressure": "strain", "strain": "pressure"}
+    scales = {"pressure": float(np.max(np.abs(record.pressure))), "strain": np.ptp(record.strain)}
     width = _WINDOW if len(record) >= _LONG_RECORD else 1
-    smooth = {kind: _running_median(v, width) for kind, v in values.items()}
-    remaining = 0.45 if width > 1 else 1.0  # a median of nine leaves 0.42 of the noise
+    smooth = {kind: _running_median(x, width) for kind, x in values.items()}
+    noise_share = 0.45 if width > 1 else 1.0  # a median of nine leaves 0.42 of the noise
     noisy = {
-        kind: float(
-            np.clip(_DEVIATIONS * remaining * _noise(v), *np.multiply(_NOISY, scales[kind]))
-        )
-        for kind, v in values.items()
+        kind: np.clip(_DEVIATIONS * noise_share * _noise(x), *np.multiply(_NOISY, scales[kind]))
+        for kind, x in values.items()
     }
-    tries = [
-        {kind: assign_levels(values[kind], _EXACT * scales[kind]) for kind in kinds},
-        {kind: assign_levels(smooth[kind], noisy[kind]) for kind in kinds},
+    labelings = [
+        {kind: find_levels(values[kind], _EXACT * scales[kind]) for kind in kinds},
+        {kind: find_levels(smooth[kind], float(noisy[kind])) for kind in kinds},
     ]
     best: list[Run] = []
-    for labels in tries:
+    for labels in labelings:
         stretches = {
-            kind: _in_order(kind, labels[kind], values[kind], smooth[other[kind]]) for kind in kinds
+            kind: _ordered_runs(kind, labels[kind], values[kind], smooth[opposite[kind]])
+            for kind in kinds
         }
         first = max(kinds, key=lambda kind: _count_readings(stretches[kind]))
-        chosen = stretches[first]
+        stretch = stretches[first]
         if len(kinds) > 1:
-            taken = _covered(record, chosen)
-            second = [run for run in stretches[other[first]] if not taken[run.points].any()]
-            chosen = chosen + second * (_count_readings(second) >= _SECOND * len(record))
-        if _count_readings(chosen) >= _ORDERED * len(record):
+            second = _outside(record, stretch, stretches[opposite[first]])
+            if _count_readings(second) >= _MIN_SECOND * len(record):
+                stretch = stretch + second
+        if _count_readings(stretch) >= _ORDERED * len(record):
             if first == "pressure":
                 # short sweeps, such as one at zero pressure, are no ramps: they show the gauge's
                 # zero
-                short = _in_order(first, labels[first], record.pressure, smooth["strain"], _SHORT)
-                taken = _covered(record, chosen)
-                chosen = chosen + [run for run in short if not taken[run.points].any()]
-            return chosen, True
-        if _count_readings(chosen) > _count_readings(best):
-            best = chosen
-    for labels in tries:
+                strain = smooth["strain"]
+                short = _ordered_runs(first, labels[first], record.pressure, strain, _SHORT)
+                stretch = stretch + _outside(record, stretch, short)
+            return stretch, True
+        if _count_readings(stretch) > _count_readings(best):
+            best = stretch
+    for labels in labelings:
         for kind in kinds:
-            found = _at_levels(kind, labels[kind], values[kind], values[other[kind]])
-            if _count_readings(found) >= _SORTED * len(record):
-                return found, False
+            order = np.argsort(labels[kind], kind="stable")
+            groups = np.split(order, np.flatnonzero(np.diff(labels[kind][order])) + 1)
+            groups = [points for points in groups if labels[kind][points[0]] >= 0]
+            sweeps = _runs_of(kind, groups, values[kind], values[opposite[kind]], _MIN_MOTION)
+            if _count_readings(sweeps) >= _SORTED * len(record):
+                return sweeps, False
     return best, True
 
 
-def _in_order(
-    kind: Kind, labels: np.ndarray, values: np.ndarray, free: np.ndarray, share: float = _MOVES
+def _ordered_runs(
+    kind: Kind,
+    labels: np.ndarray,
+    values: np.ndarray,
+    free: np.ndarray,
+    motion: float = _MIN_MOTION,
 ) -> list[Run]:
-    """Runs at held `values` in which the `free` quantity moves by a `share` of its span."""
-    labels = _bridge_gaps(labels)
-    moves = share * _span(free)
-    edges = np.flatnonzero(np.diff(labels)) + 1
-    starts = np.concatenate([[0], edges])
-    stops = np.concatenate([edges, [labels.size]])
-    long = (stops - starts >= _FEWEST) & (labels[starts] >= 0)
-    return [
-        Run(kind, float(np.median(values[start:stop])), np.arange(start, stop), UNKNOWN)
-        for start, stop in zip(starts[long], stops[long], strict=True)
-        if _span(free[start:stop]) >= moves > 0
-    ]
-
-
-def _at_levels(kind: Kind, labels: np.ndarray, values: np.ndarray, free: np.ndarray) -> list[Run]:
-    """Runs of all readings at a level, whatever their order."""
-    moves = _MOVES * _span(free)
-    order = np.argsort(labels, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
-    return [
-        Run(kind, float(np.median(values[points])), points, UNKNOWN)
-        for points in groups
-        if labels[points[0]] >= 0 and points.size >= _FEWEST and _span(free[points]) >= moves > 0
-    ]
-
-
-def _bridge_gaps(labels: np.ndarray) -> np.ndarray:
-    """Labels with short gaps between readings at one level closed."""
+    """Runs of readings in order at one level, in which `free` moves by `motion` times its span."""
+    # close short gaps between readings at one level
     indices = np.arange(labels.size)
     before = np.maximum.accumulate(np.where(labels >= 0, indices, -1))
     after = np.minimum.accumulate(np.where(labels >= 0, indices, labels.size)[::-1])[::-1]
-    between = (labels < 0) & (before >= 0) & (after < labels.size) & (after - before <= _WINDOW)
-    close = between & (labels[before] == labels[np.minimum(after, labels.size - 1)])
-    return np.where(close, labels[before], labels)
+    gap = (labels < 0) & (before >= 0) & (after < labels.size) & (after - before <= _WINDOW)
+    gap &= labels[before] == labels[np.minimum(after, labels.size - 1)]
+    labels = np.where(gap, labels[before], labels)
+    groups = np.split(indices, np.flatnonzero(np.diff(labels)) + 1)
+    groups = [points for points in groups if labels[points[0]] >= 0]
+    return _runs_of(kind, groups, values, free, motion)
+
+
+def _runs_of(
+    kind: Kind, groups: list[np.ndarray], values: np.ndarray, free: np.ndarray, motion: float
+) -> list[Run]:
+    """Runs of the groups of indices in which `free` moves by `motion` times its span."""
+    least = motion * np.ptp(free)
+    return [
+        Run(kind, float(np.median(values[points])), points, UNKNOWN)
+        for points in groups
+        if points.size >= _MIN_READINGS and np.ptp(free[points]) >= least > 0
+    ]
 
 
 def _split_branches(record: Record, run: Run, ordered: bool) -> list[Run]:
@@ -185,26 +185,26 @@ def _split_branches(record: Record, run: Run, ordered: bool) -> list[Run]:
                 for branch in (UP, DOWN, UNKNOWN)
                 if np.any(branches == branch)
             ]
-        parts = np.split(run.points, np.flatnonzero(np.diff(branches)) + 1)
-        return [replace(run, points=p, branch=int(record.branch[p[0]])) for p in parts]
+        pieces = np.split(run.points, np.flatnonzero(np.diff(branches)) + 1)
+        return [replace(run, points=p, branch=int(record.branch[p[0]])) for p in pieces]
     if not ordered:
         return [run]
     free = (record.strain if run.kind == "pressure" else record.pressure)[run.points]
     width = _WINDOW if free.size >= _LONG_RECORD else 1
-    free, scatter = _running_median(free, width), _noise(free)
-    turns = _turning_points(free, max(_TURNS * _span(free), _DEVIATIONS * scatter))
-    parts = np.split(np.arange(free.size), turns)
-    rises = [free[part[-1]] > free[max(int(part[0]) - 1, 0)] for part in parts]
+    free, noise = _running_median(free, width), _noise(free)
+    edges = _turning_points(free, max(_MIN_RETURN * np.ptp(free), _DEVIATIONS * noise))
+    pieces = np.split(np.arange(free.size), edges)
+    rises = [free[piece[-1]] > free[max(int(piece[0]) - 1, 0)] for piece in pieces]
     return [
-        replace(run, points=run.points[part], branch=UP if rising else DOWN)
-        for part, rising in zip(parts, rises, strict=True)
+        replace(run, points=run.points[piece], branch=UP if rising else DOWN)
+        for piece, rising in zip(pieces, rises, strict=True)
     ]
 
 
-def _turning_points(values: np.ndarray, least: float) -> np.ndarray:
-    """Indices at which `values` begin to go the other way, by `least` or more."""
-    step = max(values.size // _TRACED, 1)
-    traced, turns = values[::step].tolist(), []
+def _turning_points(values: np.ndarray, threshold: float) -> np.ndarray:
+    """Indices at which `values` turn back, by the `threshold` or more."""
+    step = max(values.size // _MAX_TRACED, 1)
+    traced, indices = values[::step].tolist(), []
     low = high = 0  # indices of the lowest and the highest so far
     first = last = 0  # of the readings at the present extreme: a dwell is halved
     direction = 0
@@ -212,29 +212,22 @@ def _turning_points(values: np.ndarray, least: float) -> np.ndarray:
         if direction == 0:
             low = i if value < traced[low] else low
             high = i if value > traced[high] else high
-            if traced[high] - traced[low] >= least:
+            if traced[high] - traced[low] >= threshold:
                 direction, first, last = (1 if high > low else -1), i, i
         elif direction * (value - traced[first]) > 0:
             first = last = i
         elif value == traced[first]:
             last = i
-        elif direction * (traced[first] - value) >= least:
-            turns.append((first + last) // 2 * step + 1)
+        elif direction * (traced[first] - value) >= threshold:
+            indices.append((first + last) // 2 * step + 1)
             direction, first, last = -direction, i, i
-    return np.array(turns, dtype=int)
+    return np.array(indices, dtype=int)
 
 
-def _drop_short_segments(segments: Sequence[Run]) -> list[Run]:
-    """The runs that aren't much shorter than the one that the middle reading lies in."""
-    sizes = np.sort([run.points.size for run in segments])
-    usual = sizes[np.searchsorted(np.cumsum(sizes), np.sum(sizes) / 2)] if segments else 0
-    return [run for run in segments if run.points.size >= _SHORT_SEGMENT * usual]
-
-
-def _never_turns(segments: Sequence[Run]) -> bool:
-    """True if all runs of a kind go in one direction."""
-    directions = {(run.kind, run.branch) for run in segments}
-    return len(directions) == len({kind for kind, _ in directions})
+def _outside(record: Record, segments: Sequence[Run], candidates: Sequence[Run]) -> list[Run]:
+    """Candidates that share no reading with the `segments`."""
+    covered = _covered(record, segments)
+    return [run for run in candidates if not covered[run.points].any()]
 
 
 def _covered(record: Record, segments: Sequence[Run]) -> np.ndarray:
@@ -249,56 +242,48 @@ def _count_readings(segments: Sequence[Run]) -> int:
     return sum(run.points.size for run in segments)
 
 
-def _span(values: np.ndarray) -> float:
-    return float(np.ptp(values))
-
-
 def _running_median(values: np.ndarray, width: int) -> np.ndarray:
     """Running median over `width` readings: noise falls, steps stay where they are."""
     if width < 3 or values.size < width:
         return values
-    half = width // 2
-    padded = np.pad(values, half, mode="edge")
-    out = np.empty_like(values)
-    for start in range(0, values.size, 100_000):  # bounds the memory that windows take
-        part = padded[start : start + 100_000 + 2 * half]
-        windows = np.lib.stride_tricks.sliding_window_view(part, 2 * half + 1)
-        out[start : start + windows.shape[0]] = np.median(windows, axis=1)
-    return out
+    from scipy.ndimage import median_filter
+
+    return median_filter(values, width, mode="nearest")
 
 
 def _noise(values: np.ndarray) -> float:
     """Standard deviation of the noise on `values`, from their second differences."""
     if values.size < 4:
         return 0.0
+    # 1.4826: from the median of a normal distribution; √6: of the sum of 1, −2, 1
     return 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / 6**0.5
 
 
-def assign_levels(values: np.ndarray, tolerance: float) -> np.ndarray:
-    """Index from 0 of the level at which each of `values` was held, or −1 for none.
+def find_levels(values: np.ndarray, tolerance: float) -> np.ndarray:
+    """Index from 0 of the level of each of `values`, or −1 for none.
 
-    The level with most readings within the `tolerance`, in the values' unit, is found first and
-    taken off; and so on, while there are levels with enough readings.
+    The level with most readings within the `tolerance`, in the values' unit, is found first and its
+    readings are removed; and so on, while there are levels with enough readings.
     """
-    low, span = float(np.min(values)), _span(values)
+    low, span = float(np.min(values)), float(np.ptp(values))
     if span <= 2 * tolerance:
         return np.zeros(values.size, dtype=int)
     width = max(span / _BINS, tolerance / 4)
     bins = np.minimum(((values - low) / width).astype(int), int(span / width))
-    left = np.bincount(bins, minlength=int(span / width) + 1)
+    counts = np.bincount(bins, minlength=int(span / width) + 1)
     reach = max(int(tolerance / width), 0)
-    least = max(_FEWEST, int(_LEVEL_SHARE * values.size))
+    minimum = max(_MIN_READINGS, int(_LEVEL_SHARE * values.size))
     centers: list[float] = []
-    for _ in range(_MOST_LEVELS):
-        window = np.convolve(left, np.ones(2 * reach + 1, dtype=int), mode="same")
+    for _ in range(_MAX_LEVELS):
+        window = np.convolve(counts, np.ones(2 * reach + 1, dtype=int), mode="same")
         best = int(np.argmax(window))
-        if window[best] < least:
+        if window[best] < minimum:
             break
-        near = np.arange(max(best - reach, 0), min(best + reach + 1, left.size))
-        center = low + width * (0.5 + float(np.average(near, weights=left[near])))
-        left[near] = 0
-        # the tails of a level found before are no level of their own
-        if all(abs(center - other) > 2 * tolerance + width for other in centers):
+        window_bins = np.arange(max(best - reach, 0), min(best + reach + 1, counts.size))
+        center = low + width * (0.5 + float(np.average(window_bins, weights=counts[window_bins])))
+        counts[window_bins] = 0
+        # the tails of a level are no level
+        if all(abs(center - level) > 2 * tolerance + width for level in centers):
             centers.append(center)
     if not centers:
         return np.full(values.size, -1)

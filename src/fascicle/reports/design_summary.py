@@ -418,7 +418,7 @@ def summarize_search(result: SearchResult) -> Summary | InfeasibleResult:
 def _round_up(value: float, dimension: str) -> str:
     """Text of a sufficient value [SI]: four figures, never rounded down."""
     kind = DIMENSIONS[dimension]
-    size = float(kind.factors[kind.shown])
+    size = float(kind.factors[kind.common])
     decimals = 3 - math.floor(math.log10(value / size))
     # a round number must not become the next one
     number = math.ceil(value / size * 10.0**decimals * (1 - 1e-12)) / 10.0**decimals

@@ -105,9 +105,9 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
         )
         slices = np.moveaxis(values, variable.dims.index(extra[0]), 0) if extra else values[None]
         absent = [axis for axis in range(len(dims)) if axis not in axes]
-        for index, part in enumerate(slices):
+        for index, selection in enumerate(slices):
             label = f"{name}_{index + 1}" if extra else name
-            expanded = np.expand_dims(np.transpose(part, np.argsort(axes)), absent)
+            expanded = np.expand_dims(np.transpose(selection, np.argsort(axes)), absent)
             column = np.broadcast_to(expanded, shape).ravel().tolist()
             columns[f"{label} [{variable.unit or '-'}]"] = column
     out = io.StringIO()
