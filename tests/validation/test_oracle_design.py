@@ -10,7 +10,7 @@ from from_oracle import library_muscle
 from oracle_muscle import LATEX, SILICONE, Muscle, free_strain
 
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.designs import packed_radius, ratio
+from fascicle.design.designs import packed_radius, packing_ratio
 from fascicle.design.objectives import OBJECTIVES
 from fascicle.design.tables import MIXED, Resolution
 
@@ -174,4 +174,4 @@ def test_levels_are_fine_enough_for_the_task():
 def test_circles_are_packed_as_densely_as_a_search_finds(count):
     found = oracle.equal_packing(count, np.random.default_rng(count))
     # four decimals are kept
-    assert float(ratio(count)) == pytest.approx(found, rel=0, abs=6e-5)
+    assert float(packing_ratio(count)) == pytest.approx(found, rel=0, abs=6e-5)

@@ -1,4 +1,4 @@
-"""Which bundle for a task: designs, their objectives, and searches among them.
+"""Design of bundles for a task: designs, their objectives, and searches among them.
 
 Names are loaded on first use, so that the command line's help loads no JAX.
 """

@@ -1,4 +1,4 @@
-"""What can be bought: named products, and prices; and by these which design is the cheapest.
+"""Products that can be bought, their prices, and the cheapest of many designs.
 
 **Cheapest**, of the designs that reach the task and keep all limits, is the one with
 
@@ -9,7 +9,8 @@
 3. the fewest valves, then the fewest muscles;
 4. the least fluid energy, mean over the task.
 
-The first of these that tells two designs apart decides. A price that isn't given is never guessed.
+The first of these that differs between two designs decides. A price that isn't given is never
+guessed.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +26,7 @@ from .objectives import Values
 from .task import Task
 
 
-_BLOCK = 2**16
+_BLOCK = 2**16  # designs compared together, some megabytes
 _ROUNDING = 1e-9  # of a product's limits: 150 mm of 600 mm are a quarter
 _DIGITS = 9  # of a margin: two splits of the same muscles have the same up to rounding
 
@@ -33,7 +34,7 @@ _DIGITS = 9  # of a margin: two splits of the same muscles have the same up to r
 class Product(NamedTuple):
     """A muscle that is sold, of one length: its `name`, `price` for one in the catalog's currency,
     `mass` for one [kg], and the largest pressure [Pa] and contraction [-] that its maker
-    allows; each of them `None` if it isn't known. `source`: where the figures come from.
+    allows; each of them `None` if it isn't known. `source` of the figures.
     """
 
     name: str
@@ -44,21 +45,21 @@ class Product(NamedTuple):
     source: str = ""
 
     def exclusion_reason(self, task: Task, length: float) -> str:
-        """Why it must not be used for a `task` at its `length` [m]; empty if it may."""
-        most, strain = self.largest_pressure, float(task.strain_of(length).max())
-        if most is not None and task.supply_pressure > most * (1 + _ROUNDING):
-            return f"{task.supply_pressure / 1e3:g} kPa, it is made for {most / 1e3:g} kPa"
-        most = self.largest_strain
-        if most is not None and strain > most * (1 + _ROUNDING):
-            return f"contracts by up to {100 * most:g} %, the task asks for {100 * strain:.3g} %"
+        """Reason why it must not be used for a `task` at its `length` [m]; empty if it may."""
+        limit, strain = self.largest_pressure, float(task.strain_of(length).max())
+        if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
+            return f"{task.supply_pressure / 1e3:g} kPa, it is made for {limit / 1e3:g} kPa"
+        limit = self.largest_strain
+        if limit is not None and strain > limit * (1 + _ROUNDING):
+            return f"contracts by up to {100 * limit:g} %, the task asks for {100 * strain:.3g} %"
         return ""
 
 
 @dataclass(frozen=True)
 class Catalog:
-    """What can be bought, and for how much. `products`, by the name of their drawing; prices in
-    a `currency`: of a `valve` and of a `muscle` that no product gives the price of [-], of `air`
-    for each normal m³ and of `energy` for each J; `density` of the bladder [kg/m³].
+    """Products and prices. `products`, by the name of their drawing; prices in a `currency`: of a
+    `valve` and of a `muscle` of products without a price [-], of `air` for each normal m³ and of
+    `energy` for each J; `density` of the bladder [kg/m³].
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)
@@ -70,96 +71,79 @@ class Catalog:
     density: float | None = None
 
     def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of each design's muscles [-]; NaN where it isn't known. `designs`."""
-        each = np.array([self._each(name) for name in designs.drawings])
-        return designs.counts.sum(axis=1) * each[designs.kind]
+        """Price of the muscles of each of the `designs` [-]; NaN where it isn't known."""
+        prices = np.array([self._unit_price(name) for name in designs.drawings])
+        return designs.counts.sum(axis=1) * prices[designs.kind]
 
     def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of each design's muscles and valves [-], NaN if not known. `designs`."""
+        """Price of muscles and valves of each of the `designs` [-]; NaN where it isn't known."""
         valve = np.nan if self.valve is None else self.valve
         return self.muscle_price(designs) + valve * designs.units
 
     def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
-        """Products that must not be used.
+        """Products that must not be used, and the reasons.
 
         **Arguments:**
 
         - `drawings`: muscles by name.
         - `task`: what is demanded.
 
-        **Returns:** why not, by the drawing's name.
+        **Returns:** the reason by the drawing's name.
         """
-        why = {
+        reasons = {
             name: product.exclusion_reason(task, float(drawings[name].length))
             for name, product in self.products.items()
         }
-        return {name: text for name, text in why.items() if text}
+        return {name: reason for name, reason in reasons.items() if reason}
 
     def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """Whether the price of every one of the `drawings` [-] is known, and of a valve."""
-        muscles = not np.any(np.isnan([self._each(name) for name in drawings]))
+        """True if the price of all `drawings` [-] is known; true if that of a valve is, too."""
+        muscles = not np.any(np.isnan([self._unit_price(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 
-    def _each(self, name: str) -> float:
+    def _unit_price(self, name: str) -> float:
         product = self.products.get(name)
-        own = None if product is None else product.price
-        price = self.muscle if own is None else own
+        price = self.muscle if product is None or product.price is None else product.price
         return np.nan if price is None else price
 
 
 def cheapest(
-    places: Int[np.ndarray, " place"],
+    candidates: Int[np.ndarray, " candidate"],
     values: Values,
-    designs: Callable[[Int[np.ndarray, " place"]], Designs],
+    designs: Callable[[Int[np.ndarray, " index"]], Designs],
     catalog: Catalog,
     drawings: Mapping[str, Muscle],
 ) -> int | None:
-    """The cheapest design, as the module says.
+    """The cheapest design, as defined above.
 
-    **Arguments:**
-
-    - `places`: of the designs that may be taken.
-    - `values`: objectives of all designs, by name [SI]; with `valves`, `relative_margin` and
-      `mean_energy`.
-    - `designs`: gives designs by their places.
-    - `catalog`: prices [-].
-    - `drawings`: of all designs, by name.
-
-    **Returns:** its place; `None` where there is none to be taken.
+    `candidates`: indices of the designs that may be taken; `values`: objectives of all designs, by
+    name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
+    indices; `catalog`: prices [-]; `drawings`: of all designs, by name. Returns its index; `None`
+    without candidates.
     """
-    if not places.size:
-        return None
     muscles_known, all_known = catalog.known_prices(drawings)
-    if not all_known:
+    if candidates.size and not all_known:
         # no other count matters before this one
-        valves = values["valves"][places]
-        places = places[valves == valves.min()]
-    best: tuple[float, ...] | None = None
-    found = None
-    for start in range(0, len(places), _BLOCK):
-        block = places[start : start + _BLOCK]
-        made = designs(block)
-        valves, muscles = values["valves"][block], made.counts.sum(axis=1)
-        muscle_price = catalog.muscle_price(made) if muscles_known else muscles
-        price = (catalog.price(made),) if all_known else (valves, muscle_price)
+        valves = values["valves"][candidates]
+        candidates = candidates[valves == valves.min()]
+    ranks = []
+    for start in range(0, len(candidates), _BLOCK):
+        block = candidates[start : start + _BLOCK]
+        part = designs(block)
+        valves, muscles = values["valves"][block], part.counts.sum(axis=1)
+        price = catalog.muscle_price(part) if muscles_known else muscles
+        costs = (catalog.price(part),) if all_known else (valves, price)
         margin = np.round(values["relative_margin"][block], _DIGITS)
-        keys = (*price, -margin, valves, muscles, values["mean_energy"][block])
+        keys = (*costs, -margin, valves, muscles, values["mean_energy"][block])
         first = int(np.lexsort(keys[::-1])[0])
-        own = tuple(float(key[first]) for key in keys)
-        if best is None or own < best:
-            best, found = own, int(block[first])
-    return found
+        ranks.append((*(float(key[first]) for key in keys), int(block[first])))
+    return min(ranks)[-1] if ranks else None
 
 
 def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
-    """What "cheapest" means where these prices are known, in words.
+    """Meaning of "cheapest" with these prices, in words.
 
-    **Arguments:**
-
-    - `catalog`: prices [-].
-    - `drawings`: of all designs, by name.
-
-    **Returns:** the words.
+    `catalog`: prices [-]; `drawings`: of all designs, by name.
     """
     muscles_known, all_known = catalog.known_prices(drawings)
     if all_known:

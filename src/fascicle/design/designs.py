@@ -1,4 +1,4 @@
-r"""Designs as arrays: so many that a `Bundle` for each would be too slow to make.
+r"""Designs as arrays: a `Bundle` for each of so many would be too slow.
 
 `counts` are muscles in each unit, zeros last; sizes of units that don't exist repeat those of the
 first, so that they are valid.
@@ -15,6 +15,7 @@ and for two; else an estimate: a large circle among small ones wastes more, smal
 fit into the gaps less.
 """
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -52,7 +53,7 @@ class Sizes(NamedTuple):
         )
 
     def take(self, index: Any) -> "Sizes":
-        """Those with an `index`."""
+        """Sizes of the muscles with an `index`."""
         return Sizes(*(x[index] for x in self))
 
 
@@ -64,33 +65,16 @@ _RATIOS = (
 _EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}
 
 
-def ratio(count: Values) -> Numbers:
-    r"""How much wider the circle around equal ones is.
+def packing_ratio(count: Values) -> Numbers:
+    r"""Radius $\rho_N$ of the circle around equal circles, over theirs [-].
 
-    **Arguments:** `count`: $N$ of them [-], at least 1.
-
-    **Returns:** $\rho_N$ [-].
+    **Arguments:** `count`: $N$, their number [-], at least 1.
     """
     table = np.array([_EXACT.get(n, rho) for n, rho in enumerate(_RATIOS, start=1)])
-    xp, most = array_namespace(count), len(table)
+    xp, largest = array_namespace(count), len(table)
     n = xp.asarray(count)
-    known = xp.asarray(table)[xp.clip(n, 1, most) - 1]
-    return where(n > most, table[-1] * sqrt(n / most), known)
-
-
-def bowed_diameter(radii: Values, counts: Values, bulge: Values) -> Numbers:
-    """Diameter of the circle around all muscles, where units that aren't fed bow out.
-
-    **Arguments:**
-
-    - `radii`: of a muscle of each unit [m].
-    - `counts`: muscles in each unit [-]; 0 for none.
-    - `bulge`: how far a muscle bows out [m]; a lone unit is fed, and doesn't.
-
-    **Returns:** the diameter [m].
-    """
-    several = (array_namespace(counts).asarray(counts) > 0).sum(axis=-1) > 1
-    return 2 * (packed_radius(radii, counts) + where(several, bulge, 0.0))
+    tabulated = xp.asarray(table)[xp.clip(n, 1, largest) - 1]
+    return where(n > largest, table[-1] * sqrt(n / largest), tabulated)
 
 
 def packed_radius(radii: Values, counts: Values) -> Numbers:
@@ -106,19 +90,19 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
     xp = array_namespace(radii, counts)
     radii, counts = xp.asarray(radii), xp.asarray(counts)
     N = counts.sum(axis=-1)
-    dense = ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))
-    # the two largest: a unit of two or more brings both
-    there, twice = where(counts > 0, radii, 0.0), where(counts > 1, radii, 0.0)
-    both = xp.sort(xp.concatenate([there, twice], axis=-1), axis=-1)
-    side_by_side = both[..., -1] + both[..., -2]
+    dense = packing_ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))
+    # the two largest: a unit of two or more has both
+    first, second = where(counts > 0, radii, 0.0), where(counts > 1, radii, 0.0)
+    largest = xp.sort(xp.concatenate([first, second], axis=-1), axis=-1)
+    side_by_side = largest[..., -1] + largest[..., -2]
     return where(N == 2, side_by_side, maximum(dense, side_by_side))
 
 
 @dataclass(frozen=True, eq=False)
 class Designs:
-    """Designs on the first axis. `kind`: which of the `drawings`, by name, their muscles are
-    of; `counts` [-] of each unit, the muscles' `length` [m], and for each unit their `radius`
-    [m], `wall` [m] and braid `angle` [rad].
+    """Designs on the first axis. `kind`: index of their muscles' drawing in `drawings`; `counts`
+    [-] of each unit, the muscles' `length` [m], and for each unit their `radius` [m], `wall` [m]
+    and braid `angle` [rad].
     """
 
     drawings: dict[str, Muscle]
@@ -145,44 +129,46 @@ class Designs:
 
         **Arguments:**
 
-        - `muscle`: the one.
+        - `muscle`: of all designs.
         - `counts`: muscles in each unit [-], a row for each design.
-        - `name`: what the muscle is called.
+        - `name`: of the muscle.
 
         **Returns:** the designs.
         """
         n = pad_rows([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
         return cls(
-            {name: muscle},
-            np.zeros(len(n), int),
-            n,
-            float(muscle.length) * np.ones(len(n)),
-            float(muscle.outer_radius) * size,
-            float(muscle.wall_thickness) * size,
+            {name: muscle}, np.zeros(len(n), int), n, np.full(len(n), float(muscle.length)),
+            float(muscle.outer_radius) * size, float(muscle.wall_thickness) * size,
             float(muscle.braid_angle) * size,
-        )
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.counts)
 
     @property
     def units(self) -> Int[np.ndarray, " design"]:
-        """Motor units of each."""
+        """Number of motor units of each [-]."""
         return np.sum(self.counts > 0, axis=1)
 
     @property
     def labels(self) -> list[str]:
-        """Each one's composition, such as `1+4`."""
+        """Composition of each, such as `1+4`."""
         return [label(row) for row in self.counts]
 
     @property
     def uniform(self) -> np.ndarray:
-        """Whether all units of a design have one muscle."""
-        same = np.ones(len(self), bool)
+        """Mask of designs all units of which have one muscle."""
+        uniform = np.ones(len(self), bool)
         for sizes in (self.radius, self.wall, self.angle):
-            same &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
-        return same
+            uniform &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
+        return uniform
+
+    @property
+    def alike(self) -> np.ndarray:
+        """Deprecated name of `uniform`."""
+        warnings.warn("`Designs.alike` is now `Designs.uniform`.", DeprecationWarning, stacklevel=2)
+        return self.uniform
 
     def take(self, index: np.ndarray, units: int | None = None) -> "Designs":
         """Designs with an `index`, or a mask; their first `units` alone."""
@@ -192,40 +178,32 @@ class Designs:
         )  # fmt: skip
 
     def sizes(self, index: int) -> Sizes:
-        """Sizes of the muscles of each unit of a design; `index`: which."""
+        """Sizes of the muscles of each unit of the design with an `index`."""
         sizes = (x[index] for x in (self.radius, self.wall, self.angle))
         return Sizes(np.full(self.counts.shape[1], self.length[index]), *sizes)
 
     def drawing(self, index: int) -> Muscle:
-        """The drawing of a design, NumPy's; `index`: which."""
+        """The drawing of the design with an `index`, NumPy's."""
         return to_numpy(list(self.drawings.values())[self.kind[index]])
 
     def muscle(self, index: int, unit: int = 0) -> Muscle:
-        """A muscle of a design.
-
-        **Arguments:**
-
-        - `index`: which design.
-        - `unit`: which motor unit, counted from 0.
-
-        **Returns:** the muscle.
-        """
+        """A muscle of the design with an `index`, in a motor `unit` counted from 0."""
         return self.sizes(index).take(unit).muscle(self.drawing(index))
 
-    def bundle(self, place: int, task: Task | None = None) -> Bundle:
+    def bundle(self, index: int, task: Task | None = None) -> Bundle:
         """A design as a bundle.
 
         **Arguments:**
 
-        - `place`: which design.
-        - `task`: whose supply and scheme it has, if any.
+        - `index`: of the design.
+        - `task`: with the bundle's supply and scheme, if any.
 
         **Returns:** the bundle.
         """
-        shared = self.muscle(place) if self.uniform[place] else None
+        shared = self.muscle(index) if self.uniform[index] else None
         units = [
-            MotorUnit(shared if shared is not None else self.muscle(place, unit), int(n))
-            for unit, n in enumerate(self.counts[place])
+            MotorUnit(self.muscle(index, unit) if shared is None else shared, int(n))
+            for unit, n in enumerate(self.counts[index])
             if n
         ]
         if task is None:
@@ -243,68 +221,25 @@ def scaled_designs(
     wall_ratio: Float[np.ndarray, " design"],
     angle: Float[np.ndarray, " design"],
 ) -> Designs:
-    """Designs whose units have radii in proportion, and walls in proportion to these.
-
-    **Arguments:**
-
-    - `drawings`: muscles by name; `kind`: which of them.
-    - `counts`: muscles in each unit [-].
-    - `factor`: of each unit's radius [-].
-    - `length`: of all muscles [m].
-    - `radius`: where the factor is 1 [m].
-    - `wall_ratio`: wall thickness over radius [-].
-    - `angle`: of the braid [rad].
-
-    **Returns:** the designs.
+    """Designs whose units have radii in proportion to a `factor` [-], and walls by the
+    `wall_ratio` [-]; `radius` [m] where the factor is 1.
     """
     radii = radius[:, None] * factor
-    wall, tilt = wall_ratio[:, None] * radii, angle[:, None] * np.ones(radii.shape)
-    return Designs(drawings, kind, counts, length, radii, wall, tilt)
-
-
-def concatenate(parts: Sequence[Designs]) -> Designs:
-    """Several sets of designs of the same drawings as one; `parts` aren't empty."""
-    units = max(part.counts.shape[1] for part in parts)
-
-    def rows(name: str) -> np.ndarray:
-        mode = "constant" if name == "counts" else "edge"
-        return np.concatenate(
-            [
-                np.pad(x, ((0, 0), (0, units - x.shape[1])), mode=mode)
-                for x in (getattr(part, name) for part in parts)
-            ]
-        )
-
-    return Designs(
-        parts[0].drawings,
-        np.concatenate([part.kind for part in parts]),
-        rows("counts"),
-        np.concatenate([part.length for part in parts]),
-        rows("radius"),
-        rows("wall"),
-        rows("angle"),
-    )
+    angles = angle[:, None] * np.ones(radii.shape)
+    return Designs(drawings, kind, counts, length, radii, wall_ratio[:, None] * radii, angles)
 
 
 def pad_rows(
     rows: Sequence[Sequence[int]], units: int | None = None
 ) -> Int[np.ndarray, "design unit"]:
-    """Rows of unlike length as one array.
-
-    **Arguments:**
-
-    - `rows`: muscles in each unit [-].
-    - `units`: length of the rows; left out, the longest's.
-
-    **Returns:** the same with zeros last.
-    """
+    """Rows of muscles in each unit [-], filled with zeros to `units` columns or the longest."""
     width = max(map(len, rows)) if units is None else units
     counts = np.zeros((len(rows), width), int)
-    for place, row in enumerate(rows):
-        counts[place, : len(row)] = row
+    for index, row in enumerate(rows):
+        counts[index, : len(row)] = row
     return counts
 
 
 def label(counts: Iterable[Any]) -> str:
-    """A composition for a reader: `1+4`; `counts`: muscles in each unit [-], zeros aside."""
+    """A composition for a reader: `1+4`; `counts`: muscles in each unit [-], without zeros."""
     return "+".join(str(int(n)) for n in counts if n)

@@ -1,4 +1,4 @@
-r"""Objectives of designs: one evaluator, for whatever designs and arrays.
+r"""Objectives of designs: one evaluator, for all designs and arrays.
 
 Designs whose units have one muscle, and others whose states depend on the largest force of
 each unit alone, are evaluated together, on a table of all the muscles they are made of. Designs of
@@ -19,7 +19,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float, Int, Whole
 from ..muscle import Muscle
 from .designs import Designs, Sizes
-from .objectives import check_turns, known, needs, objective_values
+from .objectives import check_objectives, needs, objective_values
 from .outcome import Demand, Outcome, existing_states, outcome, states_for
 from .reversal import overlap_width, reversal_depth, uniform_reversal_depths
 from .tables import (
@@ -58,11 +58,10 @@ def evaluate(
 
     **Raises:** `ValueError` for an unknown objective, and designs off the model's domain.
     """
-    names = known(objectives)
-    check_turns(names, task.scheme)
+    names = check_objectives(objectives, task.scheme)
     values = np.full((len(names), len(designs)), np.nan)
-    for index, found in outcomes(designs, task, needs(names), resolution):
-        values[:, index] = objective_values(found, names)
+    for index, batch in outcomes(designs, task, needs(names), resolution):
+        values[:, index] = objective_values(batch, names)
     return dict(zip(names, values, strict=True))
 
 
@@ -74,31 +73,32 @@ def outcomes(
 ) -> Iterator[tuple[Any, Outcome]]:
     """Outcomes of designs for a task, batch by batch.
 
-    **Arguments:** `needs`: of the objectives, "size", "curves", both or nothing; others as of
-    `evaluate`.
-
-    **Returns:** the indices of the designs in a batch, and their outcome; a single index for an
-    outcome without an axis for designs.
-
-    **Raises:** `ValueError` for designs off the model's domain.
+    `needs`: of the objectives, "size", "curves", both or nothing; others as of `evaluate`. Returns
+    the indices of the designs in a batch, and their outcome; a single index for an outcome without
+    an axis for designs. Raises `ValueError` for designs off the model's domain.
     """
-    _check(designs)
+    if np.any(designs.wall >= designs.radius):
+        rule = "must be less than `outer_radius` in every design"
+        raise InvalidInputError("wall_thickness", rule, None)
+    if np.any(designs.counts.sum(axis=1) < 1):
+        raise InvalidInputError("counts", "must hold at least one muscle in every design", None)
     demand = Demand.from_task(task)
-    for index, units, uniform in _groups(designs, task.scheme):
-        some = designs.take(index, units)
-        states = states_for(demand.scheme, units)
-        shared = uniform and states.gapless
-        chosen = resolution or (UNIFORM if shared else MIXED)
-        if shared or (states.gapless and states.separable and "curves" not in needs):
-            for part, found in _batches(some, uniform, demand, needs, chosen):
-                yield index[part], found
+    # together: designs of one drawing and number of units, either all of one muscle each or not
+    uniform = designs.uniform
+    keys = np.stack([designs.kind, room_for_units(designs, task.scheme), uniform], axis=1)
+    for key in np.unique(keys, axis=0):
+        index = np.flatnonzero(np.all(keys == key, axis=1))
+        group = designs.take(index, int(key[1]))
+        states = states_for(demand.scheme, int(key[1]))
+        one_table = bool(key[2]) and states.gapless
+        res = resolution or (UNIFORM if one_table else MIXED)
+        if one_table or (states.gapless and states.separable and "curves" not in needs):
+            for part, batch in _batches(group, bool(key[2]), demand, needs, res):
+                yield index[part], batch
             continue
-        for i, single in enumerate(index):
-            sizes = some.sizes(i)
-            yield (
-                single,
-                design_outcome(some.drawing(i), some.counts[i], sizes, demand, needs, chosen),
-            )
+        for i, design in enumerate(index):
+            drawing, sizes = group.drawing(i), group.sizes(i)
+            yield design, design_outcome(drawing, group.counts[i], sizes, demand, needs, res)
 
 
 def design_outcome(
@@ -109,18 +109,12 @@ def design_outcome(
     needs: tuple[str, ...],
     resolution: Resolution = MIXED,
 ) -> Outcome:
-    """What a single design does, computed at every level: by JAX, where any array is JAX's.
+    """Outcome of a single design, computed at every level: by JAX, where any array is JAX's.
 
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning all muscles have.
-    - `counts`: muscles in each unit.
-    - `sizes`: of the muscles of each unit.
-    - `demand`: the task's.
-    - `needs`: of the objectives, "size", "curves", both or nothing.
-    - `resolution`: of levels and strains.
-
-    **Returns:** the outcome, without an axis for designs.
+    `drawing`: with material, laws and tuning of all muscles; `counts`: muscles in each unit;
+    `sizes`: of the muscles of each unit; `demand`: the task's; `needs`: of the objectives, "size",
+    "curves", both or nothing; `resolution`: of levels and strains. Returns the outcome, without an
+    axis for designs.
     """
     exists, states = counts > 0, states_for(demand.scheme, len(counts))
     top = depth = overlap = None
@@ -131,31 +125,19 @@ def design_outcome(
     table, curves = every_level_table(drawing, sizes, demand, needs, resolution, top)
     if top is not None:
         depth = reversal_depth(counts, curves, top, states)
-        overlap = overlap_width(
-            counts, curves, curves, states, existing_states(demand.scheme, exists)
-        )
+        existing = existing_states(demand.scheme, exists)
+        overlap = overlap_width(counts, curves, curves, states, existing)
     return outcome(counts, table, sizes.length[0], demand, depth, overlap)
 
 
 def room_for_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, " design"]:
-    """How many motor units each design is evaluated with: as many as any has, or its own number
+    """Number of motor units that each design is evaluated with: the largest of all, or the design's
     where a `scheme` doesn't take a design of fewer units as the beginning of one of more.
     """
-    most = designs.counts.shape[1]
-    if scheme.independent or is_prefix_consistent(scheme, most):
-        return np.full(len(designs), most)
+    columns = designs.counts.shape[1]
+    if scheme.independent or is_prefix_consistent(scheme, columns):
+        return np.full(len(designs), columns)
     return designs.units
-
-
-def _groups(
-    designs: Designs, scheme: AbstractScheme
-) -> Iterator[tuple[Int[np.ndarray, " some"], int, bool]]:
-    """Indices of designs that can be evaluated together: of one drawing, with so many units,
-    and either all of one muscle each or not.
-    """
-    keys = np.stack([designs.kind, room_for_units(designs, scheme), designs.uniform], axis=1)
-    for key in np.unique(keys, axis=0):
-        yield np.flatnonzero(np.all(keys == key, axis=1)), int(key[1]), bool(key[2])
 
 
 def _batches(
@@ -164,42 +146,43 @@ def _batches(
     demand: Demand,
     needs: tuple[str, ...],
     resolution: Resolution,
-) -> Iterator[tuple[Int[np.ndarray, " some"], Outcome]]:
+) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
     """Outcomes of designs of one drawing, batch by batch, with the batch's indices."""
     points, units = demand.travel.size, designs.counts.shape[1]
     step, drawing = max(1, _BATCH // (points * units)), designs.drawing(0)
     columns = 1 if uniform else units
     sizes = [x[:, :columns] for x in (designs.radius, designs.wall, designs.angle)]
     rows = np.stack([designs.length[:, None] + 0.0 * sizes[0], *sizes], axis=-1)
-    muscles, which = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
-    which = which.reshape(-1, columns)
+    muscles, muscle_of = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
+    muscle_of = muscle_of.reshape(-1, columns)
     # designs of one muscle share its part of a table, however many they are
-    batch = which[:, 0] // max(1, _BATCH // points) if uniform else np.arange(len(rows)) // step
-    for number in np.unique(batch):
-        (some,) = np.nonzero(batch == number)
-        own, index = np.unique(which[some], return_inverse=True)
-        part, index = Sizes(*muscles[own].T), index.reshape(-1, columns)
-        table = largest_force_table(drawing, part, demand, needs, resolution)
+    order = muscle_of[:, 0] if uniform else np.arange(len(rows))
+    batch_of = order // (max(1, _BATCH // points) if uniform else step)
+    for batch in np.unique(batch_of):
+        (members,) = np.nonzero(batch_of == batch)
+        used, index = np.unique(muscle_of[members], return_inverse=True)
+        sizes, index = Sizes(*muscles[used].T), index.reshape(-1, columns)
+        table = largest_force_table(drawing, sizes, demand, needs, resolution)
         depth = overlap = None
         if "curves" in needs:
-            depth, overlap = np.empty((2, len(some)))
-            for muscle in range(len(own)):
-                (like,) = np.nonzero(index[:, 0] == muscle)
-                counts = designs.counts[some[like]].T
-                depth[like], overlap[like] = _curve_objectives(
-                    drawing, part.take(muscle), counts, demand, resolution
+            depth, overlap = np.empty((2, len(members)))
+            for muscle in range(len(used)):
+                (twins,) = np.nonzero(index[:, 0] == muscle)
+                counts = designs.counts[members[twins]].T
+                depth[twins], overlap[twins] = _curve_objectives(
+                    drawing, sizes.take(muscle), counts, demand, resolution
                 )
-        for start in range(0, len(some), step):
+        for start in range(0, len(members), step):
             cut = slice(start, start + step)
-            found = outcome(
-                designs.counts[some[cut]].T,
+            part = outcome(
+                designs.counts[members[cut]].T,
                 table.take(index[cut].T),
-                designs.length[some[cut]],
+                designs.length[members[cut]],
                 demand,
                 None if depth is None else depth[cut],
                 None if overlap is None else overlap[cut],
             )
-            yield some[cut], found
+            yield members[cut], part
 
 
 def _curve_objectives(
@@ -215,18 +198,9 @@ def _curve_objectives(
     exists = existing_states(demand.scheme, counts > 0)
     ends = np.stack([curves.min(axis=0), curves.max(axis=0)])[..., None, None]
     step = max(1, _BATCH // (ends.size * len(counts)))
-    for start in range(0, counts.shape[1], step):
+    for start in range(0, len(width), step):
         cut = (slice(None), slice(start, start + step))
         width[cut[1]] = overlap_width(
             counts[cut], curves[..., None, None], ends, states, exists[cut]
         )
     return uniform_reversal_depths(counts, curves, top, states), width
-
-
-def _check(designs: Designs) -> None:
-    if np.any(designs.wall >= designs.radius):
-        raise InvalidInputError(
-            "wall_thickness", "must be less than `outer_radius` in every design", None
-        )
-    if np.any(designs.counts.sum(axis=1) < 1):
-        raise InvalidInputError("counts", "must hold at least one muscle in every design", None)

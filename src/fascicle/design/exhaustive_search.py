@@ -1,4 +1,4 @@
-"""Every design of a space evaluated, the Pareto front, and which design to take.
+"""Exhaustive search of a space: every design's objectives, the Pareto front, and the best design.
 
 A design dominates another if it is at least as good in every objective and better in one. The front
 is the set that none dominates; its *hypervolume* is that of the points which it dominates, up to a
@@ -40,20 +40,27 @@ from .task import Task
 
 Matrix = Float[np.ndarray, "design objective"]
 
+# usual objectives; depth and resolution tell how well the bundle can be controlled
+USUAL = {
+    "mean_efficiency": "max",
+    "margin": "max",
+    "envelope": "min",
+    "valves": "min",
+}
+MOST = 20_000_000  # designs of one search: their objectives stay in memory
+LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
+_BLOCK = 2**16  # designs computed between two reports of progress, some seconds
+_DIGITS = 9  # of shares that are compared: equal ones differ by rounding
+
 
 def as_minimization(
     values: Mapping[str, Float[np.ndarray, " design"]], senses: Mapping[str, str]
 ) -> Matrix:
     """Objectives as columns in which smaller is better.
 
-    **Arguments:**
-
-    - `values`: an array for each objective [SI].
-    - `senses`: "min" or "max" by name; only these objectives are taken.
-
-    **Returns:** a row for each design [SI].
-
-    **Raises:** `ValueError` for an unknown sense.
+    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name; only these
+    objectives are taken. Returns a row for each design [SI]. Raises `ValueError` for an unknown
+    sense.
     """
     for name, sense in senses.items():
         if sense not in ("min", "max"):
@@ -63,17 +70,17 @@ def as_minimization(
 
 
 def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
-    """Which points none dominates.
+    """Mask of the points that no other point dominates.
 
     **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
 
-    **Returns:** a mask; of equal points all are kept.
+    **Returns:** the mask; all of several equal points are in it.
     """
     import moocore
 
-    kept = ~np.any(np.isnan(points), axis=1)
-    kept[kept] = moocore.is_nondominated(points[kept], keep_weakly=True)
-    return kept
+    mask = ~np.any(np.isnan(points), axis=1)
+    mask[mask] = moocore.is_nondominated(points[mask], keep_weakly=True)
+    return mask
 
 
 def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
@@ -91,21 +98,43 @@ def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> floa
     return float(moocore.hypervolume(points, ref=np.asarray(reference, float)))
 
 
-_BLOCK = 2**16
-MOST = 20_000_000  # designs of one search: their objectives stay in memory
-LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
+def pareto_front(
+    values: Values, senses: Mapping[str, str], candidates: Int[np.ndarray, " candidate"]
+) -> Int[np.ndarray, " front"]:
+    """Indices of the designs that no other dominates, best first in the first objective.
+
+    `values`: objectives of designs, by name [SI]; `senses`: "min" or "max" by objective;
+    `candidates`: indices of the designs that count [-].
+    """
+    points = as_minimization(values, senses)
+    front = candidates[non_dominated(points[candidates])]
+    return front[np.lexsort((front, *points[front].T[::-1]))]
+
+
+def nearest(
+    values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
+) -> int:
+    """Index of the design that misses least, of those that keep all other limits if there are any.
+
+    `values`: objectives of at least one design, by name [SI]; `limits`: on objectives, by name
+    [SI]; `permitted`: mask of designs that may be used at all.
+    """
+    within = within_limits(values, other_limits(limits)) & permitted
+    # of those that miss as much, up to rounding, the one with fewer valves
+    keys = (values["valves"], np.round(values["relative_shortfall"], _DIGITS), ~within)
+    return int(np.lexsort(keys)[0])
 
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """What a search found. `values`: an array for each objective [SI], over all designs that
-    were kept; `index` of these in the space, -1 where sizes lie between those it lists;
-    `allowed`: those within the limits, which say what must be reached; `front`: places of those
-    that none betters, best first in the first objective; `cheapest`: the place of the one that is
-    recommended, `None` if there is none; `nearest`: the place of the one that comes nearest to the
-    task, where none reaches it. `all_designs` gives designs by their places. How many were
-    `judged` in all; `extra`: objectives that were asked for beside; the `catalog` they are from;
-    `least_margin`: the relative margin [-] below which the recommended one is warned of.
+    """Result of a search. `values`: an array for each objective [SI], over all recorded designs;
+    `index` of these in the space, -1 where sizes lie between those it lists; `allowed`: mask of
+    those within the limits, with what must be reached; `front`: indices, among the recorded
+    designs, of those that none dominates, best first in the first objective; `cheapest`: index of
+    the recommended one, `None` if there is none; `nearest`: index of the one that comes nearest to
+    the task, where none reaches it. `all_designs` gives designs by these indices. `judged`: number
+    of evaluated designs; `extra`: further objectives to report; the `catalog` they are from;
+    `least_margin`: relative margin [-] below which the recommended one is warned of.
     """
 
     space: Space
@@ -118,17 +147,15 @@ class SearchResult:
     front: Int[np.ndarray, " front"]
     cheapest: int | None
     nearest: int | None
-    all_designs: Callable[[Int[np.ndarray, " place"]], Designs]
+    all_designs: Callable[[Int[np.ndarray, " index"]], Designs]
     judged: int
     extra: tuple[str, ...] = ()
     catalog: Catalog = field(default_factory=Catalog)
     least_margin: float = LEAST_MARGIN
 
     @property
-    def reported(self) -> Int[np.ndarray, " listed"]:
-        """Indices of the reported designs: the front's, then the cheapest if it isn't
-        there.
-        """
+    def reported(self) -> Int[np.ndarray, " reported"]:
+        """Indices of the reported designs: the front's, then the cheapest if it isn't in it."""
         if self.cheapest is None or self.cheapest in self.front:
             return self.front
         return np.append(self.front, self.cheapest)
@@ -152,41 +179,39 @@ class SearchResult:
 
     @property
     def compromise(self) -> int | None:
-        """Which place of the front is the best compromise; `None` if it is empty."""
+        """Index of the best compromise in the front; `None` if the front is empty."""
         if not self.front.size:
             return None
         points = self.points
         low, high = points.min(axis=0), points.max(axis=0)
-        share = (points - low) / np.where(high > low, high - low, 1.0)
-        return int(np.lexsort((share.sum(axis=1), np.round(share.max(axis=1), 9)))[0])
+        loss = (points - low) / np.where(high > low, high - low, 1.0)
+        return int(np.lexsort((loss.sum(axis=1), np.round(loss.max(axis=1), _DIGITS)))[0])
 
     @property
     def reaches_task(self) -> Bool[np.ndarray, " design"]:
-        """Which designs reach as much of the task as must be, whatever other limits they
-        break.
-        """
+        """Mask of designs that reach the task, whatever other limits they break."""
         return reaches_task(self.values, self.limits)
 
     @property
     def excluded_products(self) -> dict[str, str]:
-        """Why products must not be used for the task, by the drawing's name."""
+        """Reasons why products must not be used for the task, by the drawing's name."""
         return self.catalog.excluded(self.space.drawings, self.task)
 
     @property
     def reported_objectives(self) -> tuple[str, ...]:
-        """Objectives that were asked for, by a sense, a limit or by name; and the margins."""
-        asked = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra]
-        return tuple(dict.fromkeys([*asked, "margin", "relative_margin"]))
+        """Objectives with a sense or a limit, the extra ones, and the margins."""
+        limited = (name for name in self.limits if name not in SHARES)
+        names = (*self.senses, *limited, *self.extra, "margin", "relative_margin")
+        return tuple(dict.fromkeys(names))
 
     @cached_property
     def cheapest_with_margin(self) -> int | None:
-        """The place of the cheapest design that has the `least_margin` too [-]; `None` if none
-        has.
-        """
-        (places,) = np.nonzero(
-            self.allowed & Limit(least=self.least_margin).holds(self.values["relative_margin"])
+        """Index of the cheapest design that has the `least_margin` too [-]; `None` if none has."""
+        margin = Limit(least=self.least_margin).holds(self.values["relative_margin"])
+        candidates = np.flatnonzero(self.allowed & margin)
+        return cheapest(
+            candidates, self.values, self.all_designs, self.catalog, self.space.drawings
         )
-        return cheapest(places, self.values, self.all_designs, self.catalog, self.space.drawings)
 
 
 def search(
@@ -199,7 +224,7 @@ def search(
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
-    """Judge every design of a space.
+    """Evaluate every design of a space.
 
     **Arguments:**
 
@@ -209,11 +234,11 @@ def search(
     - `limits`: on objectives, by name [SI]; `not_reached` is the share of the task that may be
       missed, by weight and by points. Left out, all of it must be reached.
     - `extra`: objectives to record that don't make the front.
-    - `progress`: called with how many designs are done, and of how many [-].
-    - `catalog`: products and prices [-]; left out, none is known.
+    - `progress`: called with the numbers of evaluated and of all designs [-].
+    - `catalog`: products and prices [-]; left out, no price is known.
     - `least_margin`: relative margin [-] below which the recommended one is warned of.
 
-    **Returns:** what was found.
+    **Returns:** the result.
 
     **Raises:** `ValueError` for unknown objectives and a space too large for one search.
     """
@@ -252,91 +277,28 @@ def conclude(
     judged: int | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
-    """What follows of designs that have been judged: the front, and which to take.
+    """Result of a search whose designs have been evaluated: the front and the recommended design.
 
-    **Arguments:**
-
-    - `space`: the designs.
-    - `task`: what is demanded.
-    - `senses`: "min" or "max" by objective.
-    - `limits`: on objectives, by name [SI], as of `search`.
-    - `index`: of the designs in the space.
-    - `values`: their objectives, by name [SI]; those of `recorded` among them.
-    - `extra`: objectives that were asked for beside.
-    - `catalog`: products and prices [-]; left out, none is known.
-    - `designs`: themselves, where the space doesn't list them.
-    - `judged`: how many were, in all [-]; left out, these.
-    - `least_margin`: relative margin [-] below which the recommended one is warned of.
-
-    **Returns:** what was found.
+    `space`, `task`, `senses`, `limits`, `extra`, `catalog`, `least_margin`: as of `search`;
+    `index`: of the designs in the space; `values`: their objectives, by name [SI], with those of
+    `recorded_objectives`; `designs`: in the order of `values`, where the space doesn't list them;
+    `judged`: number of all evaluated designs [-]; left out, these.
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
 
-    def all_designs(places: Int[np.ndarray, " place"]) -> Designs:
-        return space.at(index[places]) if designs is None else designs.take(places)
+    def all_designs(rows: Int[np.ndarray, " index"]) -> Designs:
+        return space.at(index[rows]) if designs is None else designs.take(rows)
 
-    permitted = _permitted(space, task, catalog, index)
+    excluded = catalog.excluded(space.drawings, task)
+    kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
+    permitted = ~np.isin(space.kind(index), kinds)
     allowed = within_limits(values, limits) & permitted
-    (places,) = np.nonzero(allowed)
-    chosen = cheapest(places, values, all_designs, catalog, space.drawings)
-    near = nearest(values, limits, permitted) if chosen is None and len(index) else None
+    candidates = np.flatnonzero(allowed)
+    best = cheapest(candidates, values, all_designs, catalog, space.drawings)
     return SearchResult(
         space, task, dict(senses), limits, index, dict(values), allowed,
-        pareto_front(values, senses, places), chosen, near, all_designs,
-        len(index) if judged is None else judged, tuple(extra), catalog, least_margin,
+        pareto_front(values, senses, candidates), best,
+        nearest(values, limits, permitted) if best is None and len(index) else None,
+        all_designs, len(index) if judged is None else judged, tuple(extra), catalog,
+        least_margin,
     )  # fmt: skip
-
-
-def _permitted(
-    space: Space, task: Task, catalog: Catalog, index: Int[np.ndarray, " design"]
-) -> Bool[np.ndarray, " design"]:
-    """Designs of products that may be used so."""
-    barred = catalog.excluded(space.drawings, task)
-    kinds = [i for i, name in enumerate(space.drawings) if name in barred]
-    return ~np.isin(space.kind(index), kinds) if kinds else np.ones(len(index), bool)
-
-
-def nearest(
-    values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
-) -> int:
-    """The design that misses least, of those that keep all else if there are any.
-
-    **Arguments:**
-
-    - `values`: objectives of at least one design, by name [SI].
-    - `limits`: on objectives, by name [SI].
-    - `permitted`: which designs may be used at all.
-
-    **Returns:** its place.
-    """
-    kept = within_limits(values, other_limits(limits)) & permitted
-    # of those that miss as much, up to rounding, the one with fewer valves
-    keys = (values["valves"], np.round(values["relative_shortfall"], 9), ~kept)
-    return int(np.lexsort(keys)[0])
-
-
-def pareto_front(
-    values: Values, senses: Mapping[str, str], places: Int[np.ndarray, " place"]
-) -> Int[np.ndarray, " front"]:
-    """Those that none betters, best first in the first objective.
-
-    **Arguments:**
-
-    - `values`: objectives of designs, by name [SI].
-    - `senses`: "min" or "max" by objective.
-    - `places`: of the designs that count [-].
-
-    **Returns:** their places.
-    """
-    points = as_minimization(values, senses)
-    front = places[non_dominated(points[places])]
-    return front[np.lexsort((front, *points[front].T[::-1]))]
-
-
-# what most tasks are about; depth and resolution tell how well the bundle can be controlled
-USUAL = {
-    "mean_efficiency": "max",
-    "margin": "max",
-    "envelope": "min",
-    "valves": "min",
-}

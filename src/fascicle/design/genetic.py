@@ -1,4 +1,4 @@
-r"""NSGA-II in spaces that are too large to be exhausted: by pymoo, a generation in one call.
+r"""NSGA-II, by pymoo, in spaces that are too large for an exhaustive search.
 
 A genome is a row of numbers in $[0, 1]$: one each for the number of muscles, length, radius,
 wall and angle, one for each gap between muscles (cut or not), and one for each unit's factor.
@@ -6,7 +6,8 @@ With `continuous` sizes lie anywhere between the least and the largest that the 
 else they are the nearest listed, so that the front can be compared with an exhaustive one.
 
 A design that doesn't reach the task is worse than any that does, the more so the larger a share
-of its worst point it misses, so that a search leads there; the nearest is kept where none does.
+of its worst point it misses, so that a search leads there; where none does, the nearest is the
+result.
 
 The same seed gives the same front. A search that was stopped after any generation resumes from its
 checkpoint to the same end. The file may come from anybody, so all of it is validated.
@@ -17,7 +18,7 @@ import os
 from collections.abc import Callable, Mapping
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ from .objectives import (
     with_reach_limits,
     within_limits,
 )
-from .space import Space
+from .space import Space, drawing_sizes
 from .sweep import Study
 from .tables import MIXED
 from .task import Task
@@ -53,6 +54,7 @@ from .task import Task
 
 _AXES = ("length", "radius", "wall_ratio", "braid_angle")
 _LARGEST = 1_000_000_000  # bytes of a checkpoint; a hundred generations take some two million
+_ENDLESS = 10**9  # generations; the loop below ends the search
 
 Genomes = Float[np.ndarray, "design gene"]
 
@@ -68,21 +70,21 @@ class Checkpoint:
         """**Arguments:**
 
         - `path`: of the file, which may exist.
-        - `search`: what distinguishes this search from any other, as JSON can hold it.
+        - `search`: all that distinguishes this search from others, as JSON can hold it.
 
         **Raises:** `ValueError`, one line, for a file that isn't this search's checkpoint.
         """
         self.path, self.header = path, json.dumps({"format": 2, "search": search})
-        self.lines: list[dict[str, Any]] = []
+        self.generations: list[dict[str, Any]] = []
         if not path.exists():
             return
-        first, lines, cut = "", [], ""
+        first, lines, torn = "", [], ""
         try:
             # a last line without its end was cut off, and its generation is computed again
-            first, *lines, cut = read_bytes(path, _LARGEST, "checkpoint").decode().split("\n")
-            header, self.lines = json.loads(first), [json.loads(line) for line in lines]
+            first, *lines, torn = read_bytes(path, _LARGEST, "checkpoint").decode().split("\n")
+            header, self.generations = json.loads(first), [json.loads(line) for line in lines]
             keys = {"genomes", "values"}
-            valid = header["format"] == 2 and all(set(line) == keys for line in self.lines)
+            valid = header["format"] == 2 and all(set(line) == keys for line in self.generations)
         except OSError as error:
             raise ValueError(f"{str(error).rstrip('.')}: name a new file.") from None
         except Exception:  # noqa: BLE001 there is no end to what a made-up file can provoke
@@ -91,7 +93,7 @@ class Checkpoint:
             raise ValueError(f"{path}: is no checkpoint of a search: name a new file.")
         if first != self.header:
             raise ValueError(f"{path}: is another search's: name a new file.")
-        if cut:
+        if torn:
             write_text(path, "\n".join([first, *lines, ""]))
 
     def values(self, generation: int, genomes: Genomes, names: tuple[str, ...]) -> Values | None:
@@ -99,9 +101,9 @@ class Checkpoint:
 
         **Raises:** `ValueError` where they aren't those of the `genomes`.
         """
-        if generation >= len(self.lines):
+        if generation >= len(self.generations):
             return None
-        line = self.lines[generation]
+        line = self.generations[generation]
         try:
             values: np.ndarray = np.array(line["values"], float)
         except (TypeError, ValueError):
@@ -109,7 +111,7 @@ class Checkpoint:
         shape = (len(names), len(genomes))
         if line["genomes"] != _digest(genomes) or values.shape != shape or np.isnan(values).any():
             raise ValueError(f"{self.path}: holds numbers that no search has: name a new file.")
-        return {name: values[row] for row, name in enumerate(names)}
+        return dict(zip(names, values, strict=True))
 
     def append(self, genomes: Genomes, values: Values) -> None:
         """Add a generation's `genomes` and `values` [SI]; on the disk on return."""
@@ -127,80 +129,69 @@ def _digest(genomes: Genomes) -> str:
     return sha256(np.ascontiguousarray(genomes, "<f8").tobytes()).hexdigest()
 
 
-class SearchState(NamedTuple):
-    """What a search keeps: how many `generation`s and designs `judged`, and of the front of all of
-    them, with the cheapest, the `genomes` [-] and `values` [SI].
-    """
-
-    generation: int
-    judged: int
-    genomes: Genomes
-    values: Values
-
-
 class Coding:
-    """From genomes to designs of a space."""
+    """Code of genomes: the designs of a space that they stand for."""
 
     def __init__(self, space: Space, continuous: bool):
         """**Arguments:**
 
         - `space`: of one drawing, with all compositions.
-        - `continuous`: whether sizes may lie between those listed.
+        - `continuous`: true if sizes may lie between those listed.
 
         **Raises:** `ValueError` for a space that isn't so.
         """
         if len(space.drawings) != 1:
-            raise InvalidInputError(
-                "drawings", "must hold one muscle for NSGA-II", None, "search each alone"
-            )
+            rule, remedy = "must hold one muscle for NSGA-II", "search each in a file of its own"
+            raise InvalidInputError("drawings", rule, None, remedy)
         if space.splits != "all":
-            raise InvalidInputError(
-                "splits", "must be 'all' for NSGA-II, which cuts where it likes", None
-            )
+            rule = "must be 'all' for NSGA-II, which cuts anywhere"
+            raise InvalidInputError("splits", rule, None)
         self.space, self.continuous = space, continuous
-        self.drawing = next(iter(space.drawings.values()))
         self.muscles = np.array(sorted(set(space.muscles)))
-        self.most = int(self.muscles[-1])
-        self.units = min(self.most, space.most_units or self.most)
+        self.largest = int(self.muscles[-1])
+        self.units = min(self.largest, space.most_units or self.largest)
 
     @property
     def genes(self) -> int:
-        """How many numbers a genome has [-]."""
-        return 1 + len(_AXES) + (self.most - 1) + self.units
+        """Length of a genome [-]."""
+        return 1 + len(_AXES) + (self.largest - 1) + self.units
 
     def designs(self, genomes: Genomes) -> Designs:
         """Designs of `genomes` [-], a row each."""
-        total = self.muscles[_place(genomes[:, 0], len(self.muscles))]
-        sizes = genomes[:, 1 : 1 + len(_AXES)]
-        cuts = genomes[:, 1 + len(_AXES) : len(_AXES) + self.most] > 0.5
-        shares = genomes[:, len(_AXES) + self.most :]
-        counts = self._counts(total, cuts)
-        factor = np.stack([self._value(self.space.unit_factors, row) for row in shares.T], axis=1)
-        factor = np.where(counts > 0, factor, factor[:, :1])
-        own = Space._own(self.drawing)
-        length, radius, ratio, angle = (
-            self._value(getattr(self.space, name) or (default,), sizes[:, i])
-            for i, (name, default) in enumerate(zip(_AXES, own, strict=True))
+        number, sizes, cuts, factors = np.split(
+            genomes, np.cumsum([1, len(_AXES), self.largest - 1]), axis=1
         )
-        sizes = (length, radius * self.space.scale(counts, factor), ratio, angle)
+        total = self.muscles[_choice(number[:, 0], len(self.muscles))]
+        counts = self._counts(total, cuts > 0.5)
+        factor = self._value(self.space.unit_factors, factors)
+        factor = np.where(counts > 0, factor, factor[:, :1])
+        ((name, drawing),) = self.space.drawings.items()
+        length, radius, ratio, angle = (
+            self._value(getattr(self.space, axis) or (default,), gene)
+            for axis, default, gene in zip(_AXES, drawing_sizes(drawing), sizes.T, strict=True)
+        )
+        radius = radius * self.space.scale(counts, factor)
         kind = np.zeros(len(genomes), int)
-        return scaled_designs(self.space.drawings, kind, counts, factor, *sizes)
+        return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
 
     def _counts(self, total: np.ndarray, cuts: np.ndarray) -> np.ndarray:
-        gap = np.arange(1, self.most)
-        cut = cuts & (gap < total[:, None])
+        """Muscles in each unit, by their `total` and a mask of the gaps that are cut."""
         # units beyond the largest number join the last
-        unit = np.minimum(np.cumsum(cut, axis=1), self.units - 1)
-        unit = np.concatenate([np.zeros((len(total), 1), int), unit], axis=1)
-        there = np.arange(self.most) < total[:, None]
-        counts = np.zeros((len(total), self.units), int)
-        np.add.at(counts, (np.nonzero(there)[0], unit[there]), 1)
-        return counts
+        unit = np.minimum(np.cumsum(cuts, axis=1), self.units - 1)
+        unit = np.pad(unit, ((0, 0), (1, 0)))
+        exists = np.arange(self.largest) < total[:, None]
+        members = unit[:, :, None] == np.arange(self.units)
+        return np.sum(members & exists[:, :, None], axis=1)
 
-    def _value(self, listed: tuple[float, ...], share: np.ndarray) -> np.ndarray:
+    def _value(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
         if self.continuous:
-            return min(listed) + share * (max(listed) - min(listed))
-        return np.array(listed)[_place(share, len(listed))]
+            return min(values) + gene * (max(values) - min(values))
+        return np.array(values)[_choice(gene, len(values))]
+
+
+def _choice(gene: np.ndarray, count: int) -> np.ndarray:
+    """Index of one of so many choices, by a `gene` in [0, 1]."""
+    return np.minimum((gene * count).astype(int), count - 1)
 
 
 def evolve(
@@ -227,124 +218,109 @@ def evolve(
     - `senses`: "min" or "max" by objective.
     - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `population`: designs in a generation [-].
-    - `generations`: how many [-].
-    - `seed`: of chance.
-    - `continuous`: whether sizes may lie between those listed.
-    - `checkpoint`: a file that is kept after each generation, and gone on from [-].
-    - `watch`: called with how many generations are done [-].
+    - `generations`: their number [-].
+    - `seed`: random seed.
+    - `continuous`: true if sizes may lie between those listed.
+    - `checkpoint`: a file that is written after each generation; if it exists, the search resumes
+      from it.
+    - `watch`: called with the number of finished generations [-].
     - `extra`: objectives to record that don't make the front.
-    - `catalog`: products and prices [-]; left out, none is known.
+    - `catalog`: products and prices [-]; left out, no price is known.
     - `least_margin`: relative margin [-] below which the recommended one is warned of.
 
-    **Returns:** what was found: of all designs that were judged, those of the front and the
+    **Returns:** the result, with those of all evaluated designs that are on the front and the
     cheapest, or where none keeps the limits the one that comes nearest to the task.
 
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
     `ModuleNotFoundError` without pymoo.
     """
-    limits, catalog = with_reach_limits(limits), catalog or Catalog()
-    senses = dict(senses)
-    names, reported = (
-        recorded_objectives(senses, limits),
-        recorded_objectives(senses, limits, extra),
-    )
-    check_search(senses, limits)
-    coding = Coding(space, continuous)
-    # the digest is that of the numbers, `search` of how they are looked for
-    digest = Study(space, task, names, senses, limits, block=1).digest
-    search = {
-        "study": digest, "senses": senses, "limits": str(limits), "catalog": str(catalog),
-        "population": population, "seed": seed, "continuous": continuous,
-    }  # fmt: skip
-    store = None if checkpoint is None else Checkpoint(checkpoint, search)
-    algorithm = _nsga2(coding.genes, len(senses), 1 + len(other_limits(limits)), population, seed)
-    empty = {name: np.zeros(0) for name in names}
-    state = SearchState(0, 0, np.zeros((0, coding.genes)), empty)
-    while state.generation < generations or (store and state.generation < len(store.lines)):
-        infills = algorithm.ask()
-        genomes = np.asarray(infills.get("X"), float)
-        values = store.values(state.generation, genomes, names) if store else None
-        resumed = values is not None
-        if values is None:
-            values = evaluate(coding.designs(genomes), task, names, MIXED)
-        infills.set("F", as_minimization(values, senses))
-        infills.set("G", _broken(values, limits))
-        algorithm.tell(infills=infills)
-        state = _kept(state, genomes, values, senses, limits, coding, catalog)
-        if store and not resumed:
-            store.append(genomes, values)
-        if watch is not None and not resumed:
-            watch(state.generation)
-    designs = coding.designs(state.genomes)
-    # the end result has the resolution of an exhaustive search
-    values = evaluate(designs, task, reported)
-    return conclude(
-        space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
-        state.judged, least_margin,
-    )  # fmt: skip
-
-
-def _nsga2(genes: int, objectives: int, constraints: int, population: int, seed: int) -> Any:
-    """Pymoo's algorithm before its first generation."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.termination import get_termination
 
-    problem = Problem(
-        n_var=genes, n_obj=objectives, n_ieq_constr=constraints, xl=np.zeros(genes),
-        xu=np.ones(genes),
+    limits, senses, catalog = with_reach_limits(limits), dict(senses), catalog or Catalog()
+    names = recorded_objectives(senses, limits)
+    reported = recorded_objectives(senses, limits, extra)
+    check_search(senses, limits)
+    coding = Coding(space, continuous)
+    # the digest is that of the numbers, the other entries are of the search
+    digest = Study(space, task, names, senses, limits, block=1).digest
+    store = None if checkpoint is None else Checkpoint(checkpoint, {
+        "study": digest, "senses": senses, "limits": str(limits), "catalog": str(catalog),
+        "population": population, "seed": seed, "continuous": continuous,
+    })  # fmt: skip
+    generations = max(generations, len(store.generations) if store else 0)
+    algorithm: Any = NSGA2(pop_size=population)
+    algorithm.setup(
+        Problem(
+            n_var=coding.genes, n_obj=len(senses), n_ieq_constr=1 + len(other_limits(limits)),
+            xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
+        ),
+        termination=get_termination("n_gen", _ENDLESS), seed=seed, verbose=False,
     )  # fmt: skip
-    algorithm = NSGA2(pop_size=population)
-    algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
-    return algorithm
+    genomes, values = np.zeros((0, coding.genes)), {name: np.zeros(0) for name in names}
+    evaluated = 0
+    for generation in range(generations):
+        infills = algorithm.ask()
+        new = np.asarray(infills.get("X"), float)
+        new_values = store.values(generation, new, names) if store else None
+        resumed = new_values is not None
+        if new_values is None:
+            new_values = evaluate(coding.designs(new), task, names, MIXED)
+        infills.set("F", as_minimization(new_values, senses))
+        infills.set("G", _violations(new_values, limits))
+        algorithm.tell(infills=infills)
+        evaluated += len(new)
+        genomes = np.concatenate([genomes, new])
+        values = {name: np.concatenate([values[name], new_values[name]]) for name in names}
+        best = _best(genomes, values, senses, limits, coding, catalog)
+        genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
+        if not resumed:
+            if store:
+                store.append(new, new_values)
+            if watch is not None:
+                watch(generation + 1)
+    designs = coding.designs(genomes)
+    # the end result has the resolution of an exhaustive search
+    values = evaluate(designs, task, reported)
+    index = np.full(len(designs), -1)
+    return conclude(
+        space, task, senses, limits, index, values, extra, catalog, designs, evaluated,
+        least_margin,
+    )  # fmt: skip
 
 
-def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
-    """How far limits are broken [SI], positive where they are; first how far from the task."""
+def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
+    """Violations of the limits [SI], positive where they are broken; first the task's."""
     # a share of points says nothing of how near they are
-    far = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
-    columns = [np.where(reaches_task(values, limits), -1.0, far)]
+    miss = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
+    columns = [np.where(reaches_task(values, limits), -1.0, miss)]
     for name, limit in other_limits(limits).items():
         excess = limit.excess(values[name])
         columns.append(np.where(np.isfinite(excess), excess, -1.0))
     return np.stack(columns, axis=1)
 
 
-def _kept(
-    state: SearchState,
+def _best(
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
     coding: Coding,
     catalog: Catalog,
-) -> SearchState:
-    """A generation more, added to what is kept: the front and the cheapest, or the nearest."""
-    more = state._replace(generation=state.generation + 1, judged=state.judged + len(genomes))
-    rows = np.concatenate([state.genomes, genomes])
-    both = {name: np.concatenate([state.values[name], values[name]]) for name in values}
-    (good,) = np.nonzero(within_limits(both, limits))
-    kept = np.zeros(len(rows), bool)
+) -> np.ndarray:
+    """Indices of the front and the cheapest design, or of the nearest."""
+    good = np.flatnonzero(within_limits(values, limits))
     if not good.size:
-        kept[nearest(both, limits)] = True
-    else:
-        points = as_minimization(both, senses)[good]
-        # of equal points the first is enough
-        first = np.zeros(len(good), bool)
-        first[np.unique(points, axis=0, return_index=True)[1]] = True
-        kept[good[first & non_dominated(points)]] = True
-        kept[_cheapest(coding, rows, both, good, catalog)] = True
-    return more._replace(genomes=rows[kept], values={name: one[kept] for name, one in both.items()})
-
-
-def _cheapest(
-    coding: Coding, rows: Genomes, values: Values, good: np.ndarray, catalog: Catalog
-) -> int | None:
-    def designs(places: np.ndarray) -> Designs:
-        return coding.designs(rows[places])
-
-    return cheapest(good, values, designs, catalog, coding.space.drawings)
-
-
-def _place(share: np.ndarray, count: int) -> np.ndarray:
-    return np.minimum((share * count).astype(int), count - 1)
+        return np.array([nearest(values, limits)])
+    points = as_minimization(values, senses)[good]
+    best = np.zeros(len(genomes), bool)
+    # of equal points the first is enough
+    best[good[np.unique(points, axis=0, return_index=True)[1]]] = True
+    best[good] &= non_dominated(points)
+    best[
+        cheapest(
+            good, values, lambda rows: coding.designs(genomes[rows]), catalog, coding.space.drawings
+        )
+    ] = True
+    return np.flatnonzero(best)

@@ -1,8 +1,8 @@
-"""Objectives of designs and limits on them, from the `Outcome` of many designs at once.
+"""Objectives of designs and limits on them, from the `Outcome` of many designs together.
 
-Each objective is declared where it is written: `OBJECTIVES` has it by name, with unit, the sense in
-which it is better, and what it needs beyond the task's own points; files, searches, results,
-reports and the docs read that. Weights are the task's, over their sum.
+`OBJECTIVES` has each objective by its name, with unit, the sense in which it is better, and what it
+needs beyond the task's points; files, searches, results, reports and the docs read that. Weights
+are the task's, over their sum.
 
 Every search has the limit that a design reaches all points of the task. `not_reached`, limited, is
 the share of the task that may be missed; it is counted by weight *and* by points, so that a peak
@@ -24,6 +24,7 @@ from .outcome import MET, Outcome
 
 
 PerDesign = Numbers
+Function = Callable[[Outcome], PerDesign]
 
 
 class Objective(NamedTuple):
@@ -31,28 +32,26 @@ class Objective(NamedTuple):
     `needs`: "" for the task's points, "size" for radii and bowing, "curves" for all strains.
     """
 
-    function: Callable[[Outcome], PerDesign]
+    function: Function
     unit: str
     sense: str
     needs: str = ""
 
     @property
     def about(self) -> str:
-        """What it is, in a sentence."""
+        """Description in a sentence."""
         return " ".join((self.function.__doc__ or "").split()).split(" [")[0]
 
 
 OBJECTIVES: dict[str, Objective] = {}
 
 
-def objective(
-    unit: str, sense: str, needs: str = ""
-) -> Callable[[Callable[[Outcome], PerDesign]], Callable[[Outcome], PerDesign]]:
+def objective(unit: str, sense: str, needs: str = "") -> Callable[[Function], Function]:
     """Declare a function of an `Outcome` as an objective of its name; a decorator.
 
     **Arguments:**
 
-    - `unit`: of what it gives: "-", "N", "J", "m" or another that `fascicle.units` has.
+    - `unit`: of its values: "-", "N", "J", "m" or another that `fascicle.units` has.
     - `sense`: in which it is better, "min" or "max".
     - `needs`: beyond the task's points: "size" or "curves".
 
@@ -64,18 +63,16 @@ def objective(
     check_choice(sense, ("min", "max"), "sense")
     check_choice(needs or "points", ("points", "size", "curves"), "needs")
 
-    def declared(function: Callable[[Outcome], PerDesign]) -> Callable[[Outcome], PerDesign]:
+    def declare(function: Function) -> Function:
         name = function.__name__
         if name in OBJECTIVES:
             raise InvalidInputError(name, "is an objective already", None, "choose another name")
         if not function.__doc__:
-            raise InvalidInputError(
-                name, "must have a docstring", None, "it is how reports tell it"
-            )
+            raise InvalidInputError(name, "must have a docstring", None, "reports show it")
         OBJECTIVES[name] = Objective(function, unit, sense, needs)
         return function
 
-    return declared
+    return declare
 
 
 @objective("-", "max")
@@ -88,9 +85,9 @@ def mean_efficiency(outcome: Outcome) -> PerDesign:
     works = outcome.work > 0
     # a divisor where there is nothing to divide; at work the fluid's volume has grown
     E = where(works, outcome.energy, 1.0)
-    share = where(works & outcome.reached, outcome.work, 0.0) / E
-    counted = where(works, outcome.weight, 0.0)
-    return (counted * share).sum(axis=0) / counted.sum(axis=0)
+    efficiency = where(works & outcome.reached, outcome.work, 0.0) / E
+    weight = where(works, outcome.weight, 0.0)
+    return (weight * efficiency).sum(axis=0) / weight.sum(axis=0)
 
 
 @objective("J", "min")
@@ -132,7 +129,7 @@ def relative_margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over what is demanded there [-], over the task's largest force where
     nothing is; negative where a point isn't reached.
     """
-    return -_largest(-outcome.spare / _reference(outcome))
+    return -_largest(-outcome.spare / outcome.reference)
 
 
 @objective("N", "min")
@@ -152,7 +149,7 @@ def relative_shortfall(outcome: Outcome) -> PerDesign:
     """Largest shortfall over what is demanded there [-], over the task's largest force where
     nothing is.
     """
-    return _largest(outcome.shortfall / _reference(outcome))
+    return _largest(outcome.shortfall / outcome.reference)
 
 
 @objective("N", "max")
@@ -182,7 +179,7 @@ def envelope(outcome: Outcome) -> PerDesign:
 
     Every unit but a lone one can be unfed while others contract it.
     """
-    return _asked(outcome.size, "size")
+    return _computed(outcome.size, "size")
 
 
 @objective("-", "min", "curves")
@@ -190,7 +187,7 @@ def reversal_depth(outcome: Outcome) -> PerDesign:
     """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
     ones at the supply's [-]; 0 for a lone unit.
     """
-    return _asked(outcome.depth, "depth")
+    return _computed(outcome.depth, "depth")
 
 
 @objective("N", "max", "curves")
@@ -198,33 +195,40 @@ def overlap_width(outcome: Outcome) -> PerDesign:
     """Largest height in force of what two successive states both reach, at forces of zero and
     above [N].
     """
-    return _asked(outcome.overlap, "overlap")
+    return _computed(outcome.overlap, "overlap")
 
 
-def known(names: Iterable[str]) -> tuple[str, ...]:
+def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
+    return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
+
+
+def _largest(values: Numbers) -> PerDesign:
+    """Largest of the points, or of the units."""
+    xp = array_namespace(values)
+    if xp is np:
+        return values.max(axis=0)
+    # by its index: a compiler may evaluate what it compares a second time, with other last bits,
+    # and none is then equal to the largest, nor has any its derivative
+    return xp.take_along_axis(values, xp.argmax(values, axis=0)[None], axis=0)[0]
+
+
+def _computed(values: PerDesign | None, name: str) -> PerDesign:
+    if values is None:
+        raise InvalidInputError("outcome", f"holds no `{name}`", None, f"compute it with `{name}`")
+    return values
+
+
+def check_objectives(names: Iterable[str], scheme: AbstractScheme | None = None) -> tuple[str, ...]:
     """Names of objectives, checked.
 
-    **Arguments:** `names`: some of `OBJECTIVES`.
-
-    **Returns:** them, in their order, each once.
-
-    **Raises:** `ValueError` for an unknown one; the nearest is suggested.
+    `names`: some of `OBJECTIVES`; `scheme`: of recruitment; left out, any. Returns the names in
+    their order, without repetitions. Raises `ValueError` for an unknown one, the nearest is
+    suggested, and for one that compares a state with the next under a scheme that recruits units
+    independently.
     """
-    return tuple(dict.fromkeys(check_choice(name, OBJECTIVES, "objectives") for name in names))
-
-
-def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
-    """Refuse objectives that compare a state with the next, where a scheme has no such turns.
-
-    **Arguments:**
-
-    - `names`: of the objectives.
-    - `scheme`: of recruitment.
-
-    **Raises:** `ValueError` for the first of them.
-    """
+    names = tuple(dict.fromkeys(check_choice(name, OBJECTIVES, "objectives") for name in names))
     for name in names:
-        if scheme.independent and OBJECTIVES[name].needs == "curves":
+        if scheme is not None and scheme.independent and OBJECTIVES[name].needs == "curves":
             raise InvalidInputError(
                 "objectives",
                 f"can't hold {name!r} with scheme {scheme.name!r}, whose units aren't recruited"
@@ -233,43 +237,17 @@ def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
                 "leave it out, or take another scheme",
                 shown="",
             )
+    return names
 
 
 def needs(names: Iterable[str]) -> tuple[str, ...]:
-    """What objectives need beyond the task's points; `names` are theirs."""
+    """Needs of objectives beyond the task's points: "curves", "size"; `names` are theirs."""
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
 def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
     """Objectives of an `outcome`, a row for each of their `names`, in its unit [SI]."""
     return stack([OBJECTIVES[name].function(outcome) for name in names])
-
-
-def _reference(outcome: Outcome) -> Numbers:
-    """Force that a share of a point's force refers to [N]."""
-    F = outcome.force
-    return where(F > 0, F, F.max())
-
-
-def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
-    return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
-
-
-def _largest(values: Numbers) -> PerDesign:
-    """Of the points, or of the units."""
-    at_work = array_namespace(values)
-    if at_work is np:
-        return values.max(axis=0)
-    # by its place: a compiler may evaluate what it compares a second time, with other last bits,
-    # and none is then equal to the largest, nor has any its derivative
-    place = at_work.argmax(values, axis=0)[None]
-    return at_work.take_along_axis(values, place, axis=0)[0]
-
-
-def _asked(values: PerDesign | None, name: str) -> PerDesign:
-    if values is None:
-        raise InvalidInputError("outcome", f"holds no `{name}`", None, "ask the kernel for it")
-    return values
 
 
 _ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
@@ -282,13 +260,22 @@ class Limit(NamedTuple):
     most: float = np.inf
 
     def holds(self, values: Any) -> Any:
-        """Whether `values` [SI], of any shape, are within [-], up to rounding; a NaN isn't."""
-        return (values >= self.least - _hair(self.least)) & (values <= self.most + _hair(self.most))
+        """Mask of the `values` [SI], of any shape, within, up to rounding; a NaN isn't."""
+        low, high = self._with_tolerance
+        return (values >= low) & (values <= high)
 
     def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
-        """How far `values` [SI] are outside [SI]; not positive within."""
-        below = self.least - _hair(self.least) - values
-        return np.maximum(below, values - self.most - _hair(self.most))
+        """Distance of `values` [SI] from the interval [SI]; not positive within."""
+        low, high = self._with_tolerance
+        return np.maximum(low - values, values - high)
+
+    @property
+    def _with_tolerance(self) -> tuple[float, float]:
+        low, high = (
+            _ROUNDING * max(1.0, abs(end)) if np.isfinite(end) else 0.0
+            for end in (self.least, self.most)
+        )
+        return self.least - low, self.most + high
 
 
 Limits = Mapping[str, Limit]
@@ -296,11 +283,11 @@ Values = Mapping[str, Float[np.ndarray, " design"]]
 
 
 def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
-    """Which designs keep all limits; `values` [SI] and `limits` [SI] by objective."""
-    kept = np.ones(len(next(iter(values.values()))), bool)
+    """Mask of designs within all limits; `values` [SI] and `limits` [SI] by objective."""
+    within = np.ones(len(next(iter(values.values()))), bool)
     for name, limit in limits.items():
-        kept &= limit.holds(values[name])
-    return kept
+        within &= limit.holds(values[name])
+    return within
 
 
 def check_search(senses: Mapping[str, str], limits: Limits) -> None:
@@ -320,13 +307,9 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
             )
 
 
-def _hair(end: Any) -> float:
-    return _ROUNDING * max(1.0, abs(end)) if np.isfinite(end) else 0.0
-
-
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
 SHARES = (BY_WEIGHT, BY_POINTS)
-# what tells how far a design is from the task, and which of two is cheaper, whatever is asked
+# of every search: they say how far a design is from the task, and which of two is cheaper
 ALWAYS = (
     *SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy",
 )  # fmt: skip
@@ -335,22 +318,20 @@ ALWAYS = (
 def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
     """Limits with what must be reached.
 
-    **Arguments:** `limits`: on objectives, by name [SI].
-
-    **Returns:** them, with the shares of the task that may be missed [-]: none, or as much as
-    `not_reached` was limited to, by weight and by points.
+    `limits`: on objectives, by name [SI]. Returns the limits, with the shares of the task that may
+    be missed [-]: none, or as much as `not_reached` was limited to, by weight and by points.
     """
-    given = dict(limits or {})
-    share, points = given.get(BY_WEIGHT, Limit()), given.get(BY_POINTS, Limit())
-    missed = share.most if np.isfinite(share.most) else 0.0
-    return given | {
-        BY_WEIGHT: Limit(share.least, missed),
-        BY_POINTS: Limit(points.least, min(points.most, missed)),
+    limits = dict(limits or {})
+    by_weight, by_points = limits.get(BY_WEIGHT, Limit()), limits.get(BY_POINTS, Limit())
+    allowed = by_weight.most if np.isfinite(by_weight.most) else 0.0
+    return limits | {
+        BY_WEIGHT: Limit(by_weight.least, allowed),
+        BY_POINTS: Limit(by_points.least, min(by_points.most, allowed)),
     }
 
 
 def allowed_miss_fraction(limits: Limits) -> float:
-    """The share of the task that may be missed [-], by `limits` [SI] as of `demanding`."""
+    """Share of the task that may be missed [-]; `limits` [SI] as of `with_reach_limits`."""
     return float(np.clip(limits[BY_WEIGHT].most, 0.0, 1.0))
 
 
@@ -360,31 +341,28 @@ def recorded_objectives(
     """Objectives that a search computes: those of its `senses`, of its `limits` [SI], the
     `extra` ones, and those that every search needs.
     """
-    return known([*senses, *limits, *extra, *ALWAYS])
+    return check_objectives([*senses, *limits, *extra, *ALWAYS])
 
 
 def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
-    """Which designs reach what must be, whatever else they break; `values` and `limits` [SI]."""
+    """Mask of designs that reach the task, whatever other `limits` [SI] they break; by `values`
+    [SI].
+    """
     return within_limits(values, {name: limits[name] for name in SHARES})
 
 
 def other_limits(limits: Limits) -> dict[str, Limit]:
-    """The `limits` [SI] that aren't about what is reached."""
+    """The `limits` [SI] on other objectives than the shares that may be missed."""
     return {name: limit for name, limit in limits.items() if name not in SHARES}
 
 
 def is_enough(
     spare: Float[np.ndarray, "*any point"], weight: Float[np.ndarray, " point"], may_miss: float
 ) -> Any:
-    """Whether what is reached is enough.
+    """True where no more is missed than allowed, by weight and by points.
 
-    **Arguments:**
-
-    - `spare`: force to spare at each point [N], negative where it isn't reached.
-    - `weight`: of the points [-].
-    - `may_miss`: share of the task that may be missed [-].
-
-    **Returns:** whether no more is missed, by weight and by points.
+    `spare`: force to spare at each point [N], negative where it isn't reached; `weight`: of the
+    points [-]; `may_miss`: share of the task that may be missed [-].
     """
     missed, limit = spare < -MET, Limit(most=may_miss)
     by_weight = np.sum(missed * weight, axis=-1) / np.sum(weight)

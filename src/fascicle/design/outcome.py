@@ -1,4 +1,4 @@
-r"""What designs do at the points of a task, from a table of their muscles' forces.
+r"""Outcome of designs at the points of a task, from a table of their muscles' forces.
 
 A recruitment state covers, at one strain, the forces between the least and the largest that
 its throttled pressure gives, sums over units as in (B10). A demanded force within is met there, in
@@ -29,7 +29,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module, static
 from ..core.types import Marks, Numbers, Whole
 from ..core.validation import LARGEST_STRAIN
-from .designs import bowed_diameter
+from .designs import packed_radius
 from .task import Task
 
 
@@ -57,7 +57,7 @@ class Demand(Module):
         return cls(task.force, travel, task.weight, supply, task.scheme, task.stroke is not None)
 
     def strain(self, length: Numbers) -> Numbers:
-        """Contractions [-] of a bundle of `length` [m], at most the largest that laws know."""
+        """Contractions [-] of a bundle of `length` [m], limited to the domain of the laws."""
         travel = with_axes(self.travel, np.ndim(length))
         return minimum(travel / length, LARGEST_STRAIN) if self.by_stroke else travel
 
@@ -67,7 +67,7 @@ class Demand(Module):
         return work if self.by_stroke else work * length
 
     def is_possible(self, length: Numbers) -> Marks:
-        """Whether laws know a contraction as large, for a bundle of `length` [m]."""
+        """True where a contraction of a bundle of `length` [m] is in the domain of the laws."""
         travel = with_axes(self.travel, np.ndim(length))
         return travel <= (LARGEST_STRAIN * length if self.by_stroke else np.inf)
 
@@ -76,7 +76,7 @@ class ForceTable(NamedTuple):
     """Forces of muscles at the task's points, points first, muscles last.
 
     `unfed` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
-    or the largest over all of them alone [N], on an axis of its own, which is first; fluid `volume`
+    or the largest over all of them alone [N], on a further axis, which is first; fluid `volume`
     taken in [m³]; `blocked` force [N] and `length` [m]. Where computed, `radius` and `bulge`
     [m] at the task's largest strain.
     """
@@ -96,13 +96,13 @@ class ForceTable(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What designs do, designs on the last axis.
+    """Outcome of designs at the task's points, designs on the last axis.
 
-    `force` [N], `weight` [-] and `work` [J] of each demanded point; whether it is `reached`, by
-    how much not (`shortfall` [N]), how much more could be pulled with (`spare` [N], negative
-    where it isn't reached), and the fluid `energy` [J] it takes. `blocked` [N]: each unit's
-    force at rest and full supply; `units`: how many motor units. Where they were asked for:
-    `size` [m], the envelope's diameter, `depth` [-] of reversal, `overlap` [N].
+    `force` [N], `weight` [-] and `work` [J] of each demanded point; true where it is `reached`, its
+    `shortfall` [N], the force to `spare` [N], negative where it isn't reached, and the fluid
+    `energy` [J] it takes. `blocked` [N]: each unit's force at rest and full supply; `units`: number
+    of motor units. Where computed: `size` [m], the envelope's diameter, `depth` [-] of reversal,
+    `overlap` [N].
     """
 
     force: Numbers
@@ -118,10 +118,17 @@ class Outcome(NamedTuple):
     depth: Numbers | None = None
     overlap: Numbers | None = None
 
+    @property
+    def reference(self) -> Numbers:
+        """Force that a share of a point's force refers to [N]: the demanded force; the task's
+        largest, where none is.
+        """
+        return where(self.force > 0, self.force, self.force.max())
+
 
 class Visit(NamedTuple):
-    """Which points are `reached`, their `shortfall` and `spare` force [N], and the `state` used,
-    counted from 0; that of a point that isn't reached is the last there is.
+    """Mask of `reached` points, their `shortfall` and `spare` force [N], and the `state` used,
+    counted from 0; that of a point that isn't reached is the last one.
     """
 
     reached: Marks
@@ -132,14 +139,8 @@ class Visit(NamedTuple):
 
 @cache
 def states_for(scheme: AbstractScheme, units: int) -> States:
-    """States in which designs of so many units are evaluated.
-
-    **Arguments:**
-
-    - `scheme`: of recruitment.
-    - `units`: how many motor units designs have at most [-].
-
-    **Returns:** the scheme's states, or where units are independent the sets that may be fed.
+    """States in which designs of at most so many `units` are evaluated: the scheme's, or where
+    units are independent the sets that may be fed.
 
     **Raises:** `ValueError` where there are too many.
     """
@@ -147,14 +148,8 @@ def states_for(scheme: AbstractScheme, units: int) -> States:
 
 
 def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
-    """Which states designs have.
-
-    **Arguments:**
-
-    - `scheme`: of recruitment.
-    - `exists`: whether a design has each unit, units first.
-
-    **Returns:** a mark for each state, states first.
+    """Mask of the states that designs have, states first; `exists`: mask of their units, units
+    first.
     """
     xp, units = array_namespace(exists), len(exists)
     states = states_for(scheme, units)
@@ -163,26 +158,21 @@ def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
         return xp.ones((states.size, *exists.shape[1:]), bool)
     numbers = [0, *(states_of(scheme, fewer).size for fewer in range(1, units + 1))]
     size = xp.asarray(np.array(numbers))[exists.sum(axis=0)]
-    return np.arange(states.size).reshape((-1,) + (1,) * (exists.ndim - 1)) < size
+    return with_axes(np.arange(states.size), exists.ndim - 1) < size
 
 
 def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbers, Numbers]:
     """Least and largest force of each state.
 
-    **Arguments:**
-
-    - `counts`: muscles in each unit, units first.
-    - `table`: forces of a muscle of each unit.
-    - `states`: of the scheme.
-
-    **Returns:** both [N], states first, then points. The least is right only where the table has
-    every level.
+    `counts`: muscles in each unit, units first; `table`: forces of a muscle of each unit; `states`:
+    of the scheme. Returns both [N], states first, then points. The least is right only where the
+    table has every level.
     """
-    off, full, levels = (
+    unfed, full, levels = (
         array_namespace(x).moveaxis(counts * x, -counts.ndim, -1)
         for x in (table.unfed, table.full, table.levels)
     )
-    return states.edges(levels, off, full)
+    return states.edges(levels, unfed, full)
 
 
 def visit(
@@ -195,16 +185,11 @@ def visit(
 ) -> Visit:
     """Choose the state that meets each point of a demand.
 
-    **Arguments:**
-
-    - `demand`: the task's.
-    - `length`: of the bundles at rest [m], one or of every design.
-    - `high`: largest force of each state [N], states first, then points, designs last.
-    - `exists`: which states designs have, designs last.
-    - `low`: their least force [N], of the same shape; `None` where no gap is between states.
-    - `cost`: of each state [any unit], of which the least is used; `None` for the lowest state.
-
-    **Returns:** the visit.
+    `demand`: the task's; `length`: of the bundles at rest [m], one or of every design; `high`:
+    largest force of each state [N], states first, then points, designs last; `exists`: mask of the
+    states that designs have, designs last; `low`: their least force [N], of the same shape; `None`
+    where no gap is between states; `cost`: of each state [any unit], of which the least is used;
+    `None` for the lowest state.
     """
     xp, axes = array_namespace(high), np.ndim(high) - 2
     F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
@@ -227,7 +212,7 @@ def visit(
 
 def sum_fed(values: Numbers, states: States) -> Numbers:
     """Sum of `values` over the units that each of the `states` feeds [any unit]; units last, and
-    states first in what is returned.
+    states first in the result.
     """
     sums = values @ states.pressurized.T.astype(float)
     return array_namespace(sums).moveaxis(sums, -1, 0)
@@ -241,18 +226,12 @@ def outcome(
     depth: Numbers | None = None,
     overlap: Numbers | None = None,
 ) -> Outcome:
-    """What designs do at a task's points.
+    """Outcome of designs at a task's points.
 
-    **Arguments:**
-
-    - `counts`: muscles in each unit, units first, designs last.
-    - `table`: of a muscle of each unit; one stands for all units where they are equal.
-    - `length`: of the bundles at rest [m], one or of every design.
-    - `demand`: the task's.
-    - `depth`: of reversal [-], if known.
-    - `overlap`: of states [N], if known.
-
-    **Returns:** the outcome.
+    `counts`: muscles in each unit, units first, designs last; `table`: of a muscle of each unit;
+    one stands for all units where they are equal; `length`: of the bundles at rest [m], one or of
+    every design; `demand`: the task's; `depth`: of reversal [-], if computed; `overlap`: of states
+    [N], if computed.
     """
     xp, exists, axes = array_namespace(counts, table.full), counts > 0, np.ndim(counts) - 1
     states = states_for(demand.scheme, len(counts))
@@ -265,10 +244,11 @@ def outcome(
         None if states.gapless else low, cost,
     )  # fmt: skip
     taken = xp.take_along_axis(sum_fed(volume, states), visited.state[None], axis=0)[0]
-    size = None
+    units, size = exists.sum(axis=0), None
     if table.radius is not None and table.bulge is not None:
-        bulge = where(exists, table.bulge, 0.0).max(axis=0)
-        size = bowed_diameter((table.radius + 0.0 * counts).T, counts.T, bulge)
+        # a lone unit is fed, and doesn't bow
+        bulge = where(units > 1, where(exists, table.bulge, 0.0).max(axis=0), 0.0)
+        size = 2 * (packed_radius((table.radius + 0.0 * counts).T, counts.T) + bulge)
     return Outcome(
         force=with_axes(demand.force, axes),
         weight=with_axes(demand.weight, axes),
@@ -278,7 +258,7 @@ def outcome(
         spare=visited.spare,
         energy=demand.supply * taken,
         blocked=counts * table.blocked,
-        units=exists.sum(axis=0),
+        units=units,
         size=size,
         depth=depth,
         overlap=overlap,

@@ -1,18 +1,18 @@
-r"""Sizes refined by gradients, from a design whose split is chosen.
+r"""Gradient-based refinement of sizes, from a design whose split is chosen.
 
-An objective is bettered by Adam steps on coordinates that keep every size within its bounds,
+An objective is improved by Adam steps on coordinates that keep every size within its bounds,
 $x = l + (h - l)/(1 + e^{-z})$, from several starts. What must be reached enters as a penalty
 on the shortfalls, each over what is demanded there and counting the same, whose slope, unlike
 that of the points not reached, leads there. The laws are differentiable; where the state that
 meets a point changes, the objective has a step, which a gradient doesn't see: the best of all
-steps is kept, as the slow way judges it. One that reaches the task is better than any that
-doesn't, whatever its objective.
+steps is the result. One that reaches the task is better than any that doesn't, whatever its
+objective.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -23,22 +23,24 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float, Int
 from ..core.validation import check_choice
 from ..muscle import Muscle
-from .designs import Designs, Sizes, concatenate
+from .designs import Designs, Sizes
 from .evaluation import design_outcome, evaluate
-from .objectives import OBJECTIVES, SHARES, known, needs, objective_values
+from .objectives import OBJECTIVES, SHARES, check_objectives, needs, objective_values
 from .outcome import Demand
 from .task import Task
 
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")
-_RATE = 0.2
-_STERNER, _STERNEST = 1.1, 1e4  # the penalty grows while the task isn't reached
-_INSIDE = 6.0  # a coordinate's largest size: a part in 400 from a bound
+_RATE = 0.2  # of Adam, in coordinates: a bound is some 30 steps away
+_PENALTY_GROWTH, _LARGEST_PENALTY = 1.1, 1e4  # per step while the task isn't reached; of the first
+_LARGEST_COORDINATE = 6.0  # a part in 400 from a bound
+_INSIDE = 1e-2  # share of an interval from its bounds at which the first start begins
+_STARTS = 2.0  # coordinates of the other starts, at random: 12 to 88 % of an interval
 
 
 def refine_sizes(
     designs: Designs,
-    place: int,
+    index: int,
     task: Task,
     objective: str,
     bounds: Mapping[str, tuple[float, float]],
@@ -53,18 +55,18 @@ def refine_sizes(
 
     **Arguments:**
 
-    - `designs`: among which the split is.
-    - `place`: which of them.
+    - `designs`: with the split among them.
+    - `index`: of the split.
     - `task`: what is demanded.
-    - `objective`: to better, by name.
+    - `objective`: to improve, by name.
     - `bounds`: least and largest `length` and `radius` [m], `wall_ratio` [-] and `angle` [rad];
-      what isn't bounded is held.
+      a size without bounds is fixed.
     - `sense`: "min" or "max"; left out, the objective's usual one.
     - `penalty`: on the shortfalls over what is demanded, their mean and their largest, in units
-      of what the objective is at first [-]; it grows where the task isn't reached.
+      of the objective's first value [-]; it grows where the task isn't reached.
     - `steps`: of each start.
-    - `starts`: how many; the first is the design itself [-].
-    - `seed`: of the others.
+    - `starts`: their number; the first is the design itself [-].
+    - `seed`: random seed of the others.
     - `may_miss`: share of the task that may be missed [-], by weight and by points.
 
     **Returns:** the best design of each start, and its objective, turned so that smaller is
@@ -75,51 +77,41 @@ def refine_sizes(
     """
     import optax
 
-    (name,) = known([objective])
+    (name,) = check_objectives([objective])
     sense = check_choice(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
-    demand, one = Demand.from_task(task), designs.take(np.array([place]))
-    drawing = list(designs.drawings.values())[int(one.kind[0])]
-    one = one.take(np.array([0]), int(one.units[0]))
-    counts, sizes = one.counts[0], one.sizes(0)
-    low, high, first = _box(sizes, bounds)
-    initial = float(evaluate(one, task, [name])[name][0]) or 1.0
+    design = designs.take(np.array([index]))
+    design = design.take(np.array([0]), int(design.units[0]))
+    demand, counts, sizes = Demand.from_task(task), design.counts[0], design.sizes(0)
+    low, high, first = _coordinates(sizes, bounds)
+    initial = float(evaluate(design, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
-    others = rng.uniform(-2.0, 2.0, (starts - 1, first.size))
-    z = jnp.asarray(np.concatenate([first[None], others]))
+    random = rng.uniform(-_STARTS, _STARTS, (starts - 1, first.size))
+    z = jnp.asarray(np.concatenate([first[None], random]))
     sign = (1.0 if sense == "min" else -1.0) / abs(initial)
     adam: Any = optax.adam(_RATE)
     state, weight = jax.vmap(adam.init)(z), np.full(starts, penalty)
     # the best that reaches the task, and the nearest to it
-    best, near = (_Best(np.full(starts, np.inf), np.asarray(z).copy()) for _ in range(2))
+    best, least_miss = np.full(starts, np.inf), np.full(starts, np.inf)
+    best_z = nearest_z = np.asarray(z)
     for _ in range(steps + 1):
-        (_, (value, far)), slope = _slopes(
-            drawing, counts, sizes, demand, z, low, high, sign, jnp.asarray(weight), may_miss,
-            name=name, bounded=tuple(bounds),
+        (_, (value, miss)), slope = _slopes(
+            list(design.drawings.values())[int(design.kind[0])], counts, sizes, demand, z, low,
+            high, sign, jnp.asarray(weight), may_miss, name=name, bounded=tuple(bounds),
         )  # fmt: skip
-        value, far = np.asarray(value), np.asarray(far)
-        best = best.or_better(np.where(far > 0, np.inf, value), np.asarray(z))
-        near = near.or_better(far, np.asarray(z))
-        weight = np.where(far > 0, np.minimum(_STERNER * weight, _STERNEST * penalty), weight)
+        miss, position = np.asarray(miss), np.asarray(z)
+        value = np.where(miss > 0, np.inf, np.asarray(value))
+        best_z = np.where((value < best)[:, None], position, best_z)
+        nearest_z = np.where((miss < least_miss)[:, None], position, nearest_z)
+        best, least_miss = np.fmin(best, value), np.fmin(least_miss, miss)
+        growth = np.minimum(_PENALTY_GROWTH * weight, _LARGEST_PENALTY * penalty)
+        weight = np.where(miss > 0, growth, weight)
         update, state = jax.vmap(adam.update)(slope, state)
-        z = jnp.clip(z + update, -_INSIDE, _INSIDE)
-    kept = np.where(np.isfinite(best.value)[:, None], best.place, near.place)
-    made = [
-        _designed(one, _placed(sizes, jnp.asarray(row), low, high, tuple(bounds))) for row in kept
-    ]
-    return concatenate(made), best.value
-
-
-class _Best(NamedTuple):
-    """The smallest `value` [-] of each start so far, and its `place`."""
-
-    value: Float[np.ndarray, " start"]
-    place: Float[np.ndarray, "start coordinate"]
-
-    def or_better(self, value: np.ndarray, place: np.ndarray) -> "_Best":
-        better = value < self.value
-        return _Best(
-            np.where(better, value, self.value), np.where(better[:, None], place, self.place)
-        )
+        z = jnp.clip(z + update, -_LARGEST_COORDINATE, _LARGEST_COORDINATE)
+    positions = np.where(np.isfinite(best)[:, None], best_z, nearest_z)
+    refined = [_sizes_at(sizes, jnp.asarray(z), low, high, tuple(bounds)) for z in positions]
+    length, radius, wall, angle = (np.stack(arrays) for arrays in zip(*refined, strict=True))
+    copies = design.take(np.zeros(starts, int))
+    return replace(copies, length=length[:, 0], radius=radius, wall=wall, angle=angle), best
 
 
 @partial(jax.jit, static_argnames=("name", "bounded"))
@@ -138,59 +130,50 @@ def _slopes(
     name: str,
     bounded: tuple[str, ...],
 ) -> tuple[Any, Float[Array, "start coordinate"]]:
-    """The cost of each start, with the objective and how far it is from the task; its slopes."""
+    """Cost of each start, with the objective and the distance from the task; its slopes."""
 
     def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
-        own = _placed(sizes, z, low, high, bounded)
-        outcome = design_outcome(drawing, counts, own, demand, needs((name,)))
+        refined = _sizes_at(sizes, z, low, high, bounded)
+        outcome = design_outcome(drawing, counts, refined, demand, needs((name,)))
         names = (name, "relative_shortfall", *SHARES)
         objective, worst, *missed = objective_values(outcome, names)
-        F = outcome.force
-        mean = jnp.mean(outcome.shortfall / jnp.where(F > 0, F, jnp.max(F)))
+        mean = jnp.mean(outcome.shortfall / outcome.reference)
         enough = jnp.max(jnp.stack(missed)) <= may_miss
-        far = jnp.where(enough, 0.0, worst + mean)
-        return sign * objective + weight * far, (sign * objective, far)
+        miss = jnp.where(enough, 0.0, worst + mean)
+        return sign * objective + weight * miss, (sign * objective, miss)
 
-    sloped = jax.value_and_grad(cost, has_aux=True)
-    return jax.lax.map(lambda start: sloped(*start), (z, weight))
+    gradient = jax.value_and_grad(cost, has_aux=True)
+    return jax.lax.map(lambda start: gradient(*start), (z, weight))
 
 
-def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array, Array, Any]:
-    """Bounds of every coordinate, and the design's own place between them."""
-    low, high, own = [], [], []
-    for key, (least, most) in bounds.items():
+def _coordinates(
+    sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
+) -> tuple[Array, Array, np.ndarray]:
+    """Bounds of every size that has some, and the design's coordinates between them."""
+    lows, highs, shares = [], [], []
+    for key, (low, high) in bounds.items():
         check_choice(key, BOUNDED, "bounds")
         values = sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key)
         values = values[:1] if key == "length" else values
-        if not least < most or np.any(values < least) or np.any(values > most):
-            raise InvalidInputError(
-                "bounds",
-                f"of {key} must hold the design's own {values[0]:g}",
-                (least, most),
-                shown=f"{least:g} to {most:g}",
-            )
-        low += [least] * values.size
-        high += [most] * values.size
-        own += values.tolist()
-    lows, highs = np.array(low), np.array(high)
-    share = np.clip((np.array(own) - lows) / (highs - lows), 1e-2, 1 - 1e-2)
-    return jnp.asarray(lows), jnp.asarray(highs), np.log(share / (1 - share))
+        if not low < high or np.any(values < low) or np.any(values > high):
+            rule = f"of {key} must hold the design's {values[0]:g}"
+            raise InvalidInputError("bounds", rule, (low, high), shown=f"{low:g} to {high:g}")
+        lows.append(np.full(values.size, low))
+        highs.append(np.full(values.size, high))
+        shares.append((values - low) / (high - low))
+    low, high, share = (np.concatenate([[], *x]) for x in (lows, highs, shares))
+    share = np.clip(share, _INSIDE, 1 - _INSIDE)
+    return jnp.asarray(low), jnp.asarray(high), np.log(share / (1 - share))
 
 
-def _placed(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str, ...]) -> Sizes:
+def _sizes_at(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str, ...]) -> Sizes:
+    """Sizes at coordinates `z`; those without bounds as they are."""
     values = low + (high - low) / (1 + jnp.exp(-z))
-    units, start, given = sizes.radius.size, 0, {}
+    length, radius, wall, angle = sizes
+    new = {"length": length, "radius": radius, "wall_ratio": wall / radius, "angle": angle}
+    start = 0
     for key in bounded:
-        size = 1 if key == "length" else units
-        part = values[start : start + size]
-        given[key] = part[0] if key == "length" else part
-        start += size
-    radius = given.get("radius", sizes.radius)
-    ratio = given.get("wall_ratio", sizes.wall / sizes.radius)
-    length = given.get("length", sizes.length[0]) + 0.0 * sizes.length
-    return Sizes(length, radius, ratio * radius, given.get("angle", sizes.angle))
-
-
-def _designed(one: Designs, sizes: Sizes) -> Designs:
-    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in ("radius", "wall", "angle")}
-    return replace(one, length=np.asarray(sizes.length)[:1], **arrays)
+        stop = start + (1 if key == "length" else radius.size)
+        new[key] = values[start:stop] + 0.0 * new[key]  # the length for every unit
+        start = stop
+    return Sizes(new["length"], new["radius"], new["wall_ratio"] * new["radius"], new["angle"])

@@ -1,9 +1,9 @@
-r"""Reversal and overlap: what the force curves of muscles say of the units of a bundle.
+r"""Reversal and overlap of a bundle's units, from the force curves of their muscles.
 
 While a unit's pressure rises from zero, earlier ones at the supply's, the free strain may fall: a
-*reversal*. It is found on force curves at even strains and every level of the throttled pressure,
-linear between two strains. Of all levels the first whose force vanishes is found on the least of
-them: at the strain where this does, and there alone, levels are told apart.
+*reversal*. It is computed on force curves at even strains and every level of the throttled
+pressure, linear between two strains. The first strain at which the least force of all levels
+vanishes is located first; levels are compared at that strain alone.
 
 Where all muscles of a design are equal, its force
 
@@ -23,46 +23,37 @@ from ..core.types import AnyArray, Float, Int, Marks, Numbers, Whole
 _BATCH = 2**20  # numbers computed together, some ten megabytes
 
 
-def free_strain_falls(held: Numbers, number: Numbers, force: Numbers, top: Numbers) -> Numbers:
+def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Numbers) -> Numbers:
     """Falls of the free strain while a unit's pressure rises from zero.
 
-    **Arguments:**
-
-    - `held`: force of all other units at even strains [N], a row for each unit.
-    - `number`: muscles of the unit.
-    - `force`: of one of them at every level [N], levels first, strains last.
-    - `top`: the last of the strains [-].
-
-    **Returns:** the fall for each unit [-].
+    `offset`: force of all other units at even strains [N], a row for each unit; `number`: muscles
+    of the unit; `force`: of one of them at every level [N], levels first, strains last; `top`: the
+    last of the strains [-]. Returns the fall for each unit [-].
     """
-    xp, last = array_namespace(held, force), held.shape[-1] - 1
+    xp, last = array_namespace(offset, force), offset.shape[-1] - 1
 
     def total(index: Whole, level: Numbers) -> Numbers:
         """Force at the strain with an index for each unit, levels first."""
-        at_index = (xp.take_along_axis(x, index, axis=-1)[..., 0] for x in (held[None], level))
-        return next(at_index) + number * next(at_index)
+        others, unit = (
+            xp.take_along_axis(x, index, axis=-1)[..., 0] for x in (offset[None], level)
+        )
+        return others + number * unit
 
-    def zero(force: Numbers) -> Numbers:
+    def first_zero(force: Numbers) -> Numbers:
         """First strain at which the force of any level vanishes, in steps of the strain."""
-        right = first_push(held + number[:, None] * force.min(axis=0))
+        right = first_push(offset + number[:, None] * force.min(axis=0))
         ahead, behind = (total(right[None, :, None] + step, force) for step in (-1, 0))
         vanishes = (behind <= 0) | (right == last)
         return right - 1 + where(vanishes, chord_zero(ahead, behind), 1.0).min(axis=0)
 
-    return top * (zero(force[:1]) - zero(force)) / last
+    return top * (first_zero(force[:1]) - first_zero(force)) / last
 
 
 def reversal_depth(counts: Whole, curves: Numbers, top: Numbers, states: States) -> Numbers:
     """Reversal depth of one design: unit after unit in the order of their recruitment.
 
-    **Arguments:**
-
-    - `counts`: muscles in each unit.
-    - `curves`: force of a muscle of each at every level and even strain [N], units last.
-    - `top`: the last of the strains [-].
-    - `states`: of the scheme.
-
-    **Returns:** the depth [-].
+    `counts`: muscles in each unit; `curves`: force of a muscle of each at every level and even
+    strain [N], units last; `top`: the last of the strains [-]; `states`: of the scheme.
     """
     xp, n = array_namespace(curves), counts[states.order]
     force = xp.moveaxis(curves, -1, 1)[:, states.order]
@@ -82,29 +73,25 @@ def uniform_reversal_depths(
 ) -> Float[np.ndarray, " design"]:
     """Reversal depth of designs of one muscle.
 
-    **Arguments:**
-
-    - `counts`: muscles in each unit.
-    - `curves`: force of a muscle at every level and even strain [N].
-    - `top`: the last of the strains [-].
-    - `states`: of the scheme.
-
-    **Returns:** depths [-].
+    `counts`: muscles in each unit; `curves`: force of a muscle at every level and even strain [N];
+    `top`: the last of the strains [-]; `states`: of the scheme.
     """
     n = counts[states.order]
     before = n.cumsum(axis=0) - n
-    # falls are those of a unit's transition, whatever design it is in
-    key = np.stack([before, n, np.broadcast_to(n.sum(axis=0), n.shape)]).reshape(3, -1)
-    size = key.max() + 1
-    code, index = np.unique(np.ravel_multi_index(tuple(key), (size,) * 3), return_inverse=True)
-    first, own, total = np.unravel_index(code, (size,) * 3)
-    falls = np.zeros(code.size)
-    (later,) = np.nonzero((first > 0) & (own > 0))
-    for start in range(0, later.size, step := max(1, _BATCH // curves.shape[1])):
-        some = later[start : start + step]
-        a, m = first[some, None], own[some, None]
-        held = a * curves[-1] + (total[some, None] - a - m) * curves[0]
-        falls[some] = free_strain_falls(held, own[some], curves[:, None], top)
+    unfed = n.sum(axis=0) - before - n
+    # a fall depends on (a, n, r) alone
+    shape = (int(n.sum(axis=0).max()) + 1,) * 3
+    code = np.ravel_multi_index((before, n, unfed), shape)
+    code, index = np.unique(code, return_inverse=True)
+    transitions = np.stack(np.unravel_index(code, shape))
+    falls = np.zeros(transitions.shape[1])
+    (later,) = np.nonzero((transitions[0] > 0) & (transitions[1] > 0))
+    step = max(1, _BATCH // curves.shape[1])
+    for start in range(0, later.size, step):
+        part = later[start : start + step]
+        a, m, r = transitions[:, part]
+        offset = a[:, None] * curves[-1] + r[:, None] * curves[0]
+        falls[part] = free_strain_falls(offset, m, curves[:, None], top)
     return falls[index.reshape(n.shape)].max(axis=0)
 
 
@@ -113,32 +100,24 @@ def overlap_width(
 ) -> Numbers:
     """Largest height in force of what two successive states both reach.
 
-    **Arguments:**
-
-    - `counts`: muscles in each unit, units first, designs last.
-    - `curves`: force of a muscle of each unit at every level and even strain [N].
-    - `levels`: the same; where all units have one muscle, least and largest are enough [N].
-    - `states`: of the scheme.
-    - `exists`: which states designs have.
-
-    **Returns:** the width [N].
+    `counts`: muscles in each unit, units first, designs last; `curves`: force of a muscle of each
+    unit at every level and even strain [N]; `levels`: the curves; where all units have one muscle,
+    least and largest are enough [N]; `states`: of the scheme; `exists`: mask of the states that
+    designs have.
     """
     xp = array_namespace(counts, curves)
-    off, full, throttled = (
+    unfed, full, throttled = (
         xp.moveaxis(counts * x, -counts.ndim, -1) for x in (curves[0], curves[-1], levels)
     )
-    low, high = states.edges(throttled, off, full)
+    low, high = states.edges(throttled, unfed, full)
     bottom, top = overlap_edges((low[:-1], high[:-1]), (low[1:], high[1:]))
     height = (top - bottom).max(axis=1, initial=0.0)
     return where(exists[1:], height, 0.0).max(axis=0, initial=0.0)
 
 
 def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:
-    """The first strain after rest at which a force doesn't pull.
-
-    **Arguments:** `force`: over strains, on the last axis [N].
-
-    **Returns:** its index; the last, if there is none.
+    """Index of the first strain after rest at which a `force` over strains, on the last axis [N],
+    doesn't pull; of the last strain, if there is none.
     """
     xp = array_namespace(force)
     index = xp.arange(force.shape[-1])
@@ -147,11 +126,8 @@ def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:
 
 
 def chord_zero(left: Numbers, right: Numbers) -> Numbers:
-    """How far from one strain to the next a force vanishes.
-
-    **Arguments:** `left`, `right`: at both [N].
-
-    **Returns:** the share of the way [-].
+    """Share of the way from a strain to the next at which a force vanishes [-]; `left`, `right`:
+    the force at both [N].
     """
     # the last of all may still pull by rounding: it is the zero itself
     drop = left - minimum(right, 0.0)

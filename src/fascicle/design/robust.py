@@ -1,4 +1,4 @@
-r"""How sure a design is: the same objectives for bundles as they come out.
+r"""Spread of a design's objectives over bundles as they are made.
 
 A draw changes what is not known well: the material and the laws' numbers, from a calibrated
 muscle's covariance, and what no two muscles have alike, from fabrication scatter, (D2). Sizes
@@ -19,6 +19,7 @@ from jax import Array, lax
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.types import Bool, Float, Int, Values
+from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs, Sizes
@@ -26,8 +27,7 @@ from .evaluation import design_outcome, room_for_units
 from .exhaustive_search import as_minimization, non_dominated
 from .objectives import (
     Limits,
-    check_turns,
-    known,
+    check_objectives,
     needs,
     objective_values,
     with_reach_limits,
@@ -38,11 +38,16 @@ from .tables import MIXED, Resolution
 from .task import Task
 
 
+_MATERIAL = ("c10", "c01", "youngs_modulus")
+VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
+_SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
 _LARGEST_ANGLE = 0.95  # rad, short of where a muscle no longer contracts
+_TOGETHER = 8  # draws computed in one call of the compiled program: as fast as more
+_INDICES = ("S1", "S1_conf", "ST", "ST_conf")  # SALib's keys
 
 
 class Scales(NamedTuple):
-    """What a draw multiplies the drawing's sizes by, and what it adds to angles [rad]."""
+    """Factors of a draw on the drawing's sizes, and what it adds to angles [rad]."""
 
     length: Float[Array, " draw"]
     radius: Float[Array, "draw unit"]
@@ -52,8 +57,8 @@ class Scales(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Objectives of designs over draws. `values` [SI] by name, draws last; `met`: whether a
-    draw reaches what must be of the task and keeps all limits.
+    """Objectives of designs over draws. `values` [SI] by name, draws last; `met`: mask of the
+    draws that reach the task and keep all limits.
     """
 
     values: dict[str, Float[np.ndarray, "design draw"]]
@@ -66,19 +71,19 @@ class Spread:
 
     def quantile(self, share: float) -> dict[str, Float[np.ndarray, " design"]]:
         """A quantile of every objective [SI]; `share`: of the draws below it [-]."""
-        return {name: np.quantile(one, share, axis=1) for name, one in self.values.items()}
+        return {name: np.quantile(draws, share, axis=1) for name, draws in self.values.items()}
 
     def front(
         self, senses: Mapping[str, str], confidence: float = 0.9
     ) -> Bool[np.ndarray, " design"]:
-        """Designs whose sure values none betters.
+        """Mask of the designs whose sure values no other dominates.
 
         **Arguments:**
 
         - `senses`: "min" or "max" by objective.
         - `confidence`: share of the draws that do at least as well as a sure value [-].
 
-        **Returns:** a mask.
+        **Returns:** the mask.
         """
         low, high = self.quantile(1 - confidence), self.quantile(confidence)
         sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
@@ -106,35 +111,42 @@ def spread(
     - `scatter`: of length and braid angle; left out, none.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; left
       out, the drawing itself.
-    - `draws`: how many [-], the same for every design.
-    - `seed`: of chance.
+    - `draws`: their number [-], the same for every design.
+    - `seed`: random seed.
 
     **Returns:** values over the draws [SI].
 
     **Raises:** `ValueError` for designs of several drawings and unknown objectives.
     """
     limits = with_reach_limits(limits)
-    names = known([*objectives, *limits])
-    check_turns(names, task.scheme)
-    drawing = _only(designs)
-    generator = np.random.default_rng(seed)
-    units = designs.counts.shape[1]
-    draw = np.arange(draws) if muscles is None else generator.integers(0, _size(muscles), draws)
-    kinds = _repeated(drawing, draws) if muscles is None else _picked(muscles, drawing, draw)
-    scales = _scales(drawing, kinds, scatter, generator, draws, units)
-    demand = Demand.from_task(task)
-    values = np.empty((len(names), len(designs), draws))
-    for place in range(len(designs)):
-        values[:, place] = drawn_objectives(
-            kinds,
-            *_arrays(designs, place, task),
-            scales,
-            demand,
-            names=names,
-            needs=needs(names),
+    names = check_objectives([*objectives, *limits], task.scheme)
+    drawing, scatter = _single_drawing(designs), Scatter() if scatter is None else scatter
+    generator, shape = np.random.default_rng(seed), (draws, designs.counts.shape[1])
+    kinds = _repeat(drawing, draws)
+    if muscles is not None:
+        size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
+        kinds = _pick(muscles, drawing, generator.integers(0, size, draws))
+    length_factor = 1 + scatter.length * generator.standard_normal(draws)
+    tilt = scatter.braid_angle * generator.standard_normal(shape)
+    length, radius, wall = (
+        np.asarray(getattr(kinds, name) / getattr(drawing, name))
+        for name in ("length", "outer_radius", "wall_thickness")
+    )
+    turn = np.asarray(kinds.braid_angle - drawing.braid_angle)
+    scales = Scales(
+        jnp.asarray(length_factor * length),
+        jnp.asarray(radius[:, None] * np.ones(shape)),
+        jnp.asarray(wall[:, None] * np.ones(shape)),
+        jnp.asarray(tilt + turn[:, None]),
+    )
+    demand, values = Demand.from_task(task), np.empty((len(names), len(designs), draws))
+    for index in range(len(designs)):
+        counts, sizes = _arrays(designs, index, task)
+        values[:, index] = drawn_objectives(
+            kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
         )
     by_name = dict(zip(names, values, strict=True))
-    met = within_limits({k: v.ravel() for k, v in by_name.items()}, limits)
+    met = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
     return Spread(by_name, met.reshape(len(designs), draws))
 
 
@@ -152,54 +164,48 @@ def drawn_objectives(
 ) -> Float[Array, "objective draw"]:
     """Objectives of a design in every draw.
 
-    **Arguments:**
-
-    - `kinds`: the drawing as drawn, on the first axis of all its numbers [-].
-    - `counts`: muscles in each unit of the design.
-    - `sizes`: of them.
-    - `scales`: what each draw does to them.
-    - `demand`: the task's.
-    - `names`: of the objectives.
-    - `needs`: what these need beyond the task's points.
-    - `resolution`: of levels and strains [-].
-
-    **Returns:** them, a row for each name, in its unit [SI].
+    `kinds`: the drawing as drawn, on the first axis of all its numbers [-]; `counts`: muscles in
+    each unit of the design; `sizes`: of the muscles of each unit; `scales`: of the draws; `demand`:
+    the task's; `names`: of the objectives; `needs`: of the objectives beyond the task's points;
+    `resolution`: of levels and strains [-]. Returns the objectives, a row for each name, in its
+    unit [SI].
     """
     units = sizes.radius.size
 
-    def one(drawn: tuple[Muscle, Scales]) -> Array:
-        kind, by = drawn
-        own = Sizes(
-            sizes.length * by.length,
-            sizes.radius * by.radius[:units],
-            sizes.wall * by.wall[:units],
-            jnp.clip(sizes.angle + by.angle[:units], 1e-3, _LARGEST_ANGLE),
+    def objectives(draw: tuple[Muscle, Scales]) -> Array:
+        kind, scale = draw
+        drawn = Sizes(
+            sizes.length * scale.length,
+            sizes.radius * scale.radius[:units],
+            sizes.wall * scale.wall[:units],
+            jnp.clip(sizes.angle + scale.angle[:units], _SMALLEST_ANGLE, _LARGEST_ANGLE),
         )
-        return objective_values(design_outcome(kind, counts, own, demand, needs, resolution), names)
+        outcome = design_outcome(kind, counts, drawn, demand, needs, resolution)
+        return objective_values(outcome, names)
 
-    return lax.map(one, (kinds, scales), batch_size=8).T
+    return lax.map(objectives, (kinds, scales), batch_size=_TOGETHER).T
 
 
 def sensitivities(
     designs: Designs,
-    place: int,
+    index: int,
     task: Task,
     ranges: Mapping[str, float],
     objectives: tuple[str, ...],
     samples: int = 64,
     seed: int = 0,
 ) -> dict[str, dict[str, np.ndarray]]:
-    """Sobol's first and total order of each objective, by SALib.
+    """Sobol's indices of first and total order of each objective, by SALib.
 
     **Arguments:**
 
     - `designs`: of one drawing.
-    - `place`: which of them.
+    - `index`: of one of them.
     - `task`: what is demanded.
-    - `ranges`: how far each of `VARIED` may be off, over its value, either way [-].
+    - `ranges`: largest deviation of each of `VARIED`, over its value, either way [-].
     - `objectives`: by name.
-    - `samples`: a power of two; this times twice the number of ranges plus two are computed.
-    - `seed`: of chance.
+    - `samples`: a power of two; this times the number of ranges plus two are computed.
+    - `seed`: random seed.
 
     **Returns:** for each objective `S1` and `ST` and the half-widths of their 95 % intervals,
     `S1_conf` and `ST_conf`, in the order of the ranges; an objective that doesn't change
@@ -211,10 +217,7 @@ def sensitivities(
     from SALib.analyze import sobol as analyze
     from SALib.sample import sobol as sample
 
-    from ..core.validation import check_choice
-
-    names, drawing = known(objectives), _only(designs)
-    check_turns(names, task.scheme)
+    names, drawing = check_objectives(objectives, task.scheme), _single_drawing(designs)
     for name in ranges:
         check_choice(name, VARIED, "ranges")
     problem = {
@@ -223,41 +226,34 @@ def sensitivities(
         "bounds": [[1 - half, 1 + half] for half in ranges.values()],
     }
     # without second orders a sample takes as many again as there are names, and two
-    drawn = sample.sample(problem, samples, calc_second_order=False, seed=seed)
-    factor = dict(zip(ranges, drawn.T, strict=True))
-    count, demand = len(drawn), Demand.from_task(task)
-    kinds = _repeated(drawing, count)
-    for name in set(_MATERIAL) & set(factor):
-        material = getattr(kinds.material, name) * jnp.asarray(factor[name])
+    draws = sample.sample(problem, samples, calc_second_order=False, seed=seed)
+    factors = dict.fromkeys(VARIED, np.ones(len(draws))) | dict(zip(ranges, draws.T, strict=True))
+    kinds = _repeat(drawing, len(draws))
+    for name in set(_MATERIAL) & set(ranges):
+        material = getattr(kinds.material, name) * jnp.asarray(factors[name])
         kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
-    counts, sizes = _arrays(designs, place, task)
-    one, each = np.ones(count), np.ones((count, sizes.radius.size))
-    angle = (factor.get("braid_angle", one) - 1)[:, None] * np.asarray(sizes.angle)
+    counts, sizes = _arrays(designs, index, task)
+    every_unit = np.ones((len(draws), sizes.radius.size))
     scales = Scales(
-        jnp.asarray(factor.get("length", one)),
-        jnp.asarray(factor.get("outer_radius", one)[:, None] * each),
-        jnp.asarray(factor.get("wall_thickness", one)[:, None] * each),
-        jnp.asarray(angle),
+        jnp.asarray(factors["length"]),
+        jnp.asarray(factors["outer_radius"][:, None] * every_unit),
+        jnp.asarray(factors["wall_thickness"][:, None] * every_unit),
+        jnp.asarray((factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)),
     )
-    values = np.asarray(
-        drawn_objectives(kinds, counts, sizes, scales, demand, names=names, needs=needs(names))
+    values = drawn_objectives(
+        kinds, counts, sizes, scales, Demand.from_task(task), names=names, needs=needs(names)
     )
-    found = {}
-    for name, row in zip(names, values, strict=True):
+    results: dict[str, dict[str, np.ndarray]] = {}
+    for name, row in zip(names, np.asarray(values), strict=True):
         if np.ptp(row) == 0:
-            zeros = np.zeros(len(ranges))
-            found[name] = dict.fromkeys(("S1", "S1_conf", "ST", "ST_conf"), zeros)
+            results[name] = dict.fromkeys(_INDICES, np.zeros(len(ranges)))
             continue
         indices: Any = analyze.analyze(problem, row, calc_second_order=False, seed=seed)
-        found[name] = {key: np.asarray(indices[key]) for key in ("S1", "S1_conf", "ST", "ST_conf")}
-    return found
+        results[name] = {key: np.asarray(indices[key]) for key in _INDICES}
+    return results
 
 
-_MATERIAL = ("c10", "c01", "youngs_modulus")
-VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
-
-
-def _only(designs: Designs) -> Muscle:
+def _single_drawing(designs: Designs) -> Muscle:
     kinds = set(designs.kind.tolist())
     if len(kinds) != 1:
         raise InvalidInputError("designs", "must be of one drawing", len(kinds))
@@ -270,45 +266,16 @@ def _arrays(designs: Designs, index: int, task: Task) -> tuple[np.ndarray, Sizes
     return designs.counts[index, :units], designs.sizes(index).take(slice(units))
 
 
-def _size(muscles: Muscle) -> int:
-    return max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
-
-
-def _repeated(drawing: Muscle, draws: int) -> Muscle:
+def _repeat(drawing: Muscle, draws: int) -> Muscle:
     return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (draws, *jnp.shape(leaf))), drawing)
 
 
-def _picked(muscles: Muscle, drawing: Muscle, draw: np.ndarray) -> Muscle:
-    """Some of the draws; what a draw doesn't change has no axis for it yet."""
+def _pick(muscles: Muscle, drawing: Muscle, draw: np.ndarray) -> Muscle:
+    """Some of the draws; numbers that no draw changes have no axis for it yet."""
 
-    def one(many: Values, single: Values) -> Array:
-        if jnp.ndim(many) > jnp.ndim(single):
-            return many[draw]
-        return jnp.broadcast_to(many, (len(draw), *jnp.shape(many)))
+    def pick(drawn: Values, single: Values) -> Array:
+        if jnp.ndim(drawn) > jnp.ndim(single):
+            return drawn[draw]
+        return jnp.broadcast_to(drawn, (len(draw), *jnp.shape(drawn)))
 
-    return jax.tree.map(one, muscles, drawing)
-
-
-def _scales(
-    drawing: Muscle,
-    kinds: Muscle,
-    scatter: Scatter | None,
-    generator: np.random.Generator,
-    draws: int,
-    units: int,
-) -> Scales:
-    off = Scatter() if scatter is None else scatter
-    long = 1 + off.length * generator.standard_normal(draws)
-    tilt = off.braid_angle * generator.standard_normal((draws, units))
-    each = np.ones((draws, units))
-    ratio = [
-        np.asarray(getattr(kinds, name) / getattr(drawing, name))
-        for name in ("length", "outer_radius", "wall_thickness")
-    ]
-    turned = np.asarray(kinds.braid_angle - drawing.braid_angle)
-    return Scales(
-        jnp.asarray(long * ratio[0]),
-        jnp.asarray(ratio[1][:, None] * each),
-        jnp.asarray(ratio[2][:, None] * each),
-        jnp.asarray(tilt + turned[:, None]),
-    )
+    return jax.tree.map(pick, muscles, drawing)

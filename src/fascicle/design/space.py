@@ -1,12 +1,13 @@
 r"""The designs to choose among: numbers of muscles, their splits, their sizes, on grids.
 
-Every design has an index, from which alone it is made: a search can be cut into blocks, and
-a block made again on another machine. Splits run fastest, so that neighbors share a muscle.
+A design is determined by its index alone: a search can be cut into blocks, and a block repeated on
+another machine. Splits run fastest, so that neighbors share a muscle.
 
 **Radius.** By one of three rules: `each` gives a muscle's radius; `cross_section` a radius
 $R$ of one muscle whose section all muscles of a design have together,
 $r_i = f_i R / \sqrt{\sum_j n_j f_j^2}$; `packing` the diameter of the circle that they fill
-side by side at rest. The factors $f_i$ make units unlike; they are 1 unless several are given.
+side by side at rest. The factors $f_i$ give units different radii; they are 1 unless several are
+given.
 
 **Splits.** $N$ equal muscles split into units in an order of recruitment are a composition of $N$:
 each of the $N - 1$ gaps between muscles is cut or not, so there are $2^{N-1}$. Without the order
@@ -27,16 +28,20 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float, Int
-from ..core.validation import RANGES, check_choice, check_interval, check_plausible
+from ..core.validation import NEUTRAL_ANGLE, RANGES, check_choice, check_interval, check_plausible
 from ..muscle import Muscle
-from ..units import pretty
 from .designs import Designs, packed_radius, pad_rows, scaled_designs
 
 
-MOST_MUSCLES, MOST_SPLITS = 100, 2_000_000  # of a bundle whose splits are enumerated, and of these
+MOST_MUSCLES = (
+    100  # of a bundle whose splits are enumerated; a row of the table has one column each
+)
+MOST_SPLITS = 2_000_000  # some hundred megabytes
 SPLITS = ("all", "partitions")
+RADIUS_RULES = ("each", "cross_section", "packing")
 
 Counts = Int[np.ndarray, "design unit"]
+Floats = tuple[float, ...]
 
 
 def compositions(muscles: int, most_units: int | None = None) -> Counts:
@@ -44,23 +49,23 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
 
     **Arguments:**
 
-    - `muscles`: how many [-], 1 to 100.
+    - `muscles`: their number [-], 1 to 100.
     - `most_units`: largest number of motor units [-]; left out, any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
     **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 compositions.
     """
-    check_number((muscles,), "all", most_units)
+    check_splits((muscles,), "all", most_units)
 
     @cache
-    def rows(rest: int, units: int) -> Counts:
-        if rest == 0:
+    def rows(total: int, units: int) -> Counts:
+        if total == 0:
             return np.zeros((1, units), int)
         blocks = [np.zeros((0, units), int)]
-        for first in range(rest, 0, -1) if units else ():
-            others = rows(rest - first, units - 1)
-            blocks.append(np.column_stack([np.full(len(others), first), others]))
+        for first in range(total, 0, -1) if units else ():
+            tails = rows(total - first, units - 1)
+            blocks.append(np.column_stack([np.full(len(tails), first), tails]))
         return np.concatenate(blocks)
 
     return rows(muscles, _width(muscles, most_units))
@@ -71,114 +76,85 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
 
     **Arguments:**
 
-    - `muscles`: how many [-], 1 to 100.
+    - `muscles`: their number [-], 1 to 100.
     - `most_units`: largest number of motor units [-]; left out, any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
     **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 partitions.
     """
-    check_number((muscles,), "partitions", most_units)
+    check_splits((muscles,), "partitions", most_units)
 
-    def rows(rest: int, units: int, least: int) -> Iterator[tuple[int, ...]]:
-        yield (rest,)
-        for first in range(rest // 2, least - 1, -1) if units > 1 else ():
-            for others in rows(rest - first, units - 1, first):
-                yield first, *others
+    def rows(total: int, units: int, smallest: int) -> Iterator[tuple[int, ...]]:
+        yield (total,)
+        for first in range(total // 2, smallest - 1, -1) if units > 1 else ():
+            for tail in rows(total - first, units - 1, first):
+                yield first, *tail
 
     width = _width(muscles, most_units)
     return pad_rows(list(rows(muscles, width, 1)), width)
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
-    """How many splits there are.
-
-    **Arguments:**
-
-    - `muscles`: how many [-].
-    - `splits`: "all" compositions, or "partitions".
-    - `most_units`: largest number of motor units [-]; left out, any.
-
-    **Returns:** their number [-].
+    """Number of splits [-] of `muscles` into `most_units` or fewer: "all" compositions, or
+    "partitions".
     """
     width = _width(muscles, most_units)
     if splits == "all":
         return sum(math.comb(muscles - 1, cuts) for cuts in range(width))
-    # partitions into at most so many parts are those into parts of at most that size
+    # partitions into `width` parts or fewer are as many as those into parts of at most `width`
     ways = [1] + [0] * muscles
-    for part in range(1, width + 1):
-        for total in range(part, muscles + 1):
-            ways[total] += ways[total - part]
+    for size in range(1, width + 1):
+        for total in range(size, muscles + 1):
+            ways[total] += ways[total - size]
     return ways[muscles]
 
 
-def check_number(numbers: Iterable[int], splits: str, most_units: int | None = None) -> None:
+def check_splits(numbers: Iterable[int], splits: str, most_units: int | None = None) -> None:
     """Refuse numbers of muscles that have too many splits to be enumerated.
 
-    **Arguments:**
-
-    - `numbers`: of muscles [-].
-    - `splits`: "all" compositions, or "partitions".
-    - `most_units`: largest number of motor units [-]; `None` for any.
-
-    **Raises:** `ValueError` with what would leave fewer.
+    `numbers`: of muscles [-]; `splits`: "all" compositions, or "partitions"; `most_units`: largest
+    number of motor units [-]; `None` for any. Raises `InvalidInputError` with the ways to fewer
+    splits.
     """
     numbers = tuple(numbers)
     for number in numbers:
         if not 1 <= number <= MOST_MUSCLES:
-            raise InvalidInputError(
-                "muscles",
-                f"must lie in [1, {MOST_MUSCLES}]",
-                number,
-                "of more, list some splits, as '10+50+90'",
-            )
+            rule, remedy = f"must lie in [1, {MOST_MUSCLES}]", "of more, list splits, as '10+50+90'"
+            raise InvalidInputError("muscles", rule, number, remedy)
 
-    def count(kind: str, most: int | None) -> int:
-        return sum(number_of_splits(number, kind, most) for number in numbers)
+    def count(splits: str, most_units: int | None) -> int:
+        return sum(number_of_splits(number, splits, most_units) for number in numbers)
 
     total = count(splits, most_units)
     if total <= MOST_SPLITS:
         return
-    ways = []
-    largest = max(numbers) if most_units is None else most_units
-    units = next((m for m in range(largest, 0, -1) if count(splits, m) <= MOST_SPLITS), 0)
-    if units:
-        left = count(splits, units)
-        ways.append(f"{units} motor units at most leave {left} ([limits] valves)")
-    if splits == "all" and (left := count("partitions", most_units)) <= MOST_SPLITS:
-        ways.append(f"splits = 'partitions' leaves {left}")
-    raise InvalidInputError(
-        "muscles",
-        f"lead to {total} splits, more than {MOST_SPLITS}",
-        None,
-        ", ".join([*ways, "or list some splits"]),
-    )
+    remedies = []
+    for units in range(max(numbers) if most_units is None else most_units, 0, -1):
+        if (fewer := count(splits, units)) <= MOST_SPLITS:
+            remedies.append(f"{units} motor units at most leave {fewer} ([limits] valves)")
+            break
+    if splits == "all" and (fewer := count("partitions", most_units)) <= MOST_SPLITS:
+        remedies.append(f"splits = 'partitions' leaves {fewer}")
+    rule = f"lead to {total} splits, more than {MOST_SPLITS}"
+    remedy = ", ".join([*remedies, "or list some splits"])
+    raise InvalidInputError("muscles", rule, None, remedy)
 
 
-def read(text: str) -> tuple[int, ...]:
-    """A composition as it is written, `1+4`.
+def read_split(text: str) -> tuple[int, ...]:
+    """Muscles in each unit [-] of a composition as it is written, `1+4`.
 
-    **Arguments:** `text`: whole numbers with plus signs between [-].
-
-    **Returns:** muscles in each unit [-].
-
-    **Raises:** `ValueError` for anything else.
+    **Raises:** `ValueError` for any other `text`.
     """
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
-        raise InvalidInputError(
-            "splits", "must be written like '1+4', whole numbers and plus signs", text
-        )
-    return tuple(int(part) for part in text.split("+"))
+        rule = "must be written like '1+4', whole numbers and plus signs"
+        raise InvalidInputError("splits", rule, text)
+    return tuple(map(int, text.split("+")))
 
 
 def _width(muscles: int, most_units: int | None) -> int:
     """Length of a row of splits: the largest number of motor units."""
     return muscles if most_units is None else max(1, min(muscles, most_units))
-
-
-RADIUS_RULES = ("each", "cross_section", "packing")
-
-Floats = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +163,7 @@ class Space:
 
     - `muscles`: numbers of them [-].
     - `splits`: "all" compositions, "partitions", or the compositions themselves.
-    - `radius`: [m], by `radius_rule` [-]: "each", "cross_section" or "packing".
+    - `radius`: [m], by `radius_rule`: "each", "cross_section" or "packing".
     - `length`: [m]; `braid_angle`: [rad]; left empty, the drawing's own.
     - `wall_ratio`: wall thickness over radius [-]; left empty, the drawing's own.
     - `unit_factors`: of a unit's radius [-]; with several, each unit takes any.
@@ -211,35 +187,34 @@ class Space:
             raise InvalidInputError("drawings", "must hold at least one muscle", None, shown="none")
         check_choice(self.radius_rule, RADIUS_RULES, "radius_rule")
         if self.radius_rule != "each" and not self.radius:
-            raise InvalidInputError(
-                "radius", f"must be given with the rule {self.radius_rule!r}, in m", None
-            )
-        for name, unit, low, high in (
-            ("radius", "m", 0.0, RANGES["radius"].largest),
-            ("length", "m", 0.0, RANGES["length"].largest),
-            ("braid_angle", "rad", 0.0, math.acos(1 / math.sqrt(3))),
-            ("wall_ratio", "-", 0.0, 1.0),
-            ("unit_factors", "-", 0.0, 10.0),
+            rule = f"must be given with the rule {self.radius_rule!r}, in m"
+            raise InvalidInputError("radius", rule, None)
+        for name, unit, high in (
+            ("radius", "m", RANGES["radius"].largest),
+            ("length", "m", RANGES["length"].largest),
+            ("wall_ratio", "-", 1.0),
+            ("unit_factors", "-", 10.0),
         ):
-            if getattr(self, name):
-                value = _within(getattr(self, name), low, high, name, unit)
+            if values := getattr(self, name):
+                values = check_interval(values, 0.0, high, name, unit)
                 if name in RANGES:
-                    check_plausible(value, name)
+                    check_plausible(values, name)
+        angles, largest = np.degrees(self.braid_angle), math.degrees(NEUTRAL_ANGLE)
+        check_interval(angles, 0.0, largest, "braid_angle", "deg")
         if isinstance(self.splits, str):
             check_choice(self.splits, SPLITS, "splits")
             if not self.muscles:
-                raise InvalidInputError(
-                    "muscles", "must hold at least one number of muscles", None, shown="none"
-                )
-            check_number(dict.fromkeys(self.muscles), self.splits, self.most_units)
+                rule = "must hold at least one number of muscles"
+                raise InvalidInputError("muscles", rule, None, shown="none")
+            check_splits(dict.fromkeys(self.muscles), self.splits, self.most_units)
         if not len(self._shapes[0]):
             raise ValueError(
                 f"the space is empty: no split has {self.most_units} motor units or fewer."
             )
 
     def __getstate__(self) -> dict:
-        # what is derived is derived again: it can be a thousand times larger. As NumPy's, since a
-        # process that is sent JAX's arrays with each of its blocks grows with each of them
+        # without cached properties, which can be a thousand times larger. Drawings as NumPy's:
+        # a process that is sent JAX's arrays with each block keeps them all
         state = {field.name: getattr(self, field.name) for field in fields(self)}
         return state | {"drawings": jax.tree.map(np.asarray, self.drawings)}
 
@@ -255,35 +230,27 @@ class Space:
         """
         counts, factor, scale = self._shapes
         grid, shape = np.divmod(index, len(counts))
-        kind, *places = np.unravel_index(grid, tuple(map(len, self._grid)))
-        own = np.array([self._own(drawing) for drawing in self.drawings.values()])[kind]
-        # an axis that isn't given takes the drawing's own value
-        length, radius, ratio, angle = (
-            np.where(np.isnan(axis), own[:, i], axis)
-            for i, axis in enumerate(
-                np.asarray(values, float)[place]
-                for values, place in zip(self._grid[1:], places, strict=True)
-            )
+        kind, *columns = np.unravel_index(grid, tuple(map(len, self._grid)))
+        defaults = np.array([drawing_sizes(drawing) for drawing in self.drawings.values()])[kind]
+        sizes = np.stack(
+            [np.asarray(x, float)[i] for x, i in zip(self._grid[1:], columns, strict=True)], axis=1
         )
-        sizes = (length, radius * scale[shape], ratio, angle)
-        return scaled_designs(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
+        length, radius, ratio, angle = np.where(np.isnan(sizes), defaults, sizes).T
+        return scaled_designs(
+            self.drawings, np.asarray(kind), counts[shape], factor[shape], length,
+            radius * scale[shape], ratio, angle,
+        )  # fmt: skip
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
-        """Which of the drawings designs are of, by their `index`; -1 is of the first."""
-        each = len(self) // len(self.drawings)
-        return np.maximum(index, 0) // each
+        """Number of the drawing of designs, by their `index`; an index of -1 is of the first."""
+        return np.maximum(index, 0) // (len(self) // len(self.drawings))
 
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
     ) -> Float[np.ndarray, " design"]:
-        """A design's radius over what its rule counts [-].
+        """Ratio of a design's radius to the one of its `radius_rule`.
 
-        **Arguments:**
-
-        - `counts`: muscles in each unit [-].
-        - `factor`: of each unit's radius [-].
-
-        **Returns:** the ratio [-].
+        `counts`: muscles in each unit [-]; `factor`: of each unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
@@ -293,75 +260,56 @@ class Space:
 
     @cached_property
     def _grid(self) -> tuple[tuple, ...]:
-        nan = (math.nan,)
-        return (
-            tuple(range(len(self.drawings))), self.length or nan, self.radius or nan,
-            self.wall_ratio or nan, self.braid_angle or nan,
-        )  # fmt: skip
-
-    @staticmethod
-    def _own(drawing: Muscle) -> Floats:
-        ratio = float(drawing.wall_thickness) / float(drawing.outer_radius)
-        return float(drawing.length), float(drawing.outer_radius), ratio, float(drawing.braid_angle)
+        """Values along each axis, NaN for the drawing's own."""
+        axes = (self.length, self.radius, self.wall_ratio, self.braid_angle)
+        return (tuple(range(len(self.drawings))), *(axis or (math.nan,) for axis in axes))
 
     @cached_property
-    def _shapes(
-        self,
-    ) -> tuple[
-        Int[np.ndarray, "shape unit"], Float[np.ndarray, "shape unit"], Float[np.ndarray, " shape"]
-    ]:
-        """Splits with their factors, and the radius over its rule's value."""
-        counts = self._splits()
-        if len(self.unit_factors) == 1:
-            factor = np.full(counts.shape, self.unit_factors[0])
+    def _shapes(self) -> tuple[Counts, Float[np.ndarray, "shape unit"], Any]:
+        """Splits with the factors of their units, and the ratio of their radius to the rule's."""
+        if isinstance(self.splits, str):
+            enumerate_splits = compositions if self.splits == "all" else partitions
+            tables = [enumerate_splits(n, self.most_units) for n in dict.fromkeys(self.muscles)]
+            width = max(table.shape[1] for table in tables)
+            counts = np.concatenate(
+                [np.pad(table, ((0, 0), (0, width - table.shape[1]))) for table in tables]
+            )
         else:
-            counts, factor = _with_factors(counts, self.unit_factors)
+            counts = pad_rows(self.splits)
+        if self.most_units is not None:
+            few = np.sum(counts > 0, axis=1) <= self.most_units
+            counts = counts[few, : max(1, self.most_units)]
+        counts, factor = _with_factors(counts, self.unit_factors)
         return counts, factor, self.scale(counts, factor)
 
-    def _splits(self) -> Int[np.ndarray, "shape unit"]:
-        if not isinstance(self.splits, str):
-            counts = pad_rows(self.splits)
-        else:
-            make = compositions if self.splits == "all" else partitions
-            parts = [make(n, self.most_units) for n in dict.fromkeys(self.muscles)]
-            widest = max(part.shape[1] for part in parts)
-            counts = np.concatenate([np.pad(p, ((0, 0), (0, widest - p.shape[1]))) for p in parts])
-        units = np.sum(counts > 0, axis=1)
-        if self.most_units is not None:
-            counts = counts[units <= self.most_units]
-            counts = counts[:, : max(1, self.most_units)]
-        return counts
 
-
-def _within(values: Floats, low: float, high: float, name: str, unit: str) -> Any:
-    """`values` [SI] in the interval, an angle's error in degrees."""
-    try:
-        return check_interval(values, low, high, name, unit)
-    except InvalidInputError as error:
-        if unit != "rad" or not isinstance(error.value, float):
-            raise
-        rule = f"must lie in ({low:g}, {math.degrees(high):.6g}) deg"
-        raise InvalidInputError(
-            name, rule, error.value, shown=pretty(error.value, "angle")
-        ) from None
+def drawing_sizes(drawing: Muscle) -> Floats:
+    """Length and radius [m], ratio of the wall to the radius [-] and braid angle [rad] of a
+    `drawing`.
+    """
+    length, radius, wall, angle = map(
+        float,
+        (drawing.length, drawing.outer_radius, drawing.wall_thickness, drawing.braid_angle),
+    )
+    return length, radius, wall / radius, angle
 
 
 def _with_factors(
-    counts: Int[np.ndarray, "split unit"], factors: Floats
-) -> tuple[Int[np.ndarray, "shape unit"], Float[np.ndarray, "shape unit"]]:
+    counts: Counts, factors: Floats
+) -> tuple[Counts, Float[np.ndarray, "shape unit"]]:
     """Each split with each choice of a factor for each of its units."""
-    units = np.sum(counts > 0, axis=1)
+    if len(factors) == 1:
+        return counts, np.full(counts.shape, factors[0])
+    units, width = np.sum(counts > 0, axis=1), counts.shape[1]
     total = sum(len(factors) ** int(m) for m in units)
     if total > MOST_SPLITS:
-        raise InvalidInputError(
-            "unit_factors",
-            f"lead to {total} kinds of bundle, more than {MOST_SPLITS}",
-            None,
-            "take fewer factors, muscles or motor units",
-        )
-    rows, chosen = [], []
-    for row, m in zip(counts, units, strict=True):
-        for choice in product(factors, repeat=int(m)):
-            rows.append(row)
-            chosen.append((*choice, *(choice[:1] * (counts.shape[1] - int(m)))))
-    return np.array(rows), np.array(chosen)
+        rule = f"lead to {total} kinds of bundle, more than {MOST_SPLITS}"
+        remedy = "take fewer factors, muscles or motor units"
+        raise InvalidInputError("unit_factors", rule, None, remedy)
+    choices = [
+        (row, (*choice, *choice[:1] * (width - int(m))))  # missing units repeat the first
+        for row, m in zip(counts, units, strict=True)
+        for choice in product(factors, repeat=int(m))
+    ]
+    rows, factor = zip(*choices, strict=True) if choices else (counts, counts)
+    return np.array(rows), np.array(factor, float)

@@ -1,4 +1,4 @@
-r"""One design in detail: what it does at each load case, its size, mass, fluid and cost.
+r"""One design in detail: its load cases, size, mass, fluid and cost.
 
 Forces are those of its muscles at a table of throttled pressures, added up over the states. The
 *margin* is the least force to spare; the fluid is what flows in from the supply:
@@ -12,8 +12,9 @@ a cloud, a *cycle* goes from rest to it and back, and the mean over the task cou
 the task is given in time, it goes once through all of them and to the first again, and each unit
 takes in what its content rises by.
 
-Mass is what the products' makers say, or that of the bladders alone, $\rho \sum n_i V_{b,i}$, where
-a density is given. Of air the cost of a cycle is that of its normal volume $V_N$, or of the energy
+Mass is that given by the products' makers, or that of the bladders alone,
+$\rho \sum n_i V_{b,i}$, where a density is given. Of air the cost of a cycle is that of its
+normal volume $V_N$, or of the energy
 $p_a V_N \ln((P_s + p_a)/p_a)$ that compresses it without losses; of a liquid, that of $P_s V$.
 
 **Reference:** normal volumes at 20 °C and 100 kPa (ISO 8778, "ANR"), the air in the muscle at
@@ -63,8 +64,13 @@ class Cases:
 
     @property
     def reached(self) -> Bool[np.ndarray, " point"]:
-        """Which load cases are reached."""
+        """Mask of the load cases that are reached."""
         return self.spare >= -MET
+
+    @property
+    def relative(self) -> Points:
+        """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
+        return self.spare / self.task.reference
 
     @property
     def tightest(self) -> int:
@@ -74,21 +80,16 @@ class Cases:
     @property
     def worst(self) -> int:
         """The load case of which the largest share is missed [-], counted from 0."""
-        return int(np.argmin(self.spare / self.task.reference))
-
-    @property
-    def relative(self) -> Points:
-        """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
-        return self.spare / self.task.reference
+        return int(np.argmin(self.relative))
 
     @cached_property
     def fluid(self) -> Points:
-        """What a cycle to each load case takes from the supply [m³]."""
+        """Fluid that a cycle to each load case takes from the supply [m³]."""
         return np.maximum(self.content, 0.0).sum(axis=1)
 
     @property
     def fluid_of_a_cycle(self) -> float:
-        """What a cycle takes [m³]: the mean of `fluid`, or all that a task in time takes once."""
+        """Fluid of a cycle [m³]: the mean of `fluid`, or the sum over a task in time."""
         if self.task.time is None:
             return float(np.average(self.fluid, weights=self.task.weight))
         rise = np.diff(self.content, axis=0, append=self.content[:1])
@@ -96,12 +97,12 @@ class Cases:
 
 
 def cases(designs: Designs, index: int, task: Task) -> Cases:
-    """What a design does at each load case.
+    """Load cases of a task for a design.
 
     **Arguments:**
 
-    - `designs`: among which it is.
-    - `index`: which of them.
+    - `designs`: with the design among them.
+    - `index`: of the design.
     - `task`: what is demanded.
 
     **Returns:** the load cases.
@@ -111,15 +112,14 @@ def cases(designs: Designs, index: int, task: Task) -> Cases:
     counts = designs.counts[index][designs.counts[index] > 0]
     sizes = designs.sizes(index).take(slice(0, 1 if uniform else len(counts)))
     resolution, demand = UNIFORM if uniform else MIXED, Demand.from_task(task)
-    parts = []
+    batches = []
     for start in range(0, len(task), _BATCH):
         cut = slice(start, start + _BATCH)
         part = with_fields(
             demand, force=demand.force[cut], travel=demand.travel[cut], weight=demand.weight[cut]
         )
-        parts.append(_states_used(drawing, sizes, counts, part, resolution, task.fluid))
-    largest, spare, state, pressure, content = map(np.concatenate, zip(*parts, strict=True))
-    return Cases(task, float(sizes.length[0]), largest, spare, state, pressure, content)
+        batches.append(_states_used(drawing, sizes, counts, part, resolution, task.fluid))
+    return Cases(task, float(sizes.length[0]), *map(np.concatenate, zip(*batches, strict=True)))
 
 
 def _states_used(
@@ -136,80 +136,76 @@ def _states_used(
     length, F = sizes.length[0], demand.force
     table, _ = every_level_table(drawing, sizes, demand, (), resolution)
     table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
-    sets, owner = states_of(demand.scheme, len(counts)).sets(max_sets=MOST_SETS)
+    sets, state_of = states_of(demand.scheme, len(counts)).sets(max_sets=MOST_SETS)
     low, high = state_edges(counts, table, sets)
-    exists = np.ones(sets.size, bool)
     cost = None if sets.nested else sum_fed(np.maximum(counts * table.volume, 0.0), sets)
-    visited = visit(demand, length, high, exists, low, cost)
-    held, throttled = sets.full[visited.state], sets.throttled[visited.state]
-    fed, each = held | throttled, counts * table.levels
+    visited = visit(demand, length, high, np.ones(sets.size, bool), low, cost)
+    full, throttled = sets.full[visited.state], sets.throttled[visited.state]
+    fed, forces = full | throttled, counts * table.levels
     if sets.independent:
-        share, own = _independent_levels(each, held, throttled, F, resolution.level)
+        last, levels = _independent_levels(forces, full, throttled, F, resolution.level)
     else:
-        force = sets.sums(each, each[0], each[-1])[visited.state, :, np.arange(len(F))]
-        share = _first_level(force, F, resolution.level)
-        own = np.where(throttled, share[:, None], held)
-    # a case that isn't reached is as near as can be with all that it feeds at full supply
-    own = np.where(visited.reached[:, None], own, fed)
-    pressure = np.where(visited.reached, share, 1.0) * demand.supply
+        force = sets.sums(forces, forces[0], forces[-1])[visited.state, :, np.arange(len(F))]
+        last = _first_level(force, F, resolution.level)
+        levels = np.where(throttled, last[:, None], full)
+    # a case that isn't reached is as near as can be with all fed units at full supply
+    levels = np.where(visited.reached[:, None], levels, fed)
+    pressure = np.where(visited.reached, last, 1.0) * demand.supply
     content = table.volume
     if fluid == "air":
-        filling = own * demand.supply / ATMOSPHERE
-        at_rest = sizes.muscle(drawing).volume(0.0 * sizes.length)
-        content = (1 + filling) * content + filling * at_rest
+        filling = levels * demand.supply / ATMOSPHERE
+        content = (1 + filling) * content + filling * sizes.muscle(drawing).volume(0 * sizes.length)
     top = high.max(axis=0)
     largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * MET))
     content = np.where(fed, counts * content, 0.0)
-    return largest, visited.spare, owner[visited.state], pressure, content
+    return largest, visited.spare, state_of[visited.state], pressure, content
 
 
 def _independent_levels(
-    each: Float[np.ndarray, "level point unit"],
-    held: Bool[np.ndarray, "point unit"],
-    fed: Bool[np.ndarray, "point unit"],
+    forces: Float[np.ndarray, "level point unit"],
+    full: Bool[np.ndarray, "point unit"],
+    throttled: Bool[np.ndarray, "point unit"],
     demanded: Points,
     level: Float[np.ndarray, " level"],
 ) -> tuple[Points, Float[np.ndarray, "point unit"]]:
-    """Level of the last fed unit and of all units [-], as `bundle.free` has them."""
-    none, full = each[0], each[-1]
-    base = np.where(held, full, none).sum(axis=1)
-    more = (demanded >= base)[:, None]
-    place = np.where(more, each.argmax(axis=0), each.argmin(axis=0))
-    extreme = np.take_along_axis(each, place[None], axis=0)[0]
-    last = fed.shape[1] - 1 - np.argmax(fed[:, ::-1], axis=1)
-    throttled = np.arange(fed.shape[1]) == last[:, None]
-    others = np.where(held, full, np.where(fed, extreme, none))
-    rest = demanded - np.where(throttled, 0.0, others).sum(axis=1)
-    share = _first_level(each[:, np.arange(len(last)), last].T, rest, level)
-    own = np.where(held, 1.0, np.where(fed, level[place], 0.0))
-    return share, np.where(throttled, share[:, None], own)
+    """Level of the last throttled unit and of all units [-], as `bundle.free` has them."""
+    vented, supplied = forces[0], forces[-1]
+    base = np.where(full, supplied, vented).sum(axis=1)
+    extreme = np.where((demanded >= base)[:, None], forces.argmax(axis=0), forces.argmin(axis=0))
+    force = np.take_along_axis(forces, extreme[None], axis=0)[0]
+    force = np.where(full, supplied, np.where(throttled, force, vented))
+    last = throttled.shape[1] - 1 - np.argmax(throttled[:, ::-1], axis=1)
+    is_last = np.arange(throttled.shape[1]) == last[:, None]
+    remainder = demanded - np.where(is_last, 0.0, force).sum(axis=1)
+    last_level = _first_level(forces[:, np.arange(len(last)), last].T, remainder, level)
+    levels = np.where(full, 1.0, np.where(throttled, level[extreme], 0.0))
+    return last_level, np.where(is_last, last_level[:, None], levels)
 
 
 def _first_level(
     force: Float[np.ndarray, "point level"], demanded: Points, level: Float[np.ndarray, " level"]
 ) -> Points:
     """The lowest level [-] at which a force is the demanded one, linear between two."""
-    over = force - demanded[:, None]
+    excess = force - demanded[:, None]
     # from below or from above: a state that resists may fall before it rises
-    crosses = (over[:, :-1] * over[:, 1:] <= 0) & (over[:, 1:] != over[:, :-1])
-    first = np.argmax(crosses, axis=1)
-    every = np.arange(len(force))
-    before, after = over[every, first], over[every, first + 1]
+    crosses = (excess[:, :-1] * excess[:, 1:] <= 0) & (excess[:, 1:] != excess[:, :-1])
+    first, points = np.argmax(crosses, axis=1), np.arange(len(force))
+    before, after = excess[points, first], excess[points, first + 1]
     drop = np.where(after == before, 1.0, after - before)
     share = np.clip(-before / drop, 0.0, 1.0)
     crossing = level[first] + share * (level[first + 1] - level[first])
-    # within the tolerance of a state's end, and so at it
+    # without a crossing it is within the tolerance of a state's end
     return np.where(np.any(crosses, axis=1), crossing, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """A design's `label`, how many `muscles` and `valves` it has [-], what it does at its
-    `cases`; its `diameter` with unfed units bowed out at the largest contraction, and
-    `diameter_at_rest` [m]; the `product` that its muscles are, if they are one; its `bladders`'
-    volume [m³]; `mass` [kg], which is that of whole muscles where the `product` gives it; `price`
-    of muscles and valves, `price_of_muscles`, and `cost_of_a_cycle` [-] in the catalog's currency:
-    what isn't known is `None`.
+    """A design's `label`, its numbers of `muscles` and `valves` [-] and its load `cases`; its
+    `diameter` with unfed units bowed out at the largest contraction, and `diameter_at_rest` [m];
+    the `product` that its muscles are sold as, if any; its `bladders`' volume [m³]; `mass` [kg],
+    which is that of whole muscles where the `product` gives it; `price` of muscles and valves,
+    `price_of_muscles`, and `cost_of_a_cycle` [-] in the catalog's currency. Unknown ones are
+    `None`.
     """
 
     label: str
@@ -235,79 +231,73 @@ class Summary:
         """The least force to spare over what is demanded, of the load cases that are reached
         [-]; NaN where none is.
         """
-        reached = self.cases.relative[self.cases.reached]
-        return float(reached.min()) if reached.size else np.nan
+        relative = self.cases.relative[self.cases.reached]
+        return float(relative.min()) if relative.size else np.nan
 
     @property
     def load_factor(self) -> float:
-        """By how much all loads could be multiplied at once [-]; infinite where there is none."""
+        """Factor by which all loads could be multiplied together [-]; infinite without a load."""
         loaded = self.cases.task.force > 0
-        return float(
-            np.min(self.cases.largest[loaded] / self.cases.task.force[loaded], initial=np.inf)
-        )
+        ratio = self.cases.largest[loaded] / self.cases.task.force[loaded]
+        return float(np.min(ratio, initial=np.inf))
 
 
-def summarize_result(found: SearchResult, place: int) -> Summary:
-    """A design of a search, summarized.
+def summarize_result(result: SearchResult, index: int) -> Summary:
+    """Summary of one of the recorded designs of a search.
 
-    **Arguments:**
-
-    - `found`: by the search.
-    - `place`: of the design among those that were kept.
-
-    **Returns:** the summary.
+    `result`: of the search; `index`: of the design among the recorded ones.
     """
-    one = found.all_designs(np.array([place]))
-    envelope = found.values.get("envelope")
-    diameter = None if envelope is None else float(envelope[place])
-    return summarize(one, 0, found.task, found.catalog, diameter)
+    envelope = result.values.get("envelope")
+    diameter = None if envelope is None else float(envelope[index])
+    design = result.all_designs(np.array([index]))
+    return summarize(design, 0, result.task, result.catalog, diameter)
 
 
 def summarize(
-    designs: Designs, place: int, task: Task, catalog: Catalog, diameter: float | None = None
+    designs: Designs, index: int, task: Task, catalog: Catalog, diameter: float | None = None
 ) -> Summary:
-    """A design, summarized.
+    """Summary of a design.
 
     **Arguments:**
 
-    - `designs`: among which it is.
-    - `place`: which of them.
+    - `designs`: with the design among them.
+    - `index`: of the design.
     - `task`: what is demanded.
     - `catalog`: products and prices [-].
     - `diameter`: of the envelope [m], if it has been computed.
 
     **Returns:** the summary.
     """
-    one = designs.take(np.array([place]))
+    design = designs.take(np.array([index]))
     if diameter is None:
-        diameter = float(evaluate(one, task, ["envelope"])["envelope"][0])
-    counts, radius = one.counts[0], one.radius[0]
-    inner = radius - one.wall[0]
-    bladders = float(np.sum(counts * np.pi * (radius**2 - inner**2)) * one.length[0])
-    name = list(one.drawings)[int(one.kind[0])]
-    product = catalog.products.get(name)
+        diameter = float(evaluate(design, task, ["envelope"])["envelope"][0])
+    counts, radius = design.counts[0], design.radius[0]
+    section = np.pi * (radius**2 - (radius - design.wall[0]) ** 2)
+    bladders = float(np.sum(counts * section) * design.length[0])
+    product = catalog.products.get(list(design.drawings)[int(design.kind[0])])
     mass = None if catalog.density is None else catalog.density * bladders
     if product is not None and product.mass is not None:
         mass = product.mass * int(counts.sum())
-    found = cases(one, 0, task)
+    load_cases = cases(design, 0, task)
+    price, muscle_price = float(catalog.price(design)[0]), float(catalog.muscle_price(design)[0])
     return Summary(
-        label=one.labels[0],
+        label=design.labels[0],
         muscles=int(counts.sum()),
-        valves=int(one.units[0]),
-        cases=found,
+        valves=int(design.units[0]),
+        cases=load_cases,
         diameter=diameter,
         diameter_at_rest=2 * float(packed_radius(radius, counts)),
         product=product,
         bladders=bladders,
         mass=mass,
-        price=_known(catalog.price(one)[0]),
-        price_of_muscles=_known(catalog.muscle_price(one)[0]),
-        cost_of_a_cycle=_cost(catalog, task, found.fluid_of_a_cycle),
+        price=None if np.isnan(price) else price,
+        price_of_muscles=None if np.isnan(muscle_price) else muscle_price,
+        cost_of_a_cycle=_fluid_cost(catalog, task, load_cases.fluid_of_a_cycle),
     )
 
 
-def _cost(catalog: Catalog, task: Task, fluid: float) -> float | None:
-    """Of a cycle's `fluid` [m³]."""
+def _fluid_cost(catalog: Catalog, task: Task, fluid: float) -> float | None:
+    """Cost of so much `fluid` [m³]; `None` where its price isn't known."""
     if task.fluid == "air" and catalog.air is not None:
         return catalog.air * fluid
     if catalog.energy is None:
@@ -316,7 +306,3 @@ def _cost(catalog: Catalog, task: Task, fluid: float) -> float | None:
         return catalog.energy * task.supply_pressure * fluid
     ratio = (task.supply_pressure + ATMOSPHERE) / ATMOSPHERE
     return float(catalog.energy * ATMOSPHERE * fluid * np.log(ratio))
-
-
-def _known(value: float) -> float | None:
-    return None if np.isnan(value) else float(value)

@@ -1,7 +1,7 @@
 """A search cut into blocks, computed by many workers, stopped and resumed at any time.
 
 Blocks are ranges of the space's index, so any worker can compute any block, again if need be, to
-the same bits. A study's digest tells its results from those of any other.
+the same bits. A study's digest distinguishes its results from those of any other study.
 
 The folder of a sweep holds
 
@@ -9,20 +9,18 @@ The folder of a sweep holds
 - `manifest.json`: the study's digest; the first file of all;
 - `finished.jsonl`: a line for each finished block, with a digest of its bits.
 
-A worker writes its block, and has it on the disk before it reports; the sweep's own process then
-adds the line. Every other file is moved to its place whole. A block without a line, or one that
-doesn't read back to the bits of its line, is computed again.
+A worker writes its block before it reports; the sweep's own process then adds the line. A block
+without a line, or one that doesn't read back to the bits of its line, is computed again.
 """
 
-import contextlib
 import hashlib
 import json
 import os
-import tempfile
+import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
@@ -32,7 +30,7 @@ import jax
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..io.atomic import holds_drafts_only, remove_abandoned, write
+from ..io.atomic import holds_drafts_only, remove_abandoned, write, write_text
 from .cluster import revive
 from .evaluation import Values, evaluate
 from .objectives import OBJECTIVES, Limit, check_search, recorded_objectives, with_reach_limits
@@ -41,12 +39,20 @@ from .task import Task
 
 
 LARGEST = 4_000_000_000  # designs; an index is a 64-bit number, a journal has a line a block
+LARGEST_BLOCK = 2**20  # designs; their tables fit into a worker's memory
+DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
+_META = "zarr.json"  # describes a group, or an array
+_VERSION = version("fascicle")
+_BLOCKS_PER_WORKER = 3  # so that none waits for the next block
+_CENSUS = 2.0  # s between counts of the workers
+_POLL = 0.02  # s between looks for a result, far less than a block takes
+_WORKER_TIMEOUT = 60.0  # s; a worker that died is up again after a few
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
     """Designs of a `space` for a `task`, `names` of the objectives to record, their `senses`
-    and `limits`, which make the front in the end; `block`: designs worked on at once.
+    and `limits`, which make the front in the end; `block`: designs computed together.
     """
 
     space: Space
@@ -75,7 +81,7 @@ class Study:
         - `senses`: "min" or "max" by objective.
         - `limits`: on objectives, by name.
         - `extra`: objectives to record that don't make the front.
-        - `block`: designs worked on at once.
+        - `block`: designs computed together.
 
         **Returns:** the study.
 
@@ -84,26 +90,35 @@ class Study:
         limits = with_reach_limits(limits)
         names = recorded_objectives(senses, limits, extra)
         check_search(senses, limits)
-        if not 1 <= block <= 2**20:
-            raise InvalidInputError("block", "must lie in [1, 1048576]", block)
+        if not 1 <= block <= LARGEST_BLOCK:
+            raise InvalidInputError("block", f"must lie in [1, {LARGEST_BLOCK}]", block)
         if len(space) > LARGEST:
             raise ValueError(f"the space holds {len(space)} designs, more than {LARGEST}.")
         return cls(space, task, names, dict(senses), limits, block)
 
     @property
     def blocks(self) -> int:
-        """How many blocks there are [-]; the last may be shorter."""
+        """Number of blocks [-]; the last may be shorter."""
         return -(-len(self.space) // self.block)
 
     @cached_property
     def digest(self) -> str:
-        """What tells this study from any other whose numbers could differ [-]."""
-        sha = hashlib.sha256()
-        sha.update(json.dumps([version("fascicle"), self.names, self.block]).encode())
-        for part in (self.task, self.space):
-            for field in fields(part):
+        """Digest of all that the numbers depend on."""
+        sha = hashlib.sha256(json.dumps([_VERSION, self.names, self.block]).encode())
+        for owner in (self.task, self.space):
+            for field in fields(owner):
                 sha.update(field.name.encode())
-                _feed(sha, getattr(part, field.name))
+                value = getattr(owner, field.name)
+                if isinstance(value, np.ndarray):
+                    sha.update(np.ascontiguousarray(value).tobytes())
+                elif isinstance(value, dict):  # muscles by name
+                    for name, muscle in value.items():
+                        leaves, structure = jax.tree.flatten(muscle)
+                        sha.update(name.encode() + str(structure).encode())
+                        for leaf in leaves:
+                            sha.update(np.asarray(leaf, float).tobytes())
+                else:
+                    sha.update(repr(value).encode())
         return sha.hexdigest()
 
     def index(self, block: int) -> np.ndarray:
@@ -116,184 +131,133 @@ class Study:
         return evaluate(self.space.at(self.index(block)), self.task, self.names)
 
 
-def bits(values: Values) -> str:
-    """A digest of objectives' `values` [SI]: the same if, and only if, all bits are."""
-    sha = hashlib.sha256()
-    for name, one in values.items():
-        sha.update(name.encode())
-        sha.update(np.ascontiguousarray(one, dtype="<f8").tobytes())
-    return sha.hexdigest()
-
-
-def _feed(sha: Any, value: Any) -> None:
-    """Muscles by their laws and numbers, arrays by their bits, all else by its text."""
-    if isinstance(value, np.ndarray):
-        sha.update(np.ascontiguousarray(value).tobytes())
-        return
-    if isinstance(value, dict):
-        for name, one in value.items():
-            sha.update(str(name).encode())
-            leaves, structure = jax.tree.flatten(one)
-            sha.update(str(structure).encode())
-            for leaf in leaves:
-                sha.update(np.asarray(leaf, float).tobytes())
-        return
-    sha.update(repr(value).encode())
-
-
-DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
-_META = "zarr.json"  # describes a group, or an array
-_VERSION = version("fascicle")
-
-
+@dataclass(eq=False)
 class Store:
-    """Results of a study in a folder."""
+    """Results of a `study` in a `folder`."""
 
-    def __init__(self, folder: Path, study: Study):
-        """**Arguments:**
-
-        - `folder`: where they are; `begin` has seen to it.
-        - `study`: whose they are.
-        """
-        self.folder, self.study = folder, study
+    folder: Path
+    study: Study
 
     @classmethod
     def check(cls, folder: Path, study: Study, resume: bool) -> None:
-        """Refuse a folder that a study can't go into.
+        """Refuse a folder that a study's results can't go into.
 
-        A run that was killed before its manifest was there leaves an empty folder, or hidden drafts
-        in it: then there is nothing to lose, and the sweep begins.
+        A run that was killed before its manifest was written leaves an empty folder, or hidden
+        drafts in it: then the sweep begins.
 
         **Arguments:**
 
-        - `folder`: where results would go.
-        - `study`: whose.
-        - `resume`: whether some are there already.
+        - `folder`: of the results.
+        - `study`: to be computed.
+        - `resume`: true to go on with results in the folder.
 
-        **Raises:** `ValueError` where there are none to resume, another study's, or any other.
+        **Raises:** `ValueError` where there are none to resume, another study's, or other files.
         """
-        for place in (folder, *folder.parents):
-            if place.is_symlink() and not place.exists():
-                raise ValueError(f"{folder}: {place} leads nowhere: name a new folder.")
-            if place != folder and place.exists() and not place.is_dir():
-                raise ValueError(f"{folder}: {place} is no folder: name a new one.")
-        about = _read_about(folder)
-        if about.get("study") == study.digest:
-            if not resume:
-                raise ValueError(f"{folder}: holds a sweep already; --resume goes on with it.")
-        elif about:
-            if not resume:
-                raise ValueError(
-                    f"{folder}: holds a sweep already; another study's: name a new folder."
-                )
-            began = about.get("fascicle", _VERSION)
-            goes_on = "sweep with the file that began it"
-            if began != _VERSION:
-                goes_on = f"go on with fascicle {began}, which began it (this is {_VERSION})"
-            raise ValueError(
-                f"{folder}: holds another study's results; nothing was changed. Name another"
-                f" folder, or {goes_on}."
+        for path in (folder, *folder.parents):
+            if not path.is_dir() and (path.exists() or path.is_symlink()):
+                raise ValueError(f"{folder}: {path} is no folder: name a new one.")
+        manifest = _read_manifest(folder)
+        is_own = manifest.get("study") == study.digest
+        fault = ""
+        if manifest and not resume:
+            remedy = "--resume goes on with it" if is_own else "another study's: name a new folder"
+            fault = f"holds a sweep already; {remedy}."
+        elif manifest and not is_own:
+            remedy, former = "sweep with the file that began it", manifest.get("fascicle", _VERSION)
+            if former != _VERSION:
+                remedy = f"go on with fascicle {former}, which began it (this is {_VERSION})"
+            fault = (
+                "holds another study's results; nothing was changed. Name another folder, or"
+                f" {remedy}."
             )
-        elif (folder / MANIFEST).exists() or (folder / DATA / _META).exists():
-            raise ValueError(
-                f"{folder}: {MANIFEST} can't be read, nor {DATA}/{_META}, so nothing tells whose"
-                " results these are; nothing was changed. Name a new folder."
+        elif not manifest and ((folder / MANIFEST).exists() or (folder / DATA / _META).exists()):
+            fault = (
+                f"can't read the study of these results from {MANIFEST} or {DATA}/{_META};"
+                " nothing was changed. Name a new folder."
             )
-        elif resume and not (folder.is_dir() and holds_drafts_only(folder)):
-            raise ValueError(f"{folder}: holds no sweep to resume: leave --resume out.")
-        elif folder.exists() and not (folder.is_dir() and holds_drafts_only(folder)):
-            raise ValueError(f"{folder}: is there and no sweep of ours: name a new folder.")
+        elif not manifest and not (folder.is_dir() and holds_drafts_only(folder)):
+            if resume:
+                fault = "holds no sweep to resume: leave --resume out."
+            elif folder.exists():
+                fault = "exists and is no sweep: name a new folder."
+        if fault:
+            raise ValueError(f"{folder}: {fault}")
 
     @classmethod
     def begin(cls, folder: Path, study: Study, resume: bool = False) -> "Store":
-        """A store for a study, with what may be there from a run that was stopped.
-
-        **Arguments:**
-
-        - `folder`: where it is.
-        - `study`: whose results it has.
-        - `resume`: whether some are there already.
-
-        **Returns:** the store.
-
-        **Raises:** `ValueError` as `check`.
-        """
+        """The store of a new study, or of one to resume; arguments and errors as of `check`."""
         cls.check(folder, study, resume)
         folder.mkdir(parents=True, exist_ok=True)
-        store = cls(folder, study)
-        # first, and whole or not at all: from then on the folder says whose it is
+        store, journal = cls(folder, study), folder / JOURNAL
+        # the manifest first, and whole or not at all: it identifies the folder
         if _read(folder / MANIFEST).get("study") != study.digest:
-            store._sign()
-        store._lay_out()
+            store._write_manifest()
+        store._write_descriptions()
+        # a torn last line must not run into the next one
+        if journal.exists() and not journal.read_bytes().endswith(b"\n"):
+            with journal.open("a", encoding="utf-8") as file:
+                file.write("\n")
         return store
 
+    @cached_property
+    def _arrays(self) -> dict[str, Any]:
+        """Arrays by objective; opening them takes as long as writing several blocks."""
+        import zarr
+
+        group = zarr.open_group(str(self.folder / DATA), mode="r+")
+        return {name: group[name] for name in self.study.names}
+
     def write(self, block: int, values: Values) -> str:
-        """Write a block of `values` [SI], whole chunks, onto the disk; a digest of it."""
-        arrays, index = self._arrays("r+"), self.study.index(block)
-        for name, one in values.items():
-            arrays[name][index[0] : index[-1] + 1] = one
-        for name in values:
-            chunk = self.folder / DATA / name / "c" / str(block)
-            for path in (chunk, chunk.parent):
-                _settle(path)
-        return bits(values)
+        """Write the `values` [SI] of a block, whole chunks; returns their digest."""
+        index = self.study.index(block)
+        for name, column in values.items():
+            self._arrays[name][index[0] : index[-1] + 1] = column
+        return digest_values(values)
 
     def read(self, block: int) -> Values:
-        """What stands in a `block`: values by objective [SI]."""
+        """Values [SI] of a `block` by objective."""
         index = self.study.index(block)
         return {
             name: np.asarray(array[index[0] : index[-1] + 1])
-            for name, array in self._arrays("r").items()
+            for name, array in self._arrays.items()
         }
 
     def all(self) -> Values:
         """Values [SI] of every design by objective, in memory."""
-        return {name: np.asarray(array[:]) for name, array in self._arrays("r").items()}
+        return {name: np.asarray(array[:]) for name, array in self._arrays.items()}
 
     def finish(self, block: int, digest: str) -> None:
-        """Note that a `block` is written and has this `digest`; on disk on return."""
-        line = json.dumps({"block": block, "bits": digest}) + "\n"
+        """Record that a `block` is written and has this `digest`."""
         with (self.folder / JOURNAL).open("a", encoding="utf-8") as file:
-            file.write(line)
-            file.flush()
-            os.fsync(file.fileno())
+            file.write(json.dumps({"block": block, "bits": digest}) + "\n")
 
     def finished(self) -> set[int]:
-        """Blocks that are done: noted, and with the bits that were noted."""
-        return {block for block, digest in dict(self._noted()).items() if self._is(block, digest)}
+        """Blocks in the journal whose data have the digest of their line."""
+        journal = self.folder / JOURNAL
+        text = journal.read_text(encoding="utf-8", errors="replace") if journal.exists() else ""
+        # other lines were torn by a kill
+        lines = re.findall(r'^\{"block": (\d{1,10}), "bits": "(\w+)"\}$', text, re.MULTILINE)
+        digests = {int(block): digest for block, digest in lines}
+        return {
+            block
+            for block, digest in digests.items()
+            if block < self.study.blocks and self._has_digest(block, digest)
+        }
 
-    def _is(self, block: int, digest: str) -> bool:
+    def _has_digest(self, block: int, digest: str) -> bool:
         try:
-            return bits(self.read(block)) == digest
-        except Exception:  # noqa: BLE001 zarr's own for whatever a crash has left: not done
+            return digest_values(self.read(block)) == digest
+        except Exception:  # noqa: BLE001 zarr's errors for whatever a crash has left: not finished
             return False
 
-    def tidy(self) -> None:
-        """Remove what killed writers left: files are written beside their place, then moved."""
-        for left in (self.folder / DATA).rglob("*.partial"):
-            left.unlink(missing_ok=True)
+    def remove_drafts(self) -> None:
+        """Remove drafts of killed writers: files are written beside their targets, then moved."""
+        for draft in (self.folder / DATA).rglob("*.partial"):
+            draft.unlink(missing_ok=True)
         for folder in (self.folder, self.folder / DATA, *(self.folder / DATA).iterdir()):
             remove_abandoned(folder)
 
-    def _noted(self) -> Iterator[tuple[int, str]]:
-        journal = self.folder / JOURNAL
-        if not journal.exists():
-            return
-        for line in journal.read_text(encoding="utf-8", errors="replace").splitlines():
-            try:
-                entry = json.loads(line)
-                block, digest = entry["block"], entry["bits"]
-            except (ValueError, TypeError, KeyError, RecursionError):
-                continue  # torn by a kill
-            if type(block) is int and 0 <= block < self.study.blocks and isinstance(digest, str):
-                yield block, digest
-        # a torn last line must not run into the next one
-        if not journal.read_bytes().endswith(b"\n"):
-            with journal.open("a", encoding="utf-8") as file:
-                file.write("\n")
-
-    def _sign(self) -> None:
-        """Write the manifest."""
+    def _write_manifest(self) -> None:
         manifest = {
             "format": 1,
             "study": self.study.digest,
@@ -304,95 +268,61 @@ class Store:
             "block": self.study.block,
             "blocks": self.study.blocks,
         }
-        _put(self.folder / MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
+        write_text(self.folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
 
-    def _lay_out(self) -> None:
-        """Write what describes the arrays, where it isn't there or is broken."""
-        with tempfile.TemporaryDirectory() as scratch:
-            self._describe(Path(scratch))
-            for made in Path(scratch, DATA).rglob(_META):
-                there = self.folder / made.relative_to(scratch)
-                if _read(there) != _read(made):
-                    there.parent.mkdir(parents=True, exist_ok=True)
-                    _put(there, made.read_bytes())
-
-    def _describe(self, folder: Path) -> None:
-        """Make empty arrays in `folder`."""
+    def _write_descriptions(self) -> None:
+        """Write Zarr's description of the arrays, except where it is on the disk."""
         import zarr
+        from zarr.storage import MemoryStore
 
-        group = zarr.open_group(str(folder / DATA), mode="w")
-        size, block = len(self.study.space), min(self.study.block, len(self.study.space))
+        descriptions: dict[str, Any] = {}
+        group = zarr.open_group(MemoryStore(descriptions), mode="w")
+        size = len(self.study.space)
         group.attrs["study"] = self.study.digest
         for name in self.study.names:
             array = group.create_array(
-                name, shape=(size,), chunks=(block,), dtype="float64", fill_value=np.nan,
-                compressors=None, dimension_names=("design",),
+                name, shape=(size,), chunks=(min(self.study.block, size),), dtype="float64",
+                fill_value=np.nan, compressors=None, dimension_names=("design",),
             )  # fmt: skip
             unit = OBJECTIVES[name].unit
             array.attrs["units"] = "1" if unit == "-" else unit
             array.attrs["long_name"] = OBJECTIVES[name].about
-
-    def _arrays(self, mode: str) -> dict[str, Any]:
-        return _opened(str(self.folder / DATA), mode, self.study.names, self.study.digest)
-
-
-@lru_cache(maxsize=8)
-def _opened(path: str, mode: Any, names: tuple[str, ...], digest: str) -> dict[str, Any]:  # noqa: ARG001 another study's arrays may stand at this path later
-    """The arrays of a store; to open them takes as long as to write several blocks."""
-    import zarr
-
-    group = zarr.open_group(path, mode=mode)
-    return {name: group[name] for name in names}
+        for name, content in descriptions.items():
+            path, raw = self.folder / DATA / name, content.to_bytes()
+            if not path.exists() or path.read_bytes() != raw:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write(path, partial(Path.write_bytes, data=raw))
 
 
-def _read_about(folder: Path) -> dict[str, Any]:
-    """What a folder says of the study in it: its manifest, or else the data themselves."""
-    manifest = _read(folder / MANIFEST)
-    if isinstance(manifest.get("study"), str):
-        return manifest
-    attributes = _read(folder / DATA / _META).get("attributes")
-    return (
-        attributes
-        if isinstance(attributes, dict) and isinstance(attributes.get("study"), str)
-        else {}
-    )
+def digest_values(values: Values) -> str:
+    """Digest of objectives' `values` [SI]: equal if, and only if, all bits are."""
+    sha = hashlib.sha256()
+    for name, column in values.items():
+        sha.update(name.encode())
+        sha.update(np.ascontiguousarray(column, dtype="<f8").tobytes())
+    return sha.hexdigest()
 
 
 def _read(path: Path) -> dict[str, Any]:
     """A JSON object; empty where there is none that can be read."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
-def _put(path: Path, raw: bytes) -> None:
-    write(path, lambda draft: draft.write_bytes(raw))
-    _settle(path)
-
-
-def _settle(path: Path) -> None:
-    """Have the system bring a file, or a folder's entries, onto the disk, if it is there."""
-    # a chunk of nothing but NaN isn't written; not every system opens folders
-    with contextlib.suppress(FileNotFoundError, PermissionError, IsADirectoryError):
-        handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-
-_AHEAD = 3  # blocks handed to each worker, so that none waits for the next
-_ASK = 2.0  # s between questions how many workers there are
-_LOOK = 0.02  # s between looks whether a block is done
-_ALONE = 60.0  # s without any worker, since a block was last done, after which there are none
-_KNOWN: dict[str, Study] = {}  # the last study of a worker, by its digest
+def _read_manifest(folder: Path) -> dict[str, Any]:
+    """The manifest, or else the attributes of the data, which name the study, too."""
+    for content in (_read(folder / MANIFEST), _read(folder / DATA / _META).get("attributes")):
+        if isinstance(content, dict) and isinstance(content.get("study"), str):
+            return content
+    return {}
 
 
 class BlockResult(NamedTuple):
-    """A block that is written: its digest, the time to compute and to write it [s], the
-    worker's largest memory so far [B] and its process.
+    """A written block: its digest, the time to compute and to write it [s], the worker's
+    largest memory so far [B] and its process.
     """
 
     block: int
@@ -414,7 +344,7 @@ class Progress(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Designs a second [1/s] in this run."""
+        """Designs per second [1/s] in this run."""
         return self.designs / self.seconds if self.seconds > 0 else 0.0
 
 
@@ -427,18 +357,18 @@ def sweep(
     client: Any = None,
     resume: bool = False,
     watch: Watch | None = None,
-    alone: float = _ALONE,
+    worker_timeout: float = _WORKER_TIMEOUT,
 ) -> Store:
-    """Compute what is missing of a study.
+    """Compute the missing blocks of a study.
 
     **Arguments:**
 
     - `study`: what to compute.
-    - `folder`: where results are kept.
-    - `client`: Dask's, of any deployment; left out, this process does all.
-    - `resume`: whether results are there to go on from.
+    - `folder`: of the results.
+    - `client`: Dask's, of any deployment; left out, this process computes all.
+    - `resume`: true to go on with results in the folder.
     - `watch`: called with the progress.
-    - `alone`: how long without any worker until it is given up [s].
+    - `worker_timeout`: time without any worker after which the sweep ends [s].
 
     **Returns:** the store, complete.
 
@@ -447,48 +377,50 @@ def sweep(
     """
     store = Store.begin(folder, study, resume)
     finished = store.finished() if resume else set()
-    left = [block for block in range(study.blocks) if block not in finished]
+    blocks = [block for block in range(study.blocks) if block not in finished]
     start, designs, done = time.perf_counter(), 0, len(finished)
     if watch is not None:
         watch(Progress(done, study.blocks, 0, 0.0, None))
     if client is None:
-        work = (run_block(study, str(folder), block) for block in left)
+        results = (_compute(store, block) for block in blocks)
     else:
-        work = _distribute(client, study, folder, left, alone)
-    for one in work:
-        store.finish(one.block, one.digest)
-        designs, done = designs + len(study.index(one.block)), done + 1
+        results = _distribute(client, store, blocks, worker_timeout)
+    for result in results:
+        store.finish(result.block, result.digest)
+        designs, done = designs + len(study.index(result.block)), done + 1
         if watch is not None:
             seconds = time.perf_counter() - start
-            watch(Progress(done, study.blocks, designs, seconds, one))
-    store.tidy()
+            watch(Progress(done, study.blocks, designs, seconds, result))
+    store.remove_drafts()
     return store
 
 
+_STORES: dict[tuple[str, str], Store] = {}  # a worker's last, with open arrays and its space
+
+
 def run_block(study: Study, folder: str, block: int) -> BlockResult:
-    """Compute and write a block: what a worker does.
+    """Compute and write a block: the task of a worker.
 
-    **Arguments:**
-
-    - `study`: whose.
-    - `folder`: where results are kept, as the worker sees it.
-    - `block`: which, counted from 0 [-].
-
-    **Returns:** what was written.
+    `study`: to be computed; `folder`: of the results, as the worker sees it; `block`: counted from
+    0 [-].
     """
-    if study.digest not in _KNOWN:
-        _KNOWN.clear()
-    study = _KNOWN.setdefault(study.digest, study)  # whose tables are made already
+    key = (folder, study.digest)
+    if key not in _STORES:
+        _STORES.clear()
+    return _compute(_STORES.setdefault(key, Store(Path(folder), study)), block)
+
+
+def _compute(store: Store, block: int) -> BlockResult:
     start = time.perf_counter()
-    values = study.values(block)
+    values = store.study.values(block)
     computed = time.perf_counter()
-    digest = Store(Path(folder), study).write(block, values)
+    digest = store.write(block, values)
     written = time.perf_counter()
     return BlockResult(block, digest, computed - start, written - computed, _memory(), os.getpid())
 
 
 def _memory() -> int:
-    """Largest memory that this process has held [B]; 0 where the system doesn't tell."""
+    """Largest memory of this process so far [B]; 0 on systems that don't report it."""
     # not `getrusage`: across a fork that begins with the parent's
     status = Path("/proc/self/status")
     lines = status.read_text().splitlines() if status.exists() else []
@@ -496,32 +428,32 @@ def _memory() -> int:
 
 
 def _distribute(
-    client: Any, study: Study, folder: Path, blocks: list[int], patience: float
+    client: Any, store: Store, blocks: list[int], worker_timeout: float
 ) -> Iterator[BlockResult]:
-    """Blocks as workers finish them; Dask computes those again that a worker died at."""
+    """Results as workers finish them; Dask recomputes blocks of workers that died."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
     from distributed.comm.core import CommClosedError
 
-    compute = partial(run_block, study, str(folder.resolve()))
-    waiting, results = iter(blocks), as_completed(loop=client.loop, with_results=True)
-    pending, idle, asked, workers = 0, 0.0, -_ASK, 1
+    compute = partial(run_block, store.study, str(store.folder.resolve()))
+    queue, results = iter(blocks), as_completed(loop=client.loop, with_results=True)
+    pending, idle, census, workers = 0, 0.0, -_CENSUS, 1
     try:
         while True:
-            if (since := time.monotonic() - asked) >= _ASK:  # workers may come and go
+            if (since := time.monotonic() - census) >= _CENSUS:  # workers may come and go
                 revive(client)
-                workers, asked = len(client.nthreads()), time.monotonic()
-                idle += 0.0 if workers else min(since, 2 * _ASK)
-            if idle >= patience:
-                raise ConnectionError(f"no worker has been there for {patience:g} s")
-            for block in islice(waiting, max(0, _AHEAD * max(1, workers) - pending)):
+                workers, census = len(client.nthreads()), time.monotonic()
+                idle += 0.0 if workers else min(since, 2 * _CENSUS)
+            if idle >= worker_timeout:
+                raise ConnectionError(f"no worker for {worker_timeout:g} s")
+            for block in islice(queue, max(0, _BLOCKS_PER_WORKER * max(1, workers) - pending)):
                 results.add(client.submit(compute, block, pure=False))
                 pending += 1
             if not pending:
                 return
             if not results.has_ready():
-                time.sleep(_LOOK)
+                time.sleep(_POLL)
                 continue
             _, result = next(results)
             if not isinstance(result, BlockResult):

@@ -1,4 +1,4 @@
-r"""Tables of forces: what muscles give at the points of a task and along their curves.
+r"""Tables of forces: of muscles at the points of a task and along their curves.
 
 Levels $u = p/P_s$ are denser at low pressure, $u_i = (i/n)^{3/2}$, where collapse and free
 strain change fastest. A table of every level is the whole force law there. Most designs need only
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, stack, where
-from ..core.types import Bool, Float, Numbers
+from ..core.types import Float, Numbers
 from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
@@ -22,12 +22,11 @@ from .outcome import Demand, ForceTable
 
 
 _BATCH = 2**16  # forces computed together: what stays in a processor's cache
-_LEVELS = 32  # levels of a curve computed together, for the same reason
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """How many throttled `levels`, and `strains` along the curves."""
+    """Numbers of throttled `levels`, and of `strains` along the curves."""
 
     levels: int = 33
     strains: int = 129
@@ -47,34 +46,33 @@ def largest_force_table(
 ) -> ForceTable:
     """The table of muscles, with the largest force over all levels alone.
 
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning all muscles have.
-    - `sizes`: of the muscles, NumPy's, on one axis.
-    - `demand`: the task's.
-    - `needs`: "size" among them, where radius and bulge are needed.
-    - `resolution`: of levels.
-
-    **Returns:** the table, NumPy's.
+    `drawing`: with material, laws and tuning of all muscles; `sizes`: of the muscles, NumPy's, on
+    one axis; `demand`: the task's; `needs`: "size" among them, where radius and bulge are needed;
+    `resolution`: of levels.
     """
-    muscle, none = sizes.muscle(drawing), 0.0 * sizes.length
-    law, strain, supply = muscle.law, demand.strain(sizes.length) + none, demand.supply + none
+    muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
+    law, strain, supply = muscle.law, demand.strain(sizes.length) + zero, demand.supply + zero
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        at_rest = law.at(none)
-        unfed, full = at_rest.force(strain)[0], _pull(law, supply, strain)
+        vented = law.at(zero)
+        unfed, full = vented.force(strain)[0], _pull(law, supply, strain)
         largest, pressure = maximum(unfed, full), resolution.level[1:] * demand.supply
         # a tuning's tables bend what is linear
         if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
             step = max(1, _BATCH // largest.size)
             for start in range(0, len(pressure), step):
-                P = pressure[start : start + step, None, None] + none
+                P = pressure[start : start + step, None, None] + zero
                 largest = maximum(largest, _pull(law, P, strain).max(axis=0))
         pushes = full < 0  # as it does wherever even the largest force is less
-        if np.any(pushes):
-            force = _forces_where(pushes, drawing, sizes, pressure, strain)
-            full = where(pushes, force[0], full)
-            largest = where(pushes, maximum(largest, force[1]), largest)
-        return _table(muscle, demand, needs, at_rest, unfed, full, largest[None])
+        points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
+        step = max(1, _BATCH // max(1, points.size * len(pressure)))
+        for start in range(0, muscles.size, step):
+            part = np.ix_(points, muscles[start : start + step])
+            few = sizes.take(part[1][0])
+            pressurized = few.muscle(drawing).law.at(pressure[:, None, None] + 0.0 * few.length)
+            force = np.where(pushes[part], pressurized.force(strain[part])[0], -np.inf)
+            full[part] = where(pushes[part], force[-1], full[part])
+            largest[part] = maximum(largest[part], force.max(axis=0))
+        return _table(muscle, demand, needs, vented, unfed, full, largest[None])
 
 
 def every_level_table(
@@ -87,33 +85,26 @@ def every_level_table(
 ) -> tuple[ForceTable, Numbers]:
     """The table of muscles at every level, and their curves.
 
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning all muscles have.
-    - `sizes`: of the muscles, on one axis, NumPy's or JAX's.
-    - `demand`: the task's.
-    - `needs`: "size" among them, where radius and bulge are needed.
-    - `resolution`: of levels, and strains of the curves.
-    - `curves_to`: strain to which the curves go [-]; `None` for no curves.
-
-    **Returns:** the table, and forces along the curves [N] by level, strain and muscle.
+    `drawing`: with material, laws and tuning of all muscles; `sizes`: of the muscles, on one axis,
+    NumPy's or JAX's; `demand`: the task's; `needs`: "size" among them, where radius and bulge are
+    needed; `resolution`: of levels, and strains of the curves; `curves_to`: strain to which the
+    curves go [-]; `None` for no curves. Returns the table, and forces along the curves [N] by
+    level, strain and muscle.
     """
-    muscle = sizes.muscle(drawing)
-    strain, none = demand.strain(sizes.length), 0.0 * sizes.length
-    xp, count = array_namespace(none, strain), len(strain)
-    strain = strain + none
+    muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
+    strain = demand.strain(sizes.length) + zero
+    xp, points = array_namespace(strain), len(strain)
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        at = muscle.law.at(resolution.level[:, None, None] * demand.supply + none)
-        every = strain
+        pressurized = muscle.law.at(resolution.level[:, None, None] * demand.supply + zero)
         if curves_to is not None:
             # one call for all strains, so that JAX compiles the law once
             even = np.linspace(0.0, 1.0, resolution.strains)[:, None]
-            every = xp.concatenate([strain, curves_to * even + none])
-        force = at.force(every)[0]
-        levels = force[:, :count]
-        at_rest = muscle.law.at(none) if "size" in needs else None
-        table = _table(muscle, demand, needs, at_rest, levels[0], levels[-1], levels)
-    return table, force[:, count:]
+            strain = xp.concatenate([strain, curves_to * even + zero])
+        force = pressurized.force(strain)[0]
+        levels = force[:, :points]
+        vented = muscle.law.at(zero) if "size" in needs else None
+        table = _table(muscle, demand, needs, vented, levels[0], levels[-1], levels)
+    return table, force[:, points:]
 
 
 def force_curves(
@@ -121,78 +112,48 @@ def force_curves(
 ) -> tuple[Float[np.ndarray, "level strain"], float]:
     """The curves of one muscle at every level, from rest to the free strain at the supply's.
 
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning it has.
-    - `sizes`: its own, NumPy's.
-    - `supply`: the supply's pressure [Pa].
-    - `resolution`: of levels and strains.
-
-    **Returns:** forces [N], and the free strain [-].
+    `drawing`: with material, laws and tuning of the muscle; `sizes`: of the muscle, NumPy's;
+    `supply`: the supply's pressure [Pa]; `resolution`: of levels and strains. Returns forces [N],
+    and the free strain [-].
     """
-    law, pressure = sizes.muscle(drawing).law, resolution.level[:, None] * supply
-    force = np.empty((resolution.levels, resolution.strains))
+    law, pressure = sizes.muscle(drawing).law, resolution.level * supply
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        every = law.at(pressure)
-        free = every.column.free_strain
-        top = float(free[-1, 0])
-        strain = np.linspace(0.0, top, resolution.strains)
-        for start in range(0, resolution.levels, _LEVELS):
-            some = slice(start, start + _LEVELS)
-            at = law.at(
-                pressure[some], free[some], np.broadcast_to(every.collapse, free.shape)[some]
-            )
-            # where all levels pull the tension law is enough, which takes a tenth of the time
-            pulls = int(np.searchsorted(strain, free[some].min()))
-            force[some, :pulls] = law.tension.force(pressure[some], strain[:pulls])
-            force[some, pulls:] = at.force(strain[pulls:])[0]
-    return force, top
+        pressurized = law.at(pressure)
+        free = pressurized.column.free_strain
+        strain = np.linspace(0.0, float(free[-1]), resolution.strains)
+        # the tension law alone, where it is enough, takes a tenth of the time
+        force = law.tension.force(pressure[:, None], strain)
+        level, index = np.nonzero(strain > free[:, None])
+        collapse = np.broadcast_to(pressurized.collapse, free.shape)[level]
+        pushes = law.at(pressure[level], free[level], collapse)
+        force[level, index] = pushes.force(strain[index])[0]
+    return force, float(free[-1])
 
 
 def _table(
     muscle: Muscle,
     demand: Demand,
     needs: tuple[str, ...],
-    at_rest: Pressurized | None,
+    vented: Pressurized | None,
     unfed: Numbers,
     full: Numbers,
     levels: Numbers,
 ) -> ForceTable:
-    """A table with all that its muscles' forces don't tell."""
-    none = 0.0 * muscle.length
-    strain = demand.strain(muscle.length) + none
+    """A table of these forces, with volume, blocked force and sizes."""
+    zero = 0.0 * muscle.length
+    strain = demand.strain(muscle.length) + zero
     radius = bulge = None
-    if "size" in needs and at_rest is not None:
+    if "size" in needs and vented is not None:
         largest = strain.max(axis=0)
         # it bows deepest where it collapses, if it does before, else at the end
-        stops = stack([largest, minimum(at_rest.collapse, largest)])
-        radius, bulge = muscle.braid.radius_at(largest), at_rest.deflection(stops).max(axis=0)
-    volume = muscle.braid.volume(strain) - muscle.braid.volume(none)
-    blocked = muscle.law.tension.force(demand.supply + none, none)
+        deepest = stack([largest, minimum(vented.collapse, largest)])
+        radius, bulge = muscle.braid.radius_at(largest), vented.deflection(deepest).max(axis=0)
+    volume = muscle.braid.volume(strain) - muscle.braid.volume(zero)
+    blocked = muscle.law.tension.force(demand.supply + zero, zero)
     return ForceTable(unfed, full, levels, volume, blocked, muscle.length, radius, bulge)
 
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Force [N] up to the free strain; beyond there is none, minus infinity."""
+    """Force [N] up to the free strain; beyond, where the muscle pushes, minus infinity."""
     pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
     return where(pulls, law.tension.force(pressure, strain), -np.inf)
-
-
-def _forces_where(
-    needed: Bool[np.ndarray, "point muscle"],
-    drawing: Muscle,
-    sizes: Sizes,
-    pressure: Float[np.ndarray, " level"],
-    strain: Float[np.ndarray, "point muscle"],
-) -> Float[np.ndarray, "2 point muscle"]:
-    """Force [N] at the last pressure [Pa] and the largest over all, where it is `needed`."""
-    forces = np.full((2, *strain.shape), -np.inf)
-    points, muscles = (np.flatnonzero(needed.any(axis=axis)) for axis in (1, 0))
-    step = max(1, _BATCH // (points.size * len(pressure)))
-    for start in range(0, muscles.size, step):
-        some = muscles[start : start + step]
-        part = sizes.take(some)
-        at = part.muscle(drawing).law.at(pressure[:, None, None] + 0.0 * part.length)
-        force = at.force(strain[np.ix_(points, some)])[0]
-        forces[:, points[:, None], some] = force[-1], force.max(axis=0)
-    return forces

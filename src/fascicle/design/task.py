@@ -1,9 +1,9 @@
 """Tasks: load cases, how much each counts, the supply; and named examples.
 
 A load case is a demanded force at a contraction: a strain, or a stroke, a length that long muscles
-contract by with less strain. A task is a cloud of load cases with weights. One that is given in
-time becomes a cloud whose weights are how long each is held. Weights say how much a load case
-counts in a mean; a bundle must reach all of them (see `limits`).
+contract by with less strain. A task is a cloud of load cases with weights; of a task in time, the
+weight of a load case is its duration. Weights count in means; a bundle must reach all load cases
+(see `limits`).
 
 All figures of the examples are made up: shapes as such motions have, scaled to bundles of a
 handful of half-inch muscles. None was measured, and none should be cited as if it were.
@@ -26,8 +26,11 @@ from ..core.validation import (
 )
 
 
-_LONGEST_STROKE = 10.0  # m
-_MOST_POINTS = 100_000
+_LONGEST_STROKE = 10.0  # m, of a building's crane
+_LARGEST_FORCE = 1e6  # N, a hundred times what the largest muscles pull
+_LARGEST_WEIGHT = 1e12  # far from where sums of weights lose digits
+_MOST_POINTS = 100_000  # of a task; their tables fit into memory
+_LARGEST_TIME = 1e12  # s, far from where differences of times lose digits
 FLUIDS = ("air", "liquid")
 
 Points = Float[np.ndarray, " point"]
@@ -36,8 +39,8 @@ Points = Float[np.ndarray, " point"]
 @dataclass(frozen=True, eq=False)
 class Task:
     """Demanded `force` [N], at `strain` [-] or after `stroke` [m], the other being `None`;
-    `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and `source`: where
-    the figures come from; `time` [s] of each point, if it has one; the `fluid`.
+    `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and `source` of the
+    figures; `time` [s] of each point, if it has one; the `fluid`.
     """
 
     force: Points
@@ -76,57 +79,44 @@ class Task:
         - `strain`: contractions at which they are demanded [-], none negative, or a number;
           `None` where the stroke is given.
         - `supply_pressure`: the supply's gauge pressure [Pa].
-        - `weight`: how much each point counts [-]; left out, all the same.
+        - `weight`: of each point in means [-]; left out, all the same.
         - `scheme`: one of `fascicle.schemes`, by name or as an object.
-        - `name`: what it is.
-        - `source`: where the figures come from.
-        - `stroke`: how much shorter the bundle is then [m], instead of `strain`.
+        - `name`: of the task.
+        - `source`: of the figures.
+        - `stroke`: shortening of the bundle [m], instead of `strain`.
         - `fluid`: "air" or "liquid", whose consumption is computed.
 
         **Returns:** the task.
 
-        **Raises:** `ValueError` for values off the domain and lists of unlike length, and where
+        **Raises:** `ValueError` for values off the domain and lists of different lengths, and where
         both of strain and stroke are given, or neither.
         """
         if (strain is None) == (stroke is None):
-            which = "neither" if strain is None else "both"
-            raise InvalidInputError(
-                "stroke",
-                "in m or `strain` tells how far the bundle contracts",
-                None,
-                f"give one of them, got {which}",
-            )
-        closed = (True, True)
-        F = check_interval(force, 0.0, 1e6, "force", "N", closed=closed)
+            rule = "in m or `strain` tells how far the bundle contracts"
+            remedy = f"give one of them, got {'neither' if strain is None else 'both'}"
+            raise InvalidInputError("stroke", rule, None, remedy)
         if stroke is None:
-            travel = check_interval(strain, 0.0, LARGEST_STRAIN, "strain", "-", closed=closed)
+            name_of_travel, travel, largest, unit = "strain", strain, LARGEST_STRAIN, "-"
         else:
-            travel = check_interval(stroke, 0.0, _LONGEST_STROKE, "stroke", "m", closed=closed)
-        w = check_interval(
-            1.0 if weight is None else weight, 0.0, 1e12, "weight", "-", closed=closed
+            name_of_travel, travel, largest, unit = "stroke", stroke, _LONGEST_STROKE, "m"
+        closed, weight = (True, True), 1.0 if weight is None else weight
+        arrays = (
+            check_interval(force, 0.0, _LARGEST_FORCE, "force", "N", closed=closed),
+            check_interval(travel, 0.0, largest, name_of_travel, unit, closed=closed),
+            check_interval(weight, 0.0, _LARGEST_WEIGHT, "weight", "-", closed=closed),
         )
-        size = next((np.size(x) for x in (F, travel, w) if np.ndim(x)), 1)
-        F, travel, w = (
-            np.full(size, float(x)) if np.ndim(x) == 0 else np.asarray(x, float)
-            for x in (F, travel, w)
-        )
+        size = next((np.size(x) for x in arrays if np.ndim(x)), 1)
+        F, travel, w = (np.full(size, float(x)) if np.ndim(x) == 0 else x for x in arrays)
         if not F.shape == travel.shape == w.shape or F.ndim != 1:
-            called = "strain" if stroke is None else "stroke"
-            raise InvalidInputError(
-                "force",
-                f", `{called}` and `weight` must be lists of one length",
-                (F.size, travel.size, w.size),
-                shown=f"{F.size}, {travel.size} and {w.size}",
-            )
+            rule = f", `{name_of_travel}` and `weight` must be lists of one length"
+            sizes = (F.size, travel.size, w.size)
+            shown = "{}, {} and {}".format(*sizes)
+            raise InvalidInputError("force", rule, sizes, shown=shown)
         if not 0 < F.size <= _MOST_POINTS:
             raise InvalidInputError("force", f"must hold 1 to {_MOST_POINTS} points", F.size)
         if not np.any((w > 0) & (F > 0) & (travel > 0)):
-            raise InvalidInputError(
-                "force",
-                "and contraction must both be positive at a point that counts",
-                None,
-                "this task does no work",
-            )
+            rule = "and contraction must both be positive at a point that counts"
+            raise InvalidInputError("force", rule, None, "this task does no work")
         supply = check_interval(
             supply_pressure, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", closed=(False, True)
         )
@@ -139,7 +129,7 @@ class Task:
     def in_time(
         cls, time: Any, force: Any, strain: Any, supply_pressure: float, **more: Any
     ) -> "Task":
-        """A task that is given in time; each point counts for as long as it is nearest.
+        """A task in time; each point counts for as long as it is the nearest one.
 
         **Arguments:**
 
@@ -153,25 +143,22 @@ class Task:
 
         **Raises:** `ValueError` for times that don't rise, and as `of`.
         """
-        t = np.atleast_1d(check_interval(time, -1e12, 1e12, "time", "s")).astype(float)
+        t = np.atleast_1d(check_interval(time, -_LARGEST_TIME, _LARGEST_TIME, "time", "s"))
+        t = t.astype(float)
         if t.ndim != 1 or t.size < 2 or np.any(np.diff(t) <= 0):
             raise InvalidInputError("time", "must be a list of two or more that rises", None)
         weight = np.gradient(t) * np.where((np.arange(t.size) % (t.size - 1)) == 0, 0.5, 1.0)
-        made = cls.of(force, strain, supply_pressure, weight, **more)
-        return replace(made, time=t)
+        return replace(cls.of(force, strain, supply_pressure, weight, **more), time=t)
 
     def strain_of(self, length: float) -> Points:
-        """Contractions demanded of a bundle [-]; `length`: its own at rest [m].
+        """Contractions demanded of a bundle [-]; `length`: at rest [m].
 
         A stroke that is longer than the bundle is a strain above 1.
         """
-        if self.strain is not None:
-            return self.strain
-        assert self.stroke is not None
-        return self.stroke / length
+        return self.stroke / length if self.strain is None else self.strain  # type: ignore[operator]
 
     def stroke_of(self, length: float) -> Points:
-        """How much shorter than at rest a bundle must get [m]; `length`: its own at rest [m]."""
+        """Shortening demanded of a bundle [m]; `length`: at rest [m]."""
         return self.strain_of(length) * length if self.stroke is None else self.stroke
 
     @property
@@ -183,7 +170,7 @@ class Task:
 
     @property
     def largest_strain(self) -> float:
-        """The largest contraction demanded [-]; NaN where it hangs on the bundle's length."""
+        """The largest contraction demanded [-]; NaN where it depends on the bundle's length."""
         return float("nan") if self.strain is None else float(self.strain.max())
 
     def take(self, index: Any) -> "Task":
@@ -202,12 +189,10 @@ _MADE_UP = "made up, no measurement"
 def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
     """A knee that rises from a seat: most force at the start, less as the leg straightens.
 
-    **Arguments:** `supply_pressure`: the supply's [Pa].
-
-    **Returns:** the task; its figures are made up.
+    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
     """
     time = np.linspace(0.0, 1.5, 16)  # s
-    done = np.sin(0.5 * np.pi * time / time[-1]) ** 2  # share of the way
+    done = np.sin(0.5 * np.pi * time / time[-1]) ** 2  # share of the path
     force = 80.0 + 420.0 * (1 - done) ** 1.5
     return _in_time("sit_to_stand_knee", time, force, 0.02 + 0.16 * done, supply_pressure)
 
@@ -215,9 +200,7 @@ def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
 def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
     """An arm that lifts loads of three sizes to three heights, mostly small ones.
 
-    **Arguments:** `supply_pressure`: the supply's [Pa].
-
-    **Returns:** the task; its figures are made up.
+    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
     """
     force = np.repeat([60.0, 150.0, 280.0], 3)
     strain = np.tile([0.06, 0.11, 0.16], 3) - np.repeat([0.0, 0.01, 0.03], 3)
@@ -229,9 +212,7 @@ def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
 def walking_ankle(supply_pressure: float = 413.7e3) -> Task:
     """An ankle over one stride: the load builds up, pushes off, and the foot swings.
 
-    **Arguments:** `supply_pressure`: the supply's [Pa].
-
-    **Returns:** the task; its figures are made up.
+    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
     """
     time = np.linspace(0.0, 1.1, 23)  # s
     s = time / time[-1]

@@ -18,9 +18,15 @@ from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
 from ..design.catalog import Catalog, Product
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
-from ..design.objectives import OBJECTIVES, SHARES, Limit, check_search, known, with_reach_limits
-from ..design.space import SPLITS, Space
-from ..design.space import read as read_split
+from ..design.objectives import (
+    OBJECTIVES,
+    SHARES,
+    Limit,
+    check_objectives,
+    check_search,
+    with_reach_limits,
+)
+from ..design.space import SPLITS, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
@@ -202,7 +208,7 @@ def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[s
     senses = dict(USUAL if section is None else section)
     for name, sense in senses.items():
         with location.error_context():
-            known([name])
+            check_objectives([name])
         if sense not in ("min", "max"):
             raise location.error((name,), 'must be "min" or "max".')
     return senses
@@ -213,7 +219,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
     limits, least_margin = {}, LEAST_MARGIN
     for name, bounds in section.items():
         with location.error_context():
-            known([name])
+            check_objectives([name])
         if name == "margin" and not isinstance(bounds, dict):
             least_margin = _margin(bounds, location, (name,))
             continue

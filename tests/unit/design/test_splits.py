@@ -7,11 +7,11 @@ from fascicle.core.errors import InvalidInputError
 from fascicle.design.designs import label
 from fascicle.design.space import (
     MOST_SPLITS,
-    check_number,
+    check_splits,
     compositions,
     number_of_splits,
     partitions,
-    read,
+    read_split,
 )
 
 
@@ -58,12 +58,12 @@ def test_zeros_come_last():
         assert np.all(there[:, :-1] | ~there[:, 1:])
 
 
-def test_a_composition_is_written_and_read():
-    assert read("1+4") == (1, 4) and read(" 2 + 1+ 12 ") == (2, 1, 12)
+def test_a_composition_is_written_and_read_split():
+    assert read_split("1+4") == (1, 4) and read_split(" 2 + 1+ 12 ") == (2, 1, 12)
     assert label((1, 4, 0)) == "1+4"
     for wrong in ("", "1+", "0+2", "1+a", "1-4", "-1", "1.0"):
         with pytest.raises(ValueError, match="written like '1\\+4'"):
-            read(wrong)
+            read_split(wrong)
 
 
 @pytest.mark.parametrize("make", [compositions, partitions])
@@ -96,10 +96,10 @@ def test_many_muscles_in_few_units():
 def test_too_many_splits_are_refused_before_any_is_made(numbers):
     """And what is told to do instead leaves few enough."""
     with pytest.raises(InvalidInputError) as refused:
-        check_number(numbers, "all")
+        check_splits(numbers, "all")
     assert refused.value.argument == "muscles"
     units = int(refused.value.remedy.split()[0])
-    check_number(numbers, "all", units)
+    check_splits(numbers, "all", units)
     assert sum(number_of_splits(n, "all", units + 1) for n in numbers) > MOST_SPLITS
     parted = sum(number_of_splits(n, "partitions") for n in numbers) <= MOST_SPLITS
     assert ("partitions" in refused.value.remedy) is parted

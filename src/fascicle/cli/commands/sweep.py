@@ -54,7 +54,7 @@ def run(
         Store.check(folder, designs, resume)
     if folder.is_dir():
         check_file("--out", folder / "front.nc", overwrite or resume)
-    wait = {} if scheduler is None else {"alone": _QUEUE}
+    wait = {} if scheduler is None else {"worker_timeout": _QUEUE}
     with (
         _cluster(scheduler, workers) as client, _progress(designs.block) as watch, user_errors(),
         _resumable(folder),
