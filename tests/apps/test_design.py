@@ -62,7 +62,7 @@ def test_a_task_becomes_bundles_and_a_page(fascicle, written, tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     # nothing is asked of anyone else
     assert not re.search(r'(src|href)="(?!data:|#)[a-z]+:', page)
-    for part in ('<svg class="plot"', "<title>1+", 'data-place="0"', "Does it do the task?",
+    for part in ('<svg class="plot"', "<title>1+", 'data-index="0"', "Does it do the task?",
                  "✓\u00a0reached", "Force-strain space", "[[bundle.motor_unit]]"):  # fmt: skip
         assert part in page
     assert page.index("Does it do the task?") < page.index("By the objectives")
@@ -210,7 +210,7 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     )
     code, out, err = fascicle("design", "task.toml")
     assert (code, err) == (0, "")
-    assert "note: of DMSP-10, DMSP-20, DMSP-40 wall, braid angle, rubber and laws are taken" in out
+    assert "note: DMSP-10, DMSP-20, DMSP-40: wall, braid angle, rubber and laws are taken" in out
     assert "Take 1 muscle in 1 motor unit, DMSP-40, L₀ 200 mm" in out  # the largest margin
     assert "\nproduct: 1 × DMSP-40, 200 mm; figures: ThomasNet News" in out
     front = results.read(tmp_path / "designed-task" / "front.nc")
