@@ -22,11 +22,11 @@ _REFERENCE = "threshold"  # the policy that energies are compared with
 
 
 class PolicyRun(NamedTuple):
-    """A policy's run: its controller in `controlled`, the `run`, its metrics, `worth`, its `demand`
+    """A policy's run: its controller in `control`, the `run`, its metrics, `worth`, its `demand`
     [SI], and `doubts`, reasons not to trust it.
     """
 
-    controlled: "ScenarioControl"
+    control: "ScenarioControl"
     run: "Trajectory"
     worth: "ControlMetrics"
     demand: Demand
