@@ -1,4 +1,4 @@
-"""The explorer in a browser: what its widgets do, and that they show what the laws give."""
+"""The explorer in a browser: its widgets work, and show what the laws give."""
 
 import contextlib
 import io
@@ -21,7 +21,7 @@ from fascicle.files import dumps, load, loads
 
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
 pytestmark = [
     pytest.mark.skipif(BROWSER is None, reason="no chromium: apt-get install chromium"),
     # the server's own process, and the browser's, end after their sockets
@@ -36,25 +36,25 @@ SOURCE = """name => {
     x && x.length !== undefined && typeof x !== 'string' ? Array.from(x) : x)]));
 }"""
 SLOW = 180_000  # ms: a law's first compilation on a busy machine
-OFTEN = 50  # ms between two looks at what is waited for, where each frame would keep a core busy
+POLLING = 50  # ms: at each frame it would keep a core busy
 
 
 @contextlib.contextmanager
 def serving(*arguments):
-    """A server of its own process: its address, and its process."""
+    """A server's address, its process, and the lines that it printed first."""
     command = [sys.executable, "-m", "fascicle", "explore", "--no-show", *arguments]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=os.environ,
     )  # fmt: skip
     try:
-        said = []
+        lines = []
         for line in process.stdout:
-            said.append(line)
-            if found := re.search(r"http://\S+", line):
+            lines.append(line)
+            if match := re.search(r"http://\S+", line):
                 break
         else:
-            pytest.fail("".join(said))
-        yield found.group(), process, said
+            pytest.fail("".join(lines))
+        yield match.group(), process, lines
     finally:
         process.send_signal(signal.SIGINT)
         try:
@@ -77,13 +77,13 @@ def browser(tmp_path_factory):
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch_persistent_context(
+        context = playwright.chromium.launch_persistent_context(
             tmp_path_factory.mktemp("profile"),
             executable_path=BROWSER,
             args=["--no-sandbox", "--disable-gpu"],
         )
-        yield started
-        started.close()
+        yield context
+        context.close()
 
 
 @pytest.fixture(scope="module")
@@ -94,19 +94,21 @@ def idle():
 
 @pytest.fixture
 def visit(browser, server, idle):
-    """Open an address of the explorer; afterwards, nothing was wrong and nobody was asked."""
-    pages, wrong = [], []
+    """Open an address of the explorer; there is no error, and no request to another machine."""
+    pages, errors = [], []
 
-    def heard(message):
+    def on_console(message):
         if message.type == "error":
-            wrong.append(f"console: {message.text}")
+            errors.append(f"console: {message.text}")
 
-    def failed(error):
-        wrong.append(f"page: {error}")
+    def on_error(error):
+        errors.append(f"page: {error}")
 
-    def asked(request):
+    def on_request(request):
         if request.url.startswith(("http", "ws")) and "://127.0.0.1:" not in request.url:
-            wrong.append(f"outside: {request.url}")
+            errors.append(f"outside: {request.url}")
+
+    listeners = {"console": on_console, "pageerror": on_error, "request": on_request}
 
     def open_page(query="", width=1280, height=800):
         page = idle.pop() if idle else browser.new_page()
@@ -115,9 +117,8 @@ def visit(browser, server, idle):
         page.mouse.move(0, 0)
         page.set_viewport_size({"width": width, "height": height})
         page.set_default_timeout(SLOW)
-        page.on("console", heard)
-        page.on("pageerror", failed)
-        page.on("request", asked)
+        for event, listener in listeners.items():
+            page.on(event, listener)
         page.goto(server + query)
         until(page, READY)
         return page
@@ -125,20 +126,19 @@ def visit(browser, server, idle):
     open_page.pages = pages
     yield open_page
     for page in pages:
-        page.remove_listener("console", heard)
-        page.remove_listener("pageerror", failed)
-        page.remove_listener("request", asked)
+        for event, listener in listeners.items():
+            page.remove_listener(event, listener)
         idle.append(page)
-    assert not wrong
+    assert not errors
 
 
 def until(page, expression, arg=None):
-    """Wait for what a page computes to be true."""
-    page.wait_for_function(expression, arg=arg, polling=OFTEN, timeout=SLOW)
+    """Wait until an `expression` of the page is true."""
+    page.wait_for_function(expression, arg=arg, polling=POLLING, timeout=SLOW)
 
 
 def source(page, name, ready="d => d.xs ? d.xs.length : Object.values(d)[0].length"):
-    """What a source of the figures holds, once it does."""
+    """Data of a figure's source, once it is `ready`."""
     until(
         page,
         f"""name => {{ const model = Bokeh.documents[0].get_model_by_name(name);
@@ -149,7 +149,7 @@ def source(page, name, ready="d => d.xs ? d.xs.length : Object.values(d)[0].leng
 
 
 def handle(page, label):
-    """The handle of the slider that is labelled so, of those that can be seen."""
+    """Handle of the first visible slider with a `label`."""
     return page.locator(
         f".bk-input-group:has(.bk-slider-title:has-text('{label}')) .noUi-handle"
     ).first
@@ -162,7 +162,7 @@ def field(page, label):
 MUSCLE = fs.example("kim2021_figure_6")
 
 
-def test_a_slider_by_keyboard_changes_the_curve_to_what_the_law_gives(visit):
+def test_a_slider_moves_by_keyboard_and_the_curve_is_the_laws(visit):
     page = visit()
     source(page, "curve")
     slider = handle(page, "Pressure P")
@@ -182,7 +182,7 @@ def test_a_slider_by_keyboard_changes_the_curve_to_what_the_law_gives(visit):
     assert source(page, "solid")["x"]
 
 
-def test_units_convert_what_is_shown_and_nothing_else(visit):
+def test_units_convert_the_numbers_shown(visit):
     from playwright.sync_api import expect
 
     page = visit("?pressure=137.9kPa&strain=0.1")
@@ -196,7 +196,7 @@ def test_units_convert_what_is_shown_and_nothing_else(visit):
     expect(field(page, "Length at rest")).to_have_value("5 in", timeout=SLOW)
 
 
-def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
+def test_an_error_is_at_its_field_and_the_picture_stays(visit):
     from fascicle.explorer.widgets import page_message
 
     page = visit()
@@ -206,9 +206,9 @@ def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
     angle.press("Enter")
     message = page.get_by_role("alert")
     message.wait_for()
-    with pytest.raises(ValueError, match="braid_angle") as refused:
+    with pytest.raises(ValueError, match="braid_angle") as error:
         fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(60))
-    assert message.inner_text() == page_message(refused.value)
+    assert message.inner_text() == page_message(error.value)
     assert abs(message.bounding_box()["y"] - angle.bounding_box()["y"]) < 60
     assert source(page, "curve") == before
     angle.fill("25")  # a bare number is in the unit shown
@@ -251,16 +251,16 @@ def test_a_broken_file_is_refused_with_its_key_and_value(visit, tmp_path):
     page.locator("input[type=file]").first.set_input_files(path)
     message = page.get_by_role("alert")
     message.wait_for()
-    with pytest.raises(ValueError, match="127 kPa") as refused:
+    with pytest.raises(ValueError, match="127 kPa") as error:
         loads(path.read_text(), source="broken.toml")
     # the label on the page stands for the name in Python
-    expected = str(refused.value).replace("`length` must", "Length at rest must")
+    expected = str(error.value).replace("`length` must", "Length at rest must")
     assert message.inner_text() == expected
 
 
-def test_laws_are_laid_over_one_another(visit):
+def test_other_laws_are_drawn(visit):
     page = visit("?compare=buckling:elastica&pressure=137.9kPa")
-    shown = source(page, "compared")
+    shown = source(page, "alternatives")
     assert shown["label"] == ["buckling: elastica"]
 
     other = MUSCLE.replace(buckling="elastica")
@@ -285,7 +285,7 @@ def test_downloads_parse(visit):
         assert check(Path(download.value.path()).read_bytes()), label
 
 
-def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
+def test_the_bundles_tab_shows_its_space_and_pressures_for_a_point(visit):
     page = visit("?muscle=kim2021_bundle_1_4&tab=bundle&pressures=344.7kPa,69kPa&strain=0.2")
     bundle = fs.example("kim2021_bundle_1_4")
     shown = source(page, "bundle_force")
@@ -297,28 +297,28 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
     figure = page.locator(".bk-Figure").first
     box = figure.bounding_box()
     figure.click(position={"x": 0.35 * box["width"], "y": 0.6 * box["height"]})
-    way = page.get_by_role("button", name=re.compile(r"^Set state \d"))
-    way.first.wait_for()
-    asked = source(page, "target")
-    # slider, field and address have gone there, too
+    solution = page.get_by_role("button", name=re.compile(r"^Set state \d")).first
+    solution.wait_for()
+    target = source(page, "target")
+    # slider, field and address follow
     pointed = field(page, "Contraction ε, typed")
-    assert float(pointed.input_value()) == pytest.approx(asked["x"][0], abs=1e-4)
+    assert float(pointed.input_value()) == pytest.approx(target["x"][0], abs=1e-4)
     slid = float(handle(page, "Contraction ε").get_attribute("aria-valuenow"))
-    assert slid == pytest.approx(asked["x"][0], abs=1e-3)  # a step of it
+    assert slid == pytest.approx(target["x"][0], abs=1e-3)  # a step of it
     until(
         page,
         "x => Math.abs(new URLSearchParams(location.search).get('strain') - x) < 1e-4",
-        arg=asked["x"][0],
+        arg=target["x"][0],
     )
-    way.first.click()
+    solution.click()
     until(
         page,
         f"old => Math.abs(({SOURCE})('bundle_force').force[0] - old) > 1e-6",
         arg=shown["force"][0],
     )
     now = source(page, "bundle_force")
-    reached = np.interp(asked["x"][0], now["strain"], now["force"])
-    assert reached == pytest.approx(asked["y"][0], rel=0.02)
+    reached = np.interp(target["x"][0], now["strain"], now["force"])
+    assert reached == pytest.approx(target["y"][0], rel=0.02)
 
 
 def test_reversal_and_efficiency_show_what_the_library_gives(visit):
@@ -326,10 +326,10 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
 
     page = visit("?tab=reversal&splits=1-4&supply=344.7kPa")
     shown = source(page, "reversal_resisted")
-    (one,) = split_curves(MUSCLE, ((1, 4),), 344.7e3)
+    (curve,) = split_curves(MUSCLE, ((1, 4),), 344.7e3)
     drawn = np.array(shown["ys"][0], float)
-    np.testing.assert_allclose(drawn, one.drawn[1], atol=1e-9)
-    assert source(page, "turns")["y"] == pytest.approx([one.turn.free_strain])
+    np.testing.assert_allclose(drawn, curve.drawn[1], atol=1e-9)
+    assert source(page, "turns")["y"] == pytest.approx([curve.turn.free_strain])
     page = visit("?muscle=kim2021_bundle_1_1&tab=efficiency&path=isotonic")
     source(page, "efficiency")
     means = source(page, "average_true")["y"]
@@ -337,19 +337,19 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
     assert means == sorted(means)
 
 
-def test_what_is_compared_is_there_after_a_reload(visit):
+def test_a_reload_keeps_the_other_laws(visit):
     page = visit()
     source(page, "curve")
     field(page, "Compare with").select_option(["buckling: elastica", "tension: ideal"])
     both = "d => d.xs && d.xs.length === 2"
-    shown = source(page, "compared", both)
+    shown = source(page, "alternatives", both)
     until(page, "() => location.search.includes('compare=')")
     page.reload()
     until(page, READY)
-    assert source(page, "compared", both) == shown
+    assert source(page, "alternatives", both) == shown
 
 
-def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
+def test_a_solid_turns_by_pointer_and_slider_and_back(visit):
     page = visit()
     source(page, "solid")
     stage = page.locator(".bk-Figure").nth(1)
@@ -374,7 +374,7 @@ def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
     assert source(page, "solid_drawn") != before
 
 
-def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
+def test_a_click_in_the_muscles_picture_moves_the_point(visit):
     page = visit("?strain=0.2&pressure=137.9kPa")
     field(page, "Force").select_option("lbf")
     source(page, "curve")
@@ -387,11 +387,11 @@ def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
     assert typed == pytest.approx(pointed["x"][0], abs=1e-9)
     force = float(MUSCLE.force(137.9e3, typed)) / 4.4482216152605
     assert pointed["y"][0] == pytest.approx(force, rel=1e-9)
-    # the pointer is far above the curve, and is told what it is there, with its unit
-    said = page.locator(".bk-tooltip-row-value").last
-    number, unit = said.inner_text().split()
+    # the pointer is far above the curve, and its tooltip has the curve's force with its unit
+    tooltip = page.locator(".bk-tooltip-row-value").last
+    number, unit = tooltip.inner_text().split()
     assert unit == "lbf" and float(number) == pytest.approx(force, abs=0.02)
-    # so it is where the button is held down for a while
+    # a long click
     figure.click(position={"x": 0.7 * box["width"], "y": 0.3 * box["height"]}, delay=600)
     until(page, f"() => ({SOURCE})('point').x[0] > 0.2")
 
@@ -405,35 +405,22 @@ def test_a_bundles_last_pressure_can_be_swept(visit):
     sweep.click()
 
 
-def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
+def test_cards_announce_the_map_and_the_averages(monkeypatch):
     from fascicle.explorer.efficiency_tab import EfficiencyView
     from fascicle.explorer.state import Session, view_of
     from fascicle.explorer.tab import LatestResult
     from fascicle.plot.theme import LIGHT
 
-    asked = []
-    monkeypatch.setattr(LatestResult, "request", lambda *call: asked.append(call))
-    bundle = fs.example("kim2021_bundle_1_1")
-    tab = EfficiencyView(Session(view_of(bundle, "b"), contextlib.nullcontext), LIGHT)
+    requests = []
+    monkeypatch.setattr(LatestResult, "request", lambda *call: requests.append(call))
+    tab = EfficiencyView(Session(view_of(fs.example("kim2021_bundle_1_1"), "b")), LIGHT)
     tab.refresh()
-    cards, figures = tab.cards, tab.figures
-    told = [(card.visible, figure.visible) for card, figure in zip(cards, figures, strict=True)]
-    assert told == [(True, False)] * 2
-    for k in range(2):  # the map, then the averages
-        latest, compute = asked[k]
+    assert "progressbar" in tab.cards[0].object
+    for i, (card, figure) in enumerate(zip(tab.cards, tab.figures, strict=True)):
+        assert (card.visible, figure.visible) == (True, False)
+        latest, compute = requests[i]
         latest._show(compute())
-        assert (cards[k].visible, figures[k].visible) == (False, True)
-    assert "progressbar" in cards[0].object
-
-
-def test_tabs_come_first_for_the_keyboard(visit):
-    page = visit()
-    source(page, "curve")
-    page.keyboard.press("Tab")
-    deepest = """() => { let at = document.activeElement;
-      while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
-      return at.className + ' ' + at.textContent.trim(); }"""
-    assert "bk-tab" in page.evaluate(deepest)
+        assert (card.visible, figure.visible) == (False, True)
 
 
 LABEL = """() => { let at = document.activeElement;
@@ -444,30 +431,30 @@ LABEL = """() => { let at = document.activeElement;
 
 
 def move_to(page, label, key="Tab"):
-    """Press a key until what has the focus is called so, as who has no mouse does."""
-    gone = []
+    """Press a key until the focus is at a widget with a `label`."""
+    labels = []
     for _ in range(60):
-        gone.append(page.evaluate(LABEL))
-        if label in gone[-1]:
+        labels.append(page.evaluate(LABEL))
+        if label in labels[-1]:
             return
         page.keyboard.press(key)
-    pytest.fail(f"{label!r} can't be reached by {key}: {gone}")
+    pytest.fail(f"{label!r} can't be reached by {key}: {labels}")
 
 
 def test_the_tabs_are_one_stop_between_header_and_content(visit):
     page = visit("?tab=bundle")
     source(page, "bundle_force")
-    went = []
+    labels = []
     for _ in range(60):
         page.keyboard.press("Tab")
-        went.append(page.evaluate(LABEL))
-    # at first the tabs, then what they show
-    assert went[0] == "DIV Bundle" and "Recruitment" in went[1]
+        labels.append(page.evaluate(LABEL))
+    # at first the tabs, then their content
+    assert labels[0] == "DIV Bundle" and "Recruitment" in labels[1]
     # and then around the page as it reads, with one stop at the tabs
-    header = next(i for i, one in enumerate(went) if "Example" in one)
-    assert went[header + 6] == "BUTTON Use dark page"
-    assert went[header + 7] == "DIV Bundle" and "Recruitment" in went[header + 8]
-    assert [one for one in went[1 : header + 7] if one.startswith("DIV Bundle")] == []
+    header = next(i for i, label in enumerate(labels) if "Example" in label)
+    assert labels[header + 6] == "BUTTON Use dark page"
+    assert labels[header + 7] == "DIV Bundle" and "Recruitment" in labels[header + 8]
+    assert not any(label.startswith("DIV Bundle") for label in labels[1 : header + 7])
     page.locator(".bk-tab").nth(1).focus()
     page.keyboard.press("Shift+Tab")
     assert page.evaluate(LABEL) == "BUTTON Use dark page"
@@ -488,8 +475,8 @@ def test_back_leaves_the_page(visit, server):
     assert "tab=reversal" in page.url
 
 
-def test_the_five_minutes_go_by_keyboard_alone(visit):
-    page, press = visit(), None
+def test_the_docs_five_minutes_go_by_keyboard_alone(visit):
+    page = visit()
     press = page.keyboard.press
     source(page, "curve")
     # resistance: pressure and contraction by arrows
@@ -510,8 +497,8 @@ def test_the_five_minutes_go_by_keyboard_alone(visit):
     press("Space")
     move_to(page, "Compare with", "Shift+Tab")
     press("ArrowDown")
-    source(page, "compared")
-    # overlap: another example, the next tab, a point and one of its ways
+    source(page, "alternatives")
+    # overlap: another example, the next tab, a point and pressures for it
     move_to(page, "Example", "Shift+Tab")
     page.keyboard.type("kim2021_bundle_1_4", delay=5)
     until(page, "() => location.search.includes('bundle_1_4')")
@@ -526,7 +513,7 @@ def test_the_five_minutes_go_by_keyboard_alone(visit):
     move_to(page, "Set state", "Shift+Tab")
     press("Enter")
     until(page, f"old => ({SOURCE})('bundle_force').force[0] !== old", arg=old)
-    # reversal: splits are written
+    # reversal: other splits
     move_to(page, "Bundle", "Shift+Tab")
     press("ArrowRight")
     source(page, "reversal_resisted")
@@ -551,18 +538,18 @@ def test_the_five_minutes_go_by_keyboard_alone(visit):
     )
 
 
-# of what can be seen: widgets and figures that lie over one another, that leave the page, and words
-# that don't fit into what holds them
+# faults of visible widgets and figures: one lies over another, leaves the page, or has words that
+# don't fit into it
 UNTIDY = """() => {
   const FITS = ".bk-btn, .bk-tab, .bk-slider-title, label";
-  const found = [], wrong = [], wide = document.documentElement.clientWidth;
-  const walk = (at) => { for (const one of at.querySelectorAll("*")) {
-    if (one.matches(`${FITS}, .bk-input, .bk-Figure, .noUi-base, h1, th, td`)) found.push(one);
-    if (one.shadowRoot) walk(one.shadowRoot);
+  const nodes = [], wrong = [], wide = document.documentElement.clientWidth;
+  const walk = (root) => { for (const node of root.querySelectorAll("*")) {
+    if (node.matches(`${FITS}, .bk-input, .bk-Figure, .noUi-base, h1, th, td`)) nodes.push(node);
+    if (node.shadowRoot) walk(node.shadowRoot);
   } };
   walk(document);
   const name = (one) => `${one.className || one.tagName} ${one.textContent.trim().slice(0, 30)}`;
-  const rolled = (one) => {  // what can be seen of it in a column that rolls
+  const rolled = (one) => {  // its visible part in a column that scrolls
     let { left, right, top, bottom } = one.getBoundingClientRect();
     for (let at = one; at; at = at.assignedSlot ?? at.parentNode ?? at.host) {
       if (!(at instanceof Element) || getComputedStyle(at).overflowY !== "auto") continue;
@@ -571,7 +558,7 @@ UNTIDY = """() => {
     }
     return { left, right, top, bottom };
   };
-  const seen = found.filter((one) => one.checkVisibility({ visibilityProperty: true }))
+  const seen = nodes.filter((one) => one.checkVisibility({ visibilityProperty: true }))
     .map((one) => [one, rolled(one)]).filter(([, r]) => r.right > r.left && r.bottom > r.top);
   for (const [one, box] of seen) {
     if (box.right < -1000) continue;  // read aloud only
@@ -589,10 +576,10 @@ UNTIDY = """() => {
 }"""
 
 
-def laid_out(page):
+def wait_for_layout(page):
     """Wait until no figure moves from one frame to the next but one."""
     before = None
-    while before != (now := [one.bounding_box() for one in page.locator(".bk-Figure").all()]):
+    while before != (now := [figure.bounding_box() for figure in page.locator(".bk-Figure").all()]):
         before = now
         page.evaluate(
             "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -600,7 +587,7 @@ def laid_out(page):
 
 
 def tabs_one_by_one(page):
-    """Each tab's name, when it is shown and laid out; the data's without and with a record."""
+    """Names of tabs, each when it is open and laid out; the data's without and with a record."""
     shown = {"Muscle": "solid", "Bundle": "bundle", "Reversal": "turns",
              "Efficiency": "average_true", "Data": "untuned", "record": "readings"}  # fmt: skip
     for tab, name in shown.items():
@@ -609,20 +596,20 @@ def tabs_one_by_one(page):
         else:
             page.get_by_text(tab, exact=True).first.click()
         source(page, name)
-        laid_out(page)
+        wait_for_layout(page)
         yield tab
 
 
 def untidy(page, width):
-    """What overlaps or leaves a page of this width."""
-    whole = page.evaluate("() => document.documentElement.scrollWidth")
-    return page.evaluate(UNTIDY) + [f"is {whole} wide"] * (whole != width)
+    """Faults of the layout of a page of this `width`."""
+    total = page.evaluate("() => document.documentElement.scrollWidth")
+    return page.evaluate(UNTIDY) + [f"is {total} wide"] * (total != width)
 
 
 def background(page):
     """Red, green and blue behind the page."""
     color = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
-    return [int(one) for one in re.findall(r"\d+", color)[:3]]
+    return [int(channel) for channel in re.findall(r"\d+", color)[:3]]
 
 
 def test_nothing_leaves_a_phones_page_or_overlaps(visit):
@@ -640,11 +627,11 @@ def test_a_page_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, 
     assert (max(background(page)) < 60) == (theme == "dark")
     for number, tab in enumerate(tabs_one_by_one(page)):
         assert (tab, untidy(page, width)) == (tab, [])
-        if theme == "default" and number > 1:  # colors are every tab's; of all it looks in the dark
+        if theme == "default" and number > 1:  # colors are every tab's; the dark page has all tabs
             continue
-        found = axe.Axe().run(page).response["violations"]
-        grave = [f"{one['id']}: {one['nodes'][0]['html']}" for one in found
-                 if one["impact"] in ("serious", "critical")]  # fmt: skip
+        violations = axe.Axe().run(page).response["violations"]
+        grave = [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in violations
+                 if fault["impact"] in ("serious", "critical")]  # fmt: skip
         assert (tab, grave) == (tab, [])
 
 
@@ -659,10 +646,10 @@ def test_the_muscle_is_as_large_as_its_curves(visit, tab):
             page.set_viewport_size({"width": width, "height": height})
             until(page, "([at, old]) => at.clientWidth > old + 50",
                                    arg=[figures.first.element_handle(), before])  # fmt: skip
-            laid_out(page)
-        curves, stage = (one.bounding_box() for one in figures.all()[:2])
+            wait_for_layout(page)
+        curves, stage = (figure.bounding_box() for figure in figures.all()[:2])
         assert stage["width"] == pytest.approx(curves["width"], abs=2)
-        # the page is filled: what is left below the curves is their downloads
+        # the page is filled: only the downloads are below the curves
         assert height - curves["y"] - curves["height"] < 130
         assert page.evaluate("() => document.documentElement.scrollHeight") <= height + 40
 
@@ -683,17 +670,17 @@ def test_a_bundles_fibers_bend_and_fold_with_pressure(visit):
     assert folded.size == straight.size and np.abs(folded - straight).max() > 2e-3
 
 
-def test_the_header_says_what_the_page_is_for_and_the_data_tab_invites(visit):
+def test_the_header_and_the_empty_data_tab_explain_themselves(visit):
     page = visit("?tab=data")
     page.get_by_text("What fluidic muscles of given sizes pull").wait_for()
-    invitation = page.get_by_text("Your own muscle, as it was measured")
-    invitation.wait_for()
+    empty_state = page.get_by_text("Your own muscle, as it was measured")
+    empty_state.wait_for()
     page.get_by_role("button", name="Try an example record").click()
-    invitation.wait_for(state="hidden")
+    empty_state.wait_for(state="hidden")
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080)])
-def test_without_a_record_the_data_tab_shows_where_readings_will_lie(visit, width, height):
+def test_without_a_record_the_data_tab_shows_the_muscles_curves(visit, width, height):
     page = visit("?tab=data", width=width, height=height)
     shown = source(page, "untuned")
     assert len(shown["ys"]) == 5
@@ -701,12 +688,12 @@ def test_without_a_record_the_data_tab_shows_where_readings_will_lie(visit, widt
         given = MUSCLE.force(pressure, np.array(strain))
         np.testing.assert_allclose(force, given, rtol=1e-9, atol=1e-9)
     box = page.locator(".bk-Figure").first.bounding_box()
-    # nothing of the page is left empty but its margin: the invitation, and the curves below it
+    # the page is filled but for its margin
     assert 0 < height - box["y"] - box["height"] < 130
     assert box["width"] > 0.6 * width
 
 
-def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(visit, tmp_path):
+def test_a_warning_on_another_length_than_the_fits(visit, tmp_path):
     fs.save(MUSCLE, tmp_path / "tuned.toml", {"fitted_length": "127 mm"})
     page = visit()
     page.locator("input[type=file]").first.set_input_files(tmp_path / "tuned.toml")
@@ -716,14 +703,14 @@ def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(vis
     length = field(page, "Length at rest")
     length.fill("200 mm")
     length.press("Enter")
-    told = "The muscle was fitted at a length of 127 mm and its length is now 200 mm"
-    page.get_by_text(told).wait_for()
+    warning = "The muscle was fitted at a length of 127 mm and its length is now 200 mm"
+    page.get_by_text(warning).wait_for()
     until(page, "before => location.search !== before", arg=before)
-    # and by who opens its link
+    # and in its link
     again = visit(page.evaluate("() => location.search"))
-    again.get_by_text(told).wait_for()
+    again.get_by_text(warning).wait_for()
     again.get_by_text("Bundle", exact=True).first.click()
-    again.get_by_text(told).last.wait_for()
+    again.get_by_text(warning).last.wait_for()
     field(page, "Tension").select_option("sarosi")
     page.get_by_text("was fitted to a Festo DMSP-20-200N").wait_for()
 
@@ -746,7 +733,7 @@ def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):
     page.get_by_text("strains are taken over the muscle's, 127 mm").wait_for()
 
 
-def test_a_bar_moves_while_chosen_constants_are_fitted(visit):
+def test_a_bar_moves_while_constants_are_fitted(visit):
     page = visit("?muscle=kim2021_slenderness_10&tab=data")
     page.get_by_role("button", name="Try an example record").click()
     source(page, "readings")
@@ -754,16 +741,15 @@ def test_a_bar_moves_while_chosen_constants_are_fitted(visit):
     field(page, "Constants").select_option("outer radius")
     page.get_by_role("button", name="Calibrate the muscle").click()
     page.get_by_role("progressbar").wait_for()
-    moving = page.locator(".bar div")
-    place = moving.bounding_box()["x"]
-    until(page, "([bar, x]) => bar.getBoundingClientRect().x != x",
-                           arg=[moving.element_handle(), place])  # fmt: skip
+    bar = page.locator("[role=progressbar] div")
+    arguments = [bar.element_handle(), bar.bounding_box()["x"]]
+    until(page, "([bar, x]) => bar.getBoundingClientRect().x != x", arg=arguments)
     page.get_by_text("90 % interval").wait_for()
     page.get_by_role("progressbar").wait_for(state="hidden")
     assert page.get_by_text("outer radius", exact=True).count() >= 1
 
 
-def test_a_page_follows_the_systems_preference_unless_the_address_says(browser, server):
+def test_a_page_follows_the_systems_preference_unless_its_address_has_a_theme(browser, server):
     for query, dark in (("", True), ("?theme=default", False)):
         page = browser.new_page()
         page.emulate_media(color_scheme="dark")
@@ -774,7 +760,7 @@ def test_a_page_follows_the_systems_preference_unless_the_address_says(browser, 
         page.close()
 
 
-def test_an_example_record_is_there_to_try(visit):
+def test_the_example_record_and_an_error_of_its_rest_length(visit):
     page = visit("?tab=data")
     page.get_by_role("button", name="Try an example record").click()
     assert len(source(page, "readings")["x"]) == 300
@@ -801,17 +787,17 @@ def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
     assert len(source(page, "tuned")["ys"]) == 5
     with page.expect_download() as download:
         page.get_by_text("Download tuned muscle", exact=True).click()
-    found = loads(Path(download.value.path()).read_text())
+    tuned_file = loads(Path(download.value.path()).read_text())
     with page.expect_download() as download:
         page.get_by_text("Download CSV").last.click()
     rows = np.genfromtxt(download.value.path(), delimiter=",", names=True)
     np.testing.assert_allclose(rows["force_N"], record.force, rtol=1e-12)
-    assert float(found.blocked_force(P[-1])) == pytest.approx(float(force[-1, 0]), rel=0.02)
+    assert float(tuned_file.blocked_force(P[-1])) == pytest.approx(float(force[-1, 0]), rel=0.02)
     page.get_by_role("button", name="Use the tuned muscle").click()
     page.get_by_text("tuned muscle", exact=True).first.wait_for()
 
 
-def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
+def test_the_page_opens_with_a_link_that_is_nested_too_deep(visit):
     from fascicle.explorer.link import pack
 
     page = visit(f"?file={pack('a.' * 15_000 + 'a = 1')}&strain=0.2")
@@ -819,14 +805,14 @@ def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
     assert source(page, "point")["x"] == [0.2]
 
 
-def test_a_name_is_shown_with_every_sign(visit):
+def test_hidden_characters_of_a_name_are_shown(visit):
     from fascicle.explorer.link import pack
 
     page = visit(f"?file={pack(dumps(MUSCLE))}&name=%3Cb%3Ea%E2%80%AEb%3C/b%3E")
     page.get_by_text("<b>a\\u202eb</b>", exact=True).wait_for()
 
 
-def test_a_file_that_is_too_large_to_send_is_refused_in_the_browser(visit, tmp_path):
+def test_a_file_that_is_too_large_to_send_is_refused(visit, tmp_path):
     (tmp_path / "large.csv").write_bytes(b"1" * 20_000_000)
     page = visit("?tab=data")
     page.locator("input[type=file]").last.set_input_files(tmp_path / "large.csv")
@@ -836,7 +822,7 @@ def test_a_file_that_is_too_large_to_send_is_refused_in_the_browser(visit, tmp_p
     assert len(source(page, "curve")["force"]) > 0
 
 
-def test_a_fit_that_runs_does_not_keep_ctrl_c_waiting(browser, tmp_path):
+def test_ctrl_c_ends_a_running_fit(browser, tmp_path):
     tuned = fs.example("kim2021_slenderness_10")
     strain = np.linspace(0, 0.2, 24)
     record = records.Record.of(2e5, strain, np.asarray(tuned.force(2e5, strain)), synthetic=True)
@@ -853,11 +839,11 @@ def test_a_fit_that_runs_does_not_keep_ctrl_c_waiting(browser, tmp_path):
         page.close()
 
 
-def test_a_server_for_others_begins_and_ends(browser, server):
-    taken = int(server.rsplit(":", 1)[1].strip("/"))
-    with serving("--host", "0.0.0.0") as (url, process, said):  # noqa: S104 what is tested
-        assert "without password" in "".join(said)
-        assert int(url.rsplit(":", 1)[1].strip("/")) != taken
+def test_a_server_for_other_machines_starts_and_ends(browser, server):
+    used = int(server.rsplit(":", 1)[1].strip("/"))
+    with serving("--host", "0.0.0.0") as (url, process, lines):  # noqa: S104 what is tested
+        assert "without password" in "".join(lines)
+        assert int(url.rsplit(":", 1)[1].strip("/")) != used
         page = browser.new_page()
         page.goto(url)
         until(page, READY)

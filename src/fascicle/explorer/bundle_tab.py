@@ -25,7 +25,7 @@ from .remarks import equilibria_text, remarks_html
 from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled
 from .tab import LatestResult, Tab
-from .theme import PAIRS, column, equal_column, row, side_column
+from .theme import column, pane, row, side_column
 from .widgets import (
     SWEEP_STEPS,
     Field,
@@ -36,7 +36,6 @@ from .widgets import (
     dropdown,
     format_quantity,
     heading,
-    pane,
     readout_table,
     status_line,
     widget,
@@ -64,18 +63,16 @@ class UnitRows:
             button("Add a unit", self._add, margin=(4, 4, 4, 8)),
             button("Remove the last", self._remove, margin=4),
         ]
-        self.panel = pn.Column(
-            *self._buttons, margin=0, sizing_mode="stretch_width", stylesheets=[PAIRS]
-        )
-        self.message = Message(self.panel, self._buttons[1])
+        self.panel = column(kind="pairs")
+        self.message = Message()
 
     def show(self, view: View) -> None:
         """Show the units of a `view`."""
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._row(i) for i in range(len(self.rows), len(view.units))]
-            inputs = [w for r in self.rows for w in (r.count, r.radius.input, r.pressure.panel)]
-            self.panel.objects = [*self._buttons, *inputs]
+            inputs = [w for r in self.rows for w in (r.count, *r.radius.widgets, r.pressure.panel)]
+            self.panel.objects = [*self._buttons, self.message.pane, *inputs]
         for inputs, unit in zip(self.rows, view.units, strict=True):
             inputs.count.value = unit.count
             inputs.radius.show(
@@ -94,7 +91,6 @@ class UnitRows:
         count = widget(pn.widgets.IntInput, f"Unit {i + 1}: muscles", value=1)
         count.param.watch(lambda event: self._set_count(i, event.new), "value")
         radius = Field("Radius", "outer_radius", "length", lambda value: self._set_radius(i, value))
-        radius.message.column = self.panel
         pressure = QuantitySlider(
             f"Pressure P{i + 1}", "pressure", "pressure", lambda value: self._set_pressure(i, value)
         )
@@ -182,16 +178,14 @@ class BundleView(Tab):
         self._state = LatestResult(self._show_state, self.fail)
         self._solutions = LatestResult(self._show_solutions, self.fail)
         left = side_column(
-            self._scheme, self._supply.input, self._resistance, self.units.panel, width=318
+            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, width=318
         )
-        self._supply.message.column = left
-        space = equal_column(self.chart.pane)
-        self.message = Message(space)
+        space = column(self.chart.pane, self.message.pane, kind="equal")
         self._solution_column = column()
-        scene = equal_column(
-            *self._scene.panes(self._sweep.button), self._numbers, self._solution_column
+        parts = (*self._scene.panes(self._sweep.button), self._numbers, self._solution_column)
+        main = column(
+            self.notes, self._strain.panel, self.status, row(space, column(*parts, kind="equal"))
         )
-        main = column(self.notes, self._strain.panel, self.status, row(space, scene))
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
@@ -238,36 +232,36 @@ class BundleView(Tab):
     def _add_chart(self) -> None:
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(290))
-        figure = chart.figure
-        self._regions = chart.source("xs", "ys", "color", "label", name="regions")
-        self._levels = chart.source("xs", "ys", "color", "width")
-        self._overlap = chart.source("xs", "ys", name="overlap")
-        self._force = chart.source("strain", "force", name="bundle_force")
-        self._unit_forces = chart.source("xs", "ys", "color")
-        self._equilibria = chart.source("x", "y", "fill", name="equilibria")
-        self._point = chart.source("x", "y")
-        self._target = chart.source("x", "y", name="target")
         chart.add_zero_line()
-        figure.patches("xs", "ys", source=self._regions, color="color", fill_alpha=0.16,
-                       line_width=1.5, legend_field="label")  # fmt: skip
-        lines = {"xs": "xs", "ys": "ys", "line_color": "color"}
-        figure.multi_line(**lines, source=self._levels, line_width="width", line_alpha=0.7)
-        figure.patches(
-            "xs", "ys", source=self._overlap, fill_alpha=0, line_alpha=0, hatch_color=colors.ink,
+        self._regions = chart.add(
+            "patches", "xs ys color label", "regions", color="color", fill_alpha=0.16,
+            line_width=1.5, legend_field="label",
+        )  # fmt: skip
+        self._levels = chart.add(
+            "multi_line", "xs ys color width", line_width="width", line_alpha=0.7
+        )
+        self._overlap = chart.add(
+            "patches", "xs ys", "overlap", fill_alpha=0, line_alpha=0, hatch_color=colors.ink,
             hatch_pattern="right_diagonal_line", hatch_alpha=0.55, hatch_scale=9,
             legend_label="overlap of states",
         )  # fmt: skip
-        figure.multi_line(**lines, source=self._unit_forces, line_width=1.6, line_dash="dashed",
-                          legend_label="each unit, now")  # fmt: skip
-        force = figure.line("strain", "force", source=self._force, line_color=colors.ink,
-                            line_width=3, legend_label="all units, now")  # fmt: skip
-        figure.scatter("x", "y", source=self._equilibria, size=10, line_color=colors.ink,
-                       fill_color="fill", line_width=2,
-                       legend_label="at rest (hollow: not stable)")  # fmt: skip
-        chart.add_point(self._point, "this contraction")
-        figure.scatter("x", "y", source=self._target, size=16, marker="cross", line_width=3,
-                       line_color=colors.curves[1], legend_label="the chosen point")  # fmt: skip
-        self._hover = chart.add_hover(force)
+        self._unit_forces = chart.add(
+            "multi_line", "xs ys color", line_width=1.6, line_dash="dashed",
+            legend_label="each unit, now",
+        )  # fmt: skip
+        self._force = chart.source("strain force", "bundle_force")
+        chart.figure.line("strain", "force", source=self._force, line_color=colors.ink,
+                          line_width=3, legend_label="all units, now")  # fmt: skip
+        self._hover = chart.add_force_hover()
+        self._equilibria = chart.add(
+            "scatter", "x y fill", "equilibria", size=10, line_color=colors.ink, fill_color="fill",
+            line_width=2, legend_label="at rest (hollow: not stable)",
+        )  # fmt: skip
+        self._point = chart.add_point(legend_label="this contraction")
+        self._target = chart.add(
+            "scatter", "x y", "target", size=16, marker="cross", line_color=colors.curves[1],
+            line_width=3, legend_label="the chosen point",
+        )  # fmt: skip
         chart.on_click(self._point_at)
         self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
         self._target_entry.visible = False
@@ -308,7 +302,7 @@ class BundleView(Tab):
         self._target.data, self._target_entry.visible = {"x": [], "y": []}, False
         text = "Click in the space to get the pressures that reach that point."
         self._solution_column.objects = [
-            pn.pane.HTML(status_line(text), margin=(0, 8)),
+            pane(status_line(text)),
             button("Try a point", self.try_point),
         ]
         self.message.show("")
@@ -374,7 +368,7 @@ class BundleView(Tab):
         unit, scale = self.unit("force")
         with pn.io.unlocked():
             self._target.data, self._target_entry.visible = {"x": [x], "y": [y]}, True
-        self._solution_column.objects = [pn.pane.HTML(status_line("looking for pressures"))]
+        self._solution_column.objects = [pane(status_line("looking for pressures"))]
         # with the digits of the pointer; the slider, the field and the link follow
         strain, force = round(x, 4), y * scale
         self.session.change(strain=strain)
@@ -385,7 +379,7 @@ class BundleView(Tab):
     def _show_solutions(self, result: tuple[float, list[Solution], str]) -> None:
         strain, several, remark = result
         unit, scale = self.unit("pressure")
-        rows: list[Any] = [pn.pane.HTML(status_line(remark), margin=(0, 8))] if remark else []
+        rows: list[Any] = [pane(status_line(remark))] if remark else []
         for solution in several:
             pressures = ", ".join(f"{P / scale:.4g}" for P in solution.pressures)
             stability = "" if solution.stable else ", not stable"

@@ -15,11 +15,18 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from ..plot.theme import FIGURES, Colors
-from .theme import height_css
+from .theme import LAYOUT_CSS, height_css
 
 
 _VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a light, a dark page
-_TALL = ":host { height: auto !important; flex: 0 0 auto !important; }"  # as high as its figure
+# arguments of glyphs that are columns' names
+_COLUMNS: dict[str, dict[str, Any]] = {
+    "multi_line": {"xs": "xs", "ys": "ys", "line_color": "color"},
+    "patches": {"xs": "xs", "ys": "ys"},
+    "quad": {"left": "left", "right": "right"},
+    "scatter": {"x": "x", "y": "y"},
+    "text": {"x": "x", "y": "y", "text": "label"},
+}
 
 
 def pressure_colors(colors: Colors, count: int) -> list[str]:
@@ -77,23 +84,30 @@ class Chart:
     @property
     def pane(self) -> Any:
         """A new pane of the figure."""
-        return pn.pane.Bokeh(self.figure, margin=0, stylesheets=[_TALL])
+        return pn.pane.Bokeh(
+            self.figure, margin=0, css_classes=["figure"], stylesheets=[LAYOUT_CSS]
+        )
 
-    def source(self, *columns: str, name: str | None = None) -> Any:
+    def source(self, columns: str, name: str | None = None) -> Any:
         """An empty source of `columns`; the browser finds it by its `name`."""
-        return ColumnDataSource(data={column: [] for column in columns}, name=name)
+        return ColumnDataSource(data={column: [] for column in columns.split()}, name=name)
+
+    def add(self, kind: str, columns: str, name: str | None = None, **style: Any) -> Any:
+        """Draw an empty source of `columns` by a glyph of a `kind`, and return the source."""
+        source = self.source(columns, name)
+        getattr(self.figure, kind)(source=source, **_COLUMNS[kind] | style)
+        return source
 
     def add_zero_line(self) -> None:
         """Draw the axis of zero force, of any length."""
         line = Span(location=0, dimension="width", line_color=self.colors.soft, level="underlay")
         self.figure.add_layout(line)
 
-    def add_point(self, source: Any, legend: str | None = None) -> None:
-        """Draw the point that the sliders and clicks move."""
-        entry = {"legend_label": legend} if legend else {}
-        self.figure.scatter(
-            "x", "y", source=source, size=13, marker="diamond", line_color=self.colors.paper,
-            fill_color=self.colors.curves[1], **entry,
+    def add_point(self, **options: Any) -> Any:
+        """Draw the point that the sliders and clicks move, and return its source."""
+        return self.add(
+            "scatter", "x y", size=13, marker="diamond", line_color=self.colors.paper,
+            fill_color=self.colors.curves[1], **options,
         )  # fmt: skip
 
     def add_labels(self, source: Any, **options: Any) -> None:
@@ -106,13 +120,15 @@ class Chart:
             **defaults | options,
         ))  # fmt: skip
 
-    def add_hover(self, curve: Any) -> HoverTool:
-        """Add and return the tool that shows the strain and force of a `curve`."""
-        tool = HoverTool(
-            renderers=[curve], mode="vline", line_policy="interp", tooltips=hover_tooltips("N")
-        )
+    def add_hover(self, tooltips: Any, **options: Any) -> HoverTool:
+        """Add and return a tool with `tooltips` on the glyph that was drawn last."""
+        tool = HoverTool(renderers=[self.figure.renderers[-1]], tooltips=tooltips, **options)
         self.figure.add_tools(tool)
         return tool
+
+    def add_force_hover(self) -> HoverTool:
+        """Add and return a tool that shows strain and force of the curve that was drawn last."""
+        return self.add_hover(hover_tooltips("N"), mode="vline", line_policy="interp")
 
     def on_click(self, callback: Callable[[Any], None]) -> None:
         """Call `callback` with the event of each click, also of a long one."""

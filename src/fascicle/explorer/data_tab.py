@@ -4,13 +4,20 @@ import datetime as dt
 import html
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
 
+from ..calibrate import Calibration, Selection
+from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
+from ..calibrate.parameters import parameters_of
+from ..calibrate.plot_data import figures
+from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
-from ..plot.theme import APART, LARGE, SMALL, TEXT, WIDE, Colors
+from ..plot.theme import APART, Colors
+from ..records.record import Record
+from ..reports.calibration import report
 from ..results import Table
 from .chart import Chart, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
@@ -30,13 +37,12 @@ from .measured import (
 )
 from .state import Session, View, view_of
 from .tab import LatestResult, Tab, progress_bar
-from .theme import PAIRS, WHOLE_ROW, WRAPPED, column, equal_column, height_css, row, side_column
+from .theme import column, height_css, pane, row, side_column
 from .widgets import (
-    Message,
+    WHOLE_ROW,
     button,
     dropdown,
     html_table,
-    pane,
     parse_field,
     status_line,
     widget,
@@ -49,6 +55,7 @@ _REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
 _DETECT = "(automatic)"
+_WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 _BY_NAME = "constants of your choice"
 _TITLE = "Your own muscle, as it was measured"
 _TEXT = (
@@ -70,42 +77,33 @@ class RecordInputs:
 
     def __init__(self, on_change: Callable[[], None]):
         self._on_change, self._updating = on_change, False
-        self._headers: Sequence[str] = ()
-        self.columns: dict[str, Any] = {}
-        self.units: dict[str, Any] = {}
-        self.length = widget(
-            pn.widgets.TextInput, "Rest length, if the record doesn't have it", styles=WHOLE_ROW
-        )
-        self.clipped = widget(
-            pn.widgets.Checkbox, "A force of exactly 0 means 0 or less", margin=(6, 8),
-            styles=WHOLE_ROW,
-        )  # fmt: skip
-        self._toggle = widget(pn.widgets.Toggle, "Show columns and units", margin=(4, 8))
-        self._toggle.param.watch(lambda event: self.show_columns(event.new), "value")
-        self._always = [self.length, self.clipped, self._toggle]
-        self.panel = column(*self._always, stylesheets=[PAIRS])
-        self._watch(self.length, self.clipped)
-
-    def show_columns(self, visible: bool) -> None:
-        """Show the fields of columns and units, or hide them."""
-        if visible and not self.columns:  # made once they are needed: most records don't
-            self.columns = {role: dropdown(f"Column of {role}", [_DETECT]) for role in _ROLES}
-            self.units = {role: widget(pn.widgets.TextInput, f"Unit of {role}") for role in _ROLES}
-            self.offer(self._headers)
-            self._watch(*self.columns.values(), *self.units.values())
-        pairs = [w for role in self.columns for w in (self.columns[role], self.units[role])]
-        self.panel.objects = [*self._always, *(pairs if visible else ())]
-        self._toggle.value = visible
+        label = "Rest length, if the record doesn't have it"
+        self.length = widget(pn.widgets.TextInput, label, **WHOLE_ROW)
+        label = "A force of exactly 0 means 0 or less"
+        self.clipped = widget(pn.widgets.Checkbox, label, margin=(6, 8), **WHOLE_ROW)
+        self.toggle = widget(pn.widgets.Toggle, "Show columns and units", margin=(4, 8))
+        self.columns = {role: dropdown(f"Column of {role}", [_DETECT]) for role in _ROLES}
+        self.units = {role: widget(pn.widgets.TextInput, f"Unit of {role}") for role in _ROLES}
+        pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
+        # a grid's style would show it: the column around it can be hidden
+        fields = column(column(*pairs, kind="pairs"), kind="whole-row", visible=False)
+        self.toggle.link(fields, value="visible")
+        self.panel = column(self.length, self.clipped, self.toggle, fields, kind="pairs")
+        for changing in (self.length, self.clipped, *pairs):
+            changing.param.watch(lambda _: None if self._updating else self._on_change(), "value")
 
     def offer(self, headers: Sequence[str]) -> None:
         """Offer the columns of a file by their `headers`."""
-        self._updating, self._headers = True, headers
+        self._updating = True
         for choice in self.columns.values():
             choice.param.update(options=[_DETECT, *headers], value=_DETECT)
         self._updating = False
 
     def options(self, length_unit: str) -> dict[str, Any]:
-        """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`."""
+        """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`.
+
+        Raises `ValueError` for a rest length that can't be read.
+        """
         text = self.length.value.strip()
         options = {
             "columns": {r: w.value for r, w in self.columns.items() if w.value != _DETECT},
@@ -115,36 +113,25 @@ class RecordInputs:
         }
         return {name: value for name, value in options.items() if value}
 
-    def _watch(self, *widgets: Any) -> None:
-        for changing in widgets:
-            changing.param.watch(lambda _: None if self._updating else self._on_change(), "value")
 
+class Fit(NamedTuple):
+    """Result of a fit to a `record`, with the `muscle` before it and the `names` of constants."""
 
-class FitInputs:
-    """Choice of constants to fit: automatic, the paper's tuning, or by name."""
-
-    def __init__(self) -> None:
-        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING,
-                 _BY_NAME: _BY_NAME}  # fmt: skip
-        self.kind = dropdown("What to fit", kinds)
-        self.constants = widget(
-            pn.widgets.MultiSelect, "Constants (Ctrl for several)", size=6, visible=False
-        )
-        self.kind.param.watch(
-            lambda event: self.constants.param.update(visible=event.new == _BY_NAME), "value"
-        )
-
-    def offer(self, muscle: Muscle) -> None:
-        """Offer the constants of a `muscle`."""
-        from ..calibrate.parameters import parameters_of
-
-        self.constants.options = {name.replace("_", " "): name for name in parameters_of(muscle)}
+    selection: Selection
+    report: str
+    record: Record
+    muscle: Muscle
+    names: tuple[str, ...]
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names to fit, as `measured.fit_record` takes them."""
-        by_name = self.kind.value == _BY_NAME
-        return tuple(self.constants.value) if by_name else (self.kind.value,)
+    def calibration(self) -> Calibration:
+        """The fit that was selected."""
+        return self.selection.calibration
+
+    @property
+    def candidates(self) -> Selection | None:
+        """The selection, if there was one among several fits."""
+        return self.selection if self.selection.candidates else None
 
 
 class DataView(Tab):
@@ -155,31 +142,24 @@ class DataView(Tab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self.record: Any = None
-        self.fit: Any = None
+        self.record: Record | None = None
+        self.fit: Fit | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
         self._read_options: Mapping[str, Any] = {}
-        # of the running fit, or of the last one
-        self._fit_record: Any = None
-        self._fit_muscle, self._fit_names = session.view.muscle, (AUTOMATIC,)
-        self._selection: Any = None
-        self._report, self._stage = "", "fitting"
-        self._start_time, self._timer = 0.0, None
+        self._stage, self._start_time, self._timer = "", 0.0, None  # of a running fit
         self._add_widgets()
         self._add_chart()
-        left = side_column(
-            self.file, self._other_example, self.read_inputs.panel, self.fit_inputs.kind,
-            self.fit_inputs.constants, self.calibrate, self.bar, self.status, self.table, self.use,
-            pn.Row(*self.saves, margin=0), self.fit_notes, self.notes, width=420,
-        )  # fmt: skip
-        self.message = Message(left, self._other_example)
         self._curves = LatestResult(self._show_curves, self.message.show)
         self._fits = LatestResult(self._show_fit, self._fail_fit)
+        left = side_column(
+            self.file, self._other_example, self.message.pane, self.read_inputs.panel, self.kind,
+            self.constants, self.calibrate, self.bar, self.status, self.table, self.use,
+            row(*self.saves, kind=""), self.fit_notes, self.notes, width=420,
+        )  # fmt: skip
         self.empty_state = _empty_state(self._example)
-        self._download_row = pn.Row(
-            *self.downloads, visible=False, margin=(0, 8), stylesheets=[WRAPPED]
-        )
-        self.panel = row(left, equal_column(self.empty_state, self.chart.pane, self._download_row))
+        self._download_row = row(*self.downloads, kind="wrapped", visible=False, margin=(0, 8))
+        parts = (self.empty_state, self.chart.pane, self._download_row)
+        self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
         self.file = widget(pn.widgets.FileInput, "Open a record (CSV)", accept=".csv,.txt,.tsv")
@@ -190,24 +170,28 @@ class DataView(Tab):
                    visible=visible, sizing_mode="stretch_width")
             for color, visible in (("primary", True), ("default", False))
         )  # fmt: skip
-        self.read_inputs, self.fit_inputs = RecordInputs(self._read), FitInputs()
-        wide: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": (6, 8), "disabled": True}
-        self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
-        self.bar = pn.pane.HTML(
-            progress_bar("fitting"), visible=False, margin=(0, 8), sizing_mode="stretch_width"
+        self.read_inputs = RecordInputs(self._read)
+        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING,
+                 _BY_NAME: _BY_NAME}  # fmt: skip
+        self.kind = dropdown("What to fit", kinds)
+        self.constants = widget(
+            pn.widgets.MultiSelect, "Constants (Ctrl for several)", size=6, visible=False
         )
-        self.status, self.fit_notes = (pane(sizing_mode="stretch_width") for _ in range(2))
-        self.table = pane((4, 8))
+        self.kind.param.watch(
+            lambda event: self.constants.param.update(visible=event.new == _BY_NAME), "value"
+        )
+        wide = {"margin": (6, 8), "disabled": True, **_WIDE}
+        self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
+        self.bar = pane(progress_bar("fitting"), visible=False, **_WIDE)
+        self.status, self.fit_notes = (pane(**_WIDE) for _ in range(2))
+        self.table = pane(margin=(4, 8))
         self.use = button("Use the tuned muscle in all tabs", self._use_fit, **wide)
         self.saves = [
             download_button(
                 "Download tuned muscle", "toml", self._tuned_file, disabled=True, width=184
             ),
-            download_button(
-                "Download report", "html", lambda: self._text_file("report", self._report),
-                disabled=True,
-            ),
-        ]  # fmt: skip
+            download_button("Download report", "html", self._report_file, disabled=True),
+        ]
         self.downloads = download_buttons(self.export, disabled=True)
 
     def draw(self, view: View) -> None:
@@ -219,7 +203,7 @@ class DataView(Tab):
             if record is None:
                 return preview_curves(view.muscle), None
             before = measured_curves(view.muscle, record)
-            return before, None if fit is None else measured_curves(fit.muscle, record)
+            return before, fit and measured_curves(fit.calibration.muscle, record)
 
         self._curves.request(compute)
 
@@ -227,19 +211,18 @@ class DataView(Tab):
         chart = self.chart = Chart(
             self.colors, "Contraction ε [–]", "Force F [N]", screen_height(_MARGIN_EMPTY)
         )
-        self.readings = chart.source("x", "y", "color", name="readings")
-        self._before = chart.source("xs", "ys", "color", name="untuned")
-        self._after = chart.source("xs", "ys", "color", name="tuned")
-        self._labels = chart.source("x", "y", "label")
-        chart.figure.scatter("x", "y", source=self.readings, size=4, color="color", alpha=0.55,
-                             legend_label="measured")  # fmt: skip
-        for source, label, style in (
-            (self._before, "this muscle", {"line_width": 1.5, "line_dash": "dashed"}),
-            (self._after, "tuned", {"line_width": 2.6}),
-        ):
-            chart.figure.multi_line(
-                "xs", "ys", source=source, line_color="color", legend_label=label, **style
-            )
+        self.readings = chart.add(
+            "scatter", "x y color", "readings", size=4, color="color", alpha=0.55,
+            legend_label="measured",
+        )  # fmt: skip
+        self._before = chart.add(
+            "multi_line", "xs ys color", "untuned", line_width=1.5, line_dash="dashed",
+            legend_label="this muscle",
+        )  # fmt: skip
+        self._after = chart.add(
+            "multi_line", "xs ys color", "tuned", line_width=2.6, legend_label="tuned"
+        )
+        self._labels = chart.source("x y label")
         chart.add_labels(self._labels)
         chart.add_zero_line()
         self._measured_entry, _, self._tuned_entry = chart.style_legend()
@@ -276,25 +259,25 @@ class DataView(Tab):
             record = read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
-            self.read_inputs.show_columns(bool(self._raw))  # they may help
+            self.read_inputs.toggle.value = bool(self._raw)  # columns and units may help
             return
         self._read_options = options
-        self.fit_inputs.offer(view.muscle)
+        names = parameters_of(view.muscle)
+        self.constants.options = {name.replace("_", " "): name for name in names}
         self.message.show(mismatch_reason(view.muscle, record))
         self._set_record(record)
         kind = " synthetic" if name == _EXAMPLE else ""
         plural = "s" * (len(record) != 1)
         notes = "".join(f"<li>{html.escape(note)}</li>" for note in record.notes[:12])
         self.notes.object = (
-            f'<div style="font-size:12.5px;opacity:.85">{len(record)}{kind} reading{plural}.'
-            f"<ul style='padding-left:18px;margin:2px 0'>{notes}</ul></div>"
+            f'<div class="note">{len(record)}{kind} reading{plural}.<ul>{notes}</ul></div>'
         )
         with pn.io.unlocked():
             self.draw(view)
 
-    def _set_record(self, record: Any) -> None:
+    def _set_record(self, record: Record | None) -> None:
         """Set a `record`, or none, without a fit."""
-        self.record, self.fit, self._fit_record = record, None, None
+        self.record, self.fit = record, None
         self._end_fit()
         self.table.object = self.fit_notes.object = ""
         exists = record is not None
@@ -362,11 +345,13 @@ class DataView(Tab):
 
     def start_fit(self) -> None:
         """Fit the muscle to the record."""
-        record, muscle, names = self.record, self.session.view.muscle, self.fit_inputs.names
+        record, muscle = self.record, self.session.view.muscle
+        names = (self.kind.value,) if self.kind.value != _BY_NAME else tuple(self.constants.value)
+        if record is None:
+            return
         if not names:
             self.message.show("Choose at least one constant to fit, or fit something else.")
             return
-        self._fit_record = record
         self.calibrate.disabled = True
         self._start_time, self._stage = time.monotonic(), "fitting"
         self._show_progress()
@@ -376,15 +361,12 @@ class DataView(Tab):
         def progress(stage: str) -> None:
             self._stage = stage if stage.startswith("fitting") else f"fitting: {stage}"
 
-        def compute() -> tuple[Any, str, Muscle, tuple[str, ...]]:
-            from ..calibrate.plot_data import figures
-            from ..reports.calibration import report
-
-            selection = fit_record(record, muscle, progress, names)
+        def compute() -> Fit:
+            fit = Fit(fit_record(record, muscle, progress, names), "", record, muscle, names)
             self._stage = "drawing the report"
-            fit = selection.calibration
-            several = selection if selection.candidates else None
-            return selection, report(fit, _today(), figures(fit), choice=several), muscle, names
+            pictures = figures(fit.calibration)
+            page = report(fit.calibration, _today(), pictures, choice=fit.candidates)
+            return fit._replace(report=page)
 
         self._fits.request(compute)
 
@@ -402,32 +384,29 @@ class DataView(Tab):
         self.status.object = ""
 
     def _fail_fit(self, error: ValueError | str) -> None:
-        if self._fit_record is not None:  # else another record was opened meanwhile
+        if self.bar.visible:  # else another record was opened meanwhile
             self._end_fit()
             self.fail(error)
 
-    def _show_fit(self, result: tuple[Any, str, Muscle, tuple[str, ...]]) -> None:
-        # loaded with the first fit: a page that fits nothing doesn't need it
-        from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
-
-        if self._fit_record is None:  # another record was opened meanwhile
+    def _show_fit(self, fit: Fit) -> None:
+        if fit.record is not self.record:  # another one was opened meanwhile
             return
         self._end_fit()
-        self._selection, self._report, self._fit_muscle, self._fit_names = result
-        fit = self.fit = self._selection.calibration
+        self.fit, calibration = fit, fit.calibration
         rows = []
-        for parameter in fit.parameters:
+        for parameter in calibration.parameters:
             value, interval = interval_texts(parameter)
             text = interval if parameter.identifiable else "not known from these data"
             rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
         lines = [
-            f"rmse {fit.rmse:.4g} N, {100 * fit.relative_rmse:.3g} % of the largest force",
-            *fit_data_lines(fit.fit_data),
-            hysteresis_message(fit),
-            *self._selection.reasons,
+            f"rmse {calibration.rmse:.4g} N, {100 * calibration.relative_rmse:.3g} % of the largest"
+            " force",
+            *fit_data_lines(calibration.fit_data),
+            hysteresis_message(calibration),
+            *fit.selection.reasons,
         ]
-        warnings: Mapping[str, Any] = fit.warnings_by_topic
+        warnings: Mapping[str, Any] = calibration.warnings_by_topic
         self.fit_notes.object = "".join(
             [status_line(html.escape(line)) for line in lines if line]
             + [
@@ -442,25 +421,33 @@ class DataView(Tab):
 
     def export(self) -> Export:
         """Downloads of the record and the muscle, the tuned one where there is one."""
-        fitted = self.fit is not None
-        return data(
-            self._fit_muscle if fitted else self.session.view.muscle, self.record,
-            self.fit.muscle if fitted else None, self.file_name, self._read_options,
-            self._fit_names, self.session.input_names,
-        )  # fmt: skip
+        fit, record = self.fit, self.record
+        assert record is not None  # else the buttons are disabled
+        muscle, tuned, names = self.session.view.muscle, None, (AUTOMATIC,)
+        if fit is not None:
+            muscle, tuned, names = fit.muscle, fit.calibration.muscle, fit.names
+        inputs = self.session.input_names
+        return data(muscle, record, tuned, self.file_name, self._read_options, names, inputs)
 
     def _tuned_file(self) -> Export:
-        from ..files.calibration_files import calibrated_text
+        fit = self._shown_fit
+        return self._text_file("tuned", calibrated_text(fit.calibration, _today(), fit.candidates))
 
-        several = self._selection if self._selection.candidates else None
-        return self._text_file("tuned", calibrated_text(self.fit, _today(), several))
+    def _report_file(self) -> Export:
+        return self._text_file("report", self._shown_fit.report)
 
     def _text_file(self, kind: str, text: str) -> Export:
         stem = output_stem(self.file_name, kind, self.session.input_names)
         return Export(stem, Table(), lambda: None, text)
 
     def _use_fit(self) -> None:
-        self.session.show(view_of(self.fit.muscle, "tuned muscle", self.session.view))
+        muscle = self._shown_fit.calibration.muscle
+        self.session.show(view_of(muscle, "tuned muscle", self.session.view))
+
+    @property
+    def _shown_fit(self) -> Fit:
+        assert self.fit is not None  # else the buttons are disabled
+        return self.fit
 
 
 def _today() -> str:
@@ -469,22 +456,8 @@ def _today() -> str:
 
 def _empty_state(example: Any) -> Any:
     """Framed panel above the muscle's curves; `example` is the button of an example record."""
-    text = (
-        f'<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">{_TITLE}</h2>'
-        f'<p style="margin:0;font-size:{TEXT}px;max-width:76ch">{_TEXT}</p>'
-    )
-    form = (
-        f'<p style="margin:0 0 var(--near);font-size:{SMALL}px">Such a file begins with</p>'
-        '<pre style="margin:0;padding:var(--apart);white-space:pre-wrap;'
-        f"font:{SMALL}px/1.5 var(--mono);color:var(--soft);background:var(--raised);"
-        f'border-radius:var(--round)">{_FORM}</pre>'
-    )
-    left = column(
-        pn.pane.HTML(text, sizing_mode="stretch_width", margin=(0, APART, APART, APART)), example,
-        styles={"flex": "3 1 0", "min-width": "0"},
-    )  # fmt: skip
-    right = pn.pane.HTML(form, margin=0, styles={"flex": "2 1 0", "min-width": "0"},
-                         sizing_mode="stretch_width")  # fmt: skip
-    frame = {"border": "2px dashed var(--line)", "border-radius": "var(--round)",
-             "padding": "var(--wide)", "gap": f"{WIDE}px"}  # fmt: skip
-    return row(left, right, styles=frame, margin=APART)
+    text = pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", (0, APART, APART, APART), **_WIDE)
+    form = f'<p class="small">Such a file begins with</p><pre>{_FORM}</pre>'
+    left = column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
+    right = pane(form, 0, styles={"flex": "2 1 0", "min-width": "0"}, **_WIDE)
+    return row(left, right, kind="stacked framed", margin=APART)

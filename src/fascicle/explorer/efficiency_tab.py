@@ -5,7 +5,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
-from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Title
+from bokeh.models import ColorBar, LinearColorMapper, Title
 from bokeh.palettes import Cividis256
 
 from ..bundle import Bundle
@@ -17,13 +17,13 @@ from ..bundle.efficiency import (
     efficiency_map,
 )
 from ..muscle import Muscle
-from ..plot.theme import APART, CLEAR, FAR, FIGURES, LARGE, TEXT, Colors
+from ..plot.theme import APART, CLEAR, FAR, FIGURES, Colors
 from .chart import Chart, screen_height
 from .remarks import remarks_html
 from .state import Session, View, scaled
 from .tab import LatestResult, Tab, progress_bar
-from .theme import NARROW, WRAPPED, column, equal_column, row
-from .widgets import Message, dropdown, html_table, pane, status_line
+from .theme import column, pane, row
+from .widgets import dropdown, html_table, status_line
 
 
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
@@ -99,10 +99,10 @@ class EfficiencyView(Tab):
         self.averages = LatestResult(self._show_averages, self.fail)
         self.cards = [_card(title, text) for title, text in _CARDS.items()]
         self.figures = [column(chart.pane, visible=False) for chart in (self.map, self.bars)]
-        columns = (equal_column(*both) for both in zip(self.cards, self.figures, strict=True))
-        choices = pn.Row(self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED])
-        self.panel = column(choices, self.notes, self.status, row(*columns), stylesheets=[])
-        self.message = Message(self.panel, choices)
+        pairs = zip(self.cards, self.figures, strict=True)
+        columns = (column(*pair, kind="equal") for pair in pairs)
+        choices = row(self._path, self._kind, self._numbers, kind="wrapped", sizing_mode=None)
+        self.panel = column(choices, self.message.pane, self.notes, self.status, row(*columns))
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
@@ -124,10 +124,10 @@ class EfficiencyView(Tab):
         colors = self.colors
         chart = self.map = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(320))
         self._mapper = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
-        self._image = chart.source("image", "x", "y", "dw", "dh", name="efficiency")
-        image = chart.figure.image(
-            "image", "x", "y", "dw", "dh", source=self._image, color_mapper=self._mapper
-        )
+        columns = ("image", "x", "y", "dw", "dh")
+        self._image = chart.source(" ".join(columns), "efficiency")
+        chart.figure.image(*columns, source=self._image, color_mapper=self._mapper)
+        self._hover = chart.add_hover([])
         bar = ColorBar(
             color_mapper=self._mapper, major_label_text_color=colors.ink,
             background_fill_color=colors.paper, width=12,
@@ -138,8 +138,6 @@ class EfficiencyView(Tab):
             text_font_style="normal", text_font_size="14px",
         )  # fmt: skip
         chart.figure.add_layout(title, "right")  # the bar's own would stand at its foot
-        self._hover = HoverTool(renderers=[image])
-        chart.figure.add_tools(self._hover)
 
     def _add_averages(self) -> None:
         colors = self.colors
@@ -150,7 +148,7 @@ class EfficiencyView(Tab):
             (True, "solid", colors.curves[0], "circle"),
             (False, "dashed", colors.curves[1], "square"),
         ):
-            source = chart.source("x", "y", name=f"average_{resistance}".lower())
+            source = chart.source("x y", f"average_{resistance}".lower())
             both = {
                 "source": source,
                 "legend_label": f"with{'' if resistance else 'out'} resistance",
@@ -216,13 +214,8 @@ class EfficiencyView(Tab):
 
 def _card(title: str, text: str) -> Any:
     """A framed panel with a progress bar, instead of a figure that is being computed."""
-    content = (
-        f'<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">{title}</h2>'
-        f'<p style="margin:0;font-size:{TEXT}px">{text}</p>{progress_bar(title)}'
-    )
-    frame = {"border": "2px dashed var(--line)", "border-radius": "var(--round)",
-             "padding": "var(--wide)", "max-width": "640px"}  # fmt: skip
-    return pn.pane.HTML(
-        content, styles=frame, sizing_mode="stretch_width", align="center", margin=(FAR, APART),
-        stylesheets=[NARROW],
+    content = f"<h2>{title}</h2><p>{text}</p>{progress_bar(title)}"
+    return pane(
+        content, (FAR, APART), css_classes=["narrow", "framed"], styles={"max-width": "640px"},
+        sizing_mode="stretch_width", align="center",
     )  # fmt: skip

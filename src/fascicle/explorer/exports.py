@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 import panel as pn
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from .. import plot
+from ..bundle import Bundle
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
@@ -35,6 +37,12 @@ from .widgets import widget
 
 
 _STRAINS = 201  # along a muscle's curve
+_TEMPLATES = Environment(  # noqa: S701 Python, not HTML
+    loader=FileSystemLoader(Path(__file__).with_name("scripts")),
+    keep_trailing_newline=True,
+    trim_blocks=True,
+    undefined=StrictUndefined,
+)
 
 
 @dataclass(frozen=True)
@@ -68,35 +76,17 @@ def muscle(view: View, input_names: Iterable[str] = ()) -> Export:
     stem = output_stem(view.name, "force", input_names)
     top, P = strain_limit(view.muscle, view.supply), view.pressure
     strain = np.linspace(0.0, top, _STRAINS)
-    body = f"""\
-pressure = {P!r}  # Pa
-strain = np.linspace(0.0, {top!r}, {_STRAINS})
-tables.muscle_force(muscle, [pressure], strain).write("{stem}.csv")
-muscle.plot([pressure], strain).savefig("{stem}.svg")
-"""
-    imports = ["import numpy as np\n", "from fascicle import tables"]
-    return Export(
-        stem,
-        tables.muscle_force(view.muscle, [P], strain),
-        lambda: view.muscle.plot([P], strain),
-        _script(stem, imports, "muscle", dumps(view.muscle), body),
-    )
+    script = _script("muscle", stem, view.muscle, pressure=P, top=top, points=_STRAINS)
+    variables = tables.muscle_force(view.muscle, [P], strain)
+    return Export(stem, variables, lambda: view.muscle.plot([P], strain), script)
 
 
 def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
     """Force-strain space of the bundle."""
     stem, target = output_stem(view.name, "space", input_names), view.bundle
-    body = f"""\
-space = bundle.workspace(resistance={view.resistance})
-tables.space(space).write("{stem}.csv")
-bundle.plot(resistance={view.resistance}).savefig("{stem}.svg")
-"""
-    return Export(
-        stem,
-        tables.space(target.workspace(resistance=view.resistance)),
-        lambda: target.plot(resistance=view.resistance),
-        _script(stem, ["from fascicle import tables"], "bundle", dumps(target), body),
-    )
+    script = _script("bundle", stem, target, resistance=view.resistance)
+    variables = tables.space(target.workspace(resistance=view.resistance))
+    return Export(stem, variables, lambda: target.plot(resistance=view.resistance), script)
 
 
 def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
@@ -107,38 +97,11 @@ def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
     strains = {curve.name: curve.resisted for curve in curves}
     strains |= {f"{curve.name}, without resistance": curve.free for curve in curves}
     turns = {curve.name: curve.turn for curve in curves}
-    body = f"""\
-supply = {view.supply!r}  # Pa
-pressure = np.linspace(0.0, supply, {POINTS})
-bundles = {{
-    " + ".join(map(str, counts)): Bundle([MotorUnit(muscle, n) for n in counts], supply)
-    for counts in {view.splits!r}
-}}
-strains = {{name: free_strain_curve(b, 2, pressure) for name, b in bundles.items()}}
-for name, b in bundles.items():
-    without = free_strain_curve(b, 2, pressure, resistance=False)
-    strains[f"{{name}}, without resistance"] = without
-variables = Table(pressure=Variable(("pressure",), pressure, "Pa"))
-for name, values in strains.items():
-    variables[name] = Variable(("pressure",), values, "-")
-variables.write("{stem}.csv")
-turns = {{name: b.reversal() for name, b in bundles.items()}}
-plot.free_strain(pressure, strains, "P₂", turns).savefig("{stem}.svg")
-"""
-    imports = [
-        "import numpy as np\n",
-        "from fascicle import Bundle, MotorUnit, plot",
-        "from fascicle.reversal import free_strain_curve",
-        "from fascicle.results import Table, Variable",
-    ]
     variables = Table(pressure=Variable(("pressure",), P, "Pa"))
     variables |= {name: Variable(("pressure",), values, "-") for name, values in strains.items()}
-    return Export(
-        stem,
-        variables,
-        lambda: plot.free_strain(P, strains, "P₂", turns),
-        _script(stem, imports, "muscle", dumps(view.muscle), body),
-    )
+    options = {"supply": view.supply, "points": POINTS, "splits": view.splits}
+    script = _script("reversal", stem, view.muscle, **options)
+    return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", turns), script)
 
 
 def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
@@ -146,31 +109,11 @@ def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
     stem = output_stem(view.name, "efficiency", input_names)
     maps = efficiency_maps(view.bundle, view.path)
     key, about = "efficiency_without_resistance", "muscles past their free strain don't push back"
-    body = f"""\
-result = bundle.efficiency_map(path={view.path!r})
-points = {{"force": result.force, "strain": result.strain}}
-free = bundle.efficiency_map(path={view.path!r}, resistance=False, **points)
-variables = tables.efficiency([result])
-variables[{key!r}] = variables["efficiency"]._replace(
-    values=free.efficiency[None], about={about!r}
-)
-variables.write("{stem}.csv")
-draw(result).savefig("{stem}.svg")
-"""
-    imports = [
-        "from fascicle import tables",
-        "from fascicle.plot.workspace import efficiency as draw",
-    ]
     variables = tables.efficiency([maps.resisted])
-    variables[key] = variables["efficiency"]._replace(
-        values=maps.free.efficiency[None], about=about
-    )
-    return Export(
-        stem,
-        variables,
-        lambda: draw_efficiency(maps.resisted),
-        _script(stem, imports, "bundle", dumps(view.bundle), body),
-    )
+    values = maps.free.efficiency[None]
+    variables[key] = variables["efficiency"]._replace(values=values, about=about)
+    script = _script("efficiency", stem, view.bundle, path=view.path, key=key, about=about)
+    return Export(stem, variables, lambda: draw_efficiency(maps.resisted), script)
 
 
 def data(
@@ -186,48 +129,21 @@ def data(
     stem = output_stem(name, "comparison", [name, *input_names])
     drawn, label = (muscle, "the muscle") if tuned is None else (tuned, "tuned")
     P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
-    arguments = {**options, "rest_length": record.rest_length}
-    keywords = "".join(f", {key}={value!r}" for key, value in arguments.items())
-    imports = [
-        "import numpy as np\n",
-        "from fascicle import records",
-        "from fascicle.calibrate.plot_data import measured_with_curves",
-        "from fascicle.plot.calibration import fit as draw",
-        "from fascicle.results import Table, Variable",
-    ]
-    fit = ""
-    if tuned is not None and tuple(names) == (AUTOMATIC,):
-        imports.insert(2, "from fascicle.calibrate import select_model")
-        fit = f"muscle = select_model(record, muscle, starts={STARTS}).calibration.muscle\n"
-    elif tuned is not None:
-        imports.insert(2, "from fascicle.calibrate import fit")
-        free = "" if tuple(names) == (TUNING,) else f"{list(names)!r}, "
-        fit = f"muscle = fit(record, muscle, {free}starts={STARTS}, whole=False).muscle\n"
-    body = f"""\
-record = records.load({name!r}{keywords})  # beside this script
-{fit}pressure = np.clip(record.pressure, 0.0, {HIGHEST_PRESSURE!r})
-force = muscle.force(pressure, record.strain)
-variables = Table(
-    pressure=Variable(("reading",), record.pressure, "Pa"),
-    strain=Variable(("reading",), record.strain, "-"),
-    force=Variable(("reading",), record.force, "N"),
-    muscle=Variable(("reading",), np.asarray(force), "N"),
-)
-variables.write("{stem}.csv")
-draw(measured_with_curves(record, muscle, {label!r})).savefig("{stem}.svg")
-"""
-    force = np.asarray(drawn.force(P, record.strain))
-    return Export(
-        stem,
-        Table(
-            pressure=Variable(("reading",), record.pressure, "Pa"),
-            strain=Variable(("reading",), record.strain, "-"),
-            force=Variable(("reading",), record.force, "N"),
-            muscle=Variable(("reading",), force, "N"),
-        ),
-        lambda: draw_fit(measured_with_curves(record, drawn, label)),
-        _script(stem, imports, "muscle", dumps(muscle), body),
+    variables = Table(
+        pressure=Variable(("reading",), record.pressure, "Pa"),
+        strain=Variable(("reading",), record.strain, "-"),
+        force=Variable(("reading",), record.force, "N"),
+        muscle=Variable(("reading",), np.asarray(drawn.force(P, record.strain)), "N"),
     )
+    keywords = {**options, "rest_length": record.rest_length}
+    script = _script(
+        "data", stem, muscle, name=name, highest=HIGHEST_PRESSURE, label=label, starts=STARTS,
+        keywords=_Code("".join(f", {key}={value!r}" for key, value in keywords.items())),
+        fit=tuned is not None, automatic=tuple(names) == (AUTOMATIC,),
+        constants=_Code("" if tuple(names) == (TUNING,) else f"{list(names)!r}, "),
+    )  # fmt: skip
+    picture = lambda: draw_fit(measured_with_curves(record, drawn, label))  # noqa: E731 drawn late
+    return Export(stem, variables, picture, script)
 
 
 EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
@@ -272,17 +188,18 @@ def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
     return stem
 
 
-def _script(stem: str, imports: Sequence[str], variable: str, toml: str, body: str) -> str:
-    """Script that loads a muscle or bundle from its `toml` into a `variable`, and then a `body`."""
-    lines = "\n".join([*imports, "from fascicle.files import loads"])
+class _Code(str):
+    """Text of a script that is code, not a value."""
+
+    __slots__ = ()
+
+
+def _script(kind: str, stem: str, target: Muscle | Bundle, **values: Any) -> str:
+    """Script of a `kind` that loads a `target`; `values` are written as Python literals."""
+    code = {name: repr(x) for name, x in values.items() if not isinstance(x, bool | _Code)}
+    code = values | code
     # a file's text is data in the script: nothing in it may end the string that holds it
-    text = toml.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
-    return f'''"""Written by `fascicle explore`: makes {stem}.svg and {stem}.csv."""
-
-{lines}
-
-
-{variable} = loads("""
-{text}""")
-
-{body}'''
+    toml = dumps(target).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    variable = "muscle" if isinstance(target, Muscle) else "bundle"
+    template = _TEMPLATES.get_template(f"{kind}.py.jinja")
+    return template.render(stem=stem, variable=variable, toml=toml, **code)

@@ -4,16 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import panel as pn
-
 from ..core.errors import InvalidInputError
 from ..core.module import replace_checked
 from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
 from ..units import DIMENSIONS
 from .state import Session, View
-from .theme import PAIRS, WHOLE_ROW
-from .widgets import Field, Message, dropdown
+from .theme import column
+from .widgets import WHOLE_ROW, Field, Message, dropdown
 
 
 SIZES = {
@@ -24,7 +22,7 @@ SIZES = {
 }
 _CUSTOM = "its own"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
-_INDENT: dict[str, Any] = {"styles": WHOLE_ROW, "margin": (2, 8, 2, 20)}
+_INDENT: dict[str, Any] = {"margin": (2, 8, 2, 20), **WHOLE_ROW}
 
 
 class MuscleInputs:
@@ -36,11 +34,11 @@ class MuscleInputs:
             name: Field(label, name, dimension, self._size_setter(name))
             for name, (label, dimension) in SIZES.items()
         }
-        self._material = dropdown("Material", [*MATERIALS, _CUSTOM], styles=WHOLE_ROW)
+        self._material = dropdown("Material", [*MATERIALS, _CUSTOM], **WHOLE_ROW)
         self._material.param.watch(self._choose_material, "value")
         self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
-        self.panel = pn.Column(sizing_mode="stretch_width", margin=0, stylesheets=[PAIRS])
-        self.message = Message(self.panel)
+        self.panel = column(kind="pairs")
+        self.message = Message()
         self.arrange()
 
     def show(self, view: View) -> None:
@@ -64,11 +62,8 @@ class MuscleInputs:
     def arrange(self) -> None:
         """Put all widgets in order, after a law has got other fields."""
         laws = [widget for law in self.laws.values() for widget in law.widgets]
-        sizes = [field.input for field in self.fields.values()]
-        self.panel.objects = [*sizes, self._material, *laws]
-        for fields in (self.fields, *(law.fields for law in self.laws.values())):
-            for field in fields.values():
-                field.message.column = self.panel
+        sizes = [widget for field in self.fields.values() for widget in field.widgets]
+        self.panel.objects = [*sizes, self._material, *laws, self.message.pane]
 
     def change(self, **parts: Any) -> None:
         """Replace parts of the session's muscle; `ValueError` where there is no such muscle."""
@@ -108,13 +103,13 @@ class LawInputs:
         self.fields: dict[str, Field] = {}
         self.choices: dict[str, Any] = {}
         names = {name.replace("_", " "): name for name in LAWS[kind]}
-        self.select = dropdown(_TITLES.get(kind, kind.capitalize()), names, styles=WHOLE_ROW)
+        self.select = dropdown(_TITLES.get(kind, kind.capitalize()), names, **WHOLE_ROW)
         self.select.param.watch(lambda event: self._choose(event.new), "value")
 
     @property
     def widgets(self) -> list[Any]:
         """Widgets in the order of the page."""
-        fields = [field.input for field in self.fields.values()]
+        fields = [widget for field in self.fields.values() for widget in field.widgets]
         return [self.select, *fields, *self.choices.values()]
 
     def show(self, law: Any, units: Mapping[str, str]) -> None:

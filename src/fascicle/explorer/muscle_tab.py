@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
-from bokeh.models import HoverTool
 
 from ..plot.theme import Colors
 from ..units import pretty
@@ -28,14 +27,12 @@ from .remarks import branches_text, remarks_html, tuning_note
 from .solid import Scene, muscle_solid
 from .state import Session, View, changed
 from .tab import LatestResult, Tab
-from .theme import WHOLE_ROW, column, equal_column, row, side_column
+from .theme import column, pane, row, side_column
 from .widgets import (
     SWEEP_STEPS,
-    Message,
     QuantitySlider,
     Sweep,
     heading,
-    pane,
     readout_table,
     status_line,
     unit_factor,
@@ -73,21 +70,15 @@ class MuscleView(Tab):
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
         self._numbers = pane(sizing_mode="stretch_width")
         self._sweep = Sweep("the strain", self._advance)
-        self.compare = widget(
-            pn.widgets.MultiSelect, "Compare with (Ctrl for several)", size=4, styles=WHOLE_ROW
-        )
+        label = "Compare with (Ctrl for several)"
+        self.compare = widget(pn.widgets.MultiSelect, label, size=4)
         self.compare.param.watch(self._choose_alternatives, "value")
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
-        left = side_column(self.inputs.panel, self.compare, width=284)
-        self.message = Message(left)
-        main = column(
-            self.notes,
-            row(self._pressure.panel, self._strain.panel),
-            row(
-                equal_column(self.chart.pane),
-                equal_column(*self._scene.panes(self._sweep.button), self._numbers),
-            ),
-        )
+        left = side_column(self.inputs.panel, self.compare, self.message.pane, width=284)
+        curves = column(self.chart.pane, kind="equal")
+        scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
+        sliders = row(self._pressure.panel, self._strain.panel)
+        main = column(self.notes, sliders, row(curves, scene))
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
@@ -134,42 +125,39 @@ class MuscleView(Tab):
     def _add_chart(self) -> None:
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(270))
-        figure = chart.figure
-        self.strips = chart.source("left", "right", "color", "alpha", name="strips")
-        self.region_names = chart.source("x", "y", "label", name="regions")
-        self._family = chart.source("xs", "ys", "color", "label", name="family")
-        self._family_names = chart.source("x", "y", "label")
-        self.curve = chart.source("strain", *PARTS, name="curve")
-        self.alternatives = chart.source("xs", "ys", "color", "label", "dash", name="alternatives")
-        self._marks = chart.source("x", "y", "label", "above", "beside", "align", name="marks")
-        self._point = chart.source("x", "y", name="point")
-        figure.quad(
-            "left", "right", _FAR, -_FAR, source=self.strips, fill_color="color",
-            fill_alpha="alpha", line_color=None,
+        self.strips = chart.add(
+            "quad", "left right color alpha", "strips", top=_FAR, bottom=-_FAR,
+            fill_color="color", fill_alpha="alpha", line_color=None,
         )  # fmt: skip
         chart.add_zero_line()
-        figure.text(
-            "x", "y", source=self.region_names, text="label", text_color=colors.soft,
-            text_align="center", text_baseline="top", text_font_size="12px",
+        self.region_names = chart.add(
+            "text", "x y label", "regions", text_color=colors.soft, text_align="center",
+            text_baseline="top", text_font_size="12px",
         )  # fmt: skip
-        lines = {"xs": "xs", "ys": "ys", "line_color": "color"}
-        family = figure.multi_line(**lines, source=self._family, line_width=1.2, line_alpha=0.9)
+        self._family = chart.add(
+            "multi_line", "xs ys color label", "family", line_width=1.2, line_alpha=0.9
+        )
+        chart.add_hover([("P", "@label")])
+        self._family_names = chart.source("x y label")
         chart.add_labels(self._family_names)
+        self.curve = chart.source(f"strain {' '.join(PARTS)}", "curve")
         for (part, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
-            figure.line("strain", part, source=self.curve, line_color=color, line_dash=dash,
-                        line_width=1.8, legend_label=part)  # fmt: skip
-        force = figure.line("strain", "force", source=self.curve, line_color=colors.ink,
-                            line_width=3, legend_label="force")  # fmt: skip
-        figure.multi_line(**lines, source=self.alternatives, line_dash="dash", line_width=2.4,
-                          legend_field="label")  # fmt: skip
-        figure.scatter("x", "y", source=self._marks, size=9, line_color=colors.ink, line_width=2,
-                       fill_color=colors.paper)  # fmt: skip
+            chart.figure.line("strain", part, source=self.curve, line_color=color, line_dash=dash,
+                              line_width=1.8, legend_label=part)  # fmt: skip
+        chart.figure.line("strain", "force", source=self.curve, line_color=colors.ink,
+                          line_width=3, legend_label="force")  # fmt: skip
+        self._hover = chart.add_force_hover()
+        self.alternatives = chart.add(
+            "multi_line", "xs ys color label dash", "alternatives", line_dash="dash",
+            line_width=2.4, legend_field="label",
+        )  # fmt: skip
+        self._marks = chart.add(
+            "scatter", "x y label above beside align", "marks", size=9, line_color=colors.ink,
+            line_width=2, fill_color=colors.paper,
+        )  # fmt: skip
         chart.add_labels(self._marks, x_offset="beside", y_offset="above", text_align="align",
                          text_font_size="12px")  # fmt: skip
-        chart.add_point(self._point)
-        pressures = HoverTool(renderers=[family], tooltips=[("P", "@label")])
-        self._hover = chart.add_hover(force)
-        figure.add_tools(pressures)
+        self._point = chart.add_point(name="point")
         chart.on_click(self._move_point)
         chart.style_legend("right")
 

@@ -23,8 +23,8 @@ from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
 from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
-from .theme import HEADER, NARROW, WIDGET_CSS, WRAPPED, column, page_colors, page_css
-from .widgets import Message, button, dropdown, pane, widget
+from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
+from .widgets import Message, button, dropdown, widget
 
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
@@ -73,16 +73,14 @@ class Header:
         }
         for kind, select in self._units.items():
             select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
-        self._title = pane((8, 16, 4, 16), sizing_mode="stretch_width")
+        self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
         other, theme = ("light", "default") if colors.dark else ("dark", "dark")
         switch = button(f"Use {other} page", None, width=120, margin=(22, 8, 4, 4))
         switch.js_on_click(code=_SET_THEME % theme)
-        inputs = pn.Row(
-            self._example, self.file, self.save, *self._units.values(), switch,
-            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[HEADER],
-        )  # fmt: skip
-        self.panel = column(self._title, inputs)
-        self.message = Message(self.panel)
+        widgets = (self._example, self.file, self.save, *self._units.values(), switch)
+        inputs = row(*widgets, kind="header", margin=(0, 8))
+        self.message = Message()
+        self.panel = column(self._title, inputs, self.message.pane)
         session.watch(self._follow)
         self._show(session.view)
 
@@ -172,7 +170,8 @@ def build(
     tabs = pn.Tabs(
         *((name.capitalize(), content) for name, content in contents.items()),
         dynamic=True,
-        stylesheets=[WIDGET_CSS, NARROW],
+        stylesheets=[WIDGET_CSS, LAYOUT_CSS],
+        css_classes=["narrow"],
         sizing_mode="stretch_width",
         margin=(0, 8),
         active=TABS.index(session.view.tab),
@@ -193,14 +192,14 @@ def build(
     tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
     session.watch(follow)
     open_tab(session.view.tab)
-    return column(header.panel, tabs, name="explorer", stylesheets=[NARROW, page_css(colors)])
+    return column(header.panel, tabs, name="explorer", stylesheets=[LAYOUT_CSS, page_css(colors)])
 
 
 def _downloads(session: Session, name: str) -> list[Any]:
     if name not in EXPORTS:  # the data tab has its own: they need a record
         return []
     buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
-    return [pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED])]
+    return [row(*buttons, kind="wrapped", sizing_mode=None, margin=(0, 8))]
 
 
 def add_scripts(doc: Any, follow_preference: bool) -> None:

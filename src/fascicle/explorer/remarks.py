@@ -26,9 +26,8 @@ _FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse mo
 
 def remarks_html(view: View, tab: str) -> str:
     """Validity warnings, marked, and notes of a `tab` on a `view`."""
-    style = "border-left:3px solid var(--bad);padding-left:var(--apart);margin:var(--near) 0"
     warnings = (
-        f'<p style="{style}">{html.escape(text)}</p>' for text in validity_warnings(view, tab)
+        f'<p class="warning">{html.escape(text)}</p>' for text in validity_warnings(view, tab)
     )
     return "".join(warnings) + status_line(" ".join(notes(view, tab)))
 

@@ -11,14 +11,14 @@ from ..bundle import Bundle, MotorUnit
 from ..bundle.reversal import Reversal, free_strain_curve, reversal
 from ..muscle import Muscle
 from ..plot.curves import split_at_reversal
-from ..plot.theme import SMALL, Colors
+from ..plot.theme import Colors
 from .chart import Chart, cycle_colors, screen_height
 from .link import parse_splits
 from .remarks import remarks_html
 from .state import Session, View
 from .tab import LatestResult, Tab
-from .theme import column, row
-from .widgets import Message, html_table, pane, status_line, widget
+from .theme import column, pane, row
+from .widgets import html_table, status_line, widget
 
 
 POINTS = 97
@@ -93,24 +93,23 @@ class ReversalView(Tab):
         chart = self.chart = Chart(
             colors, "Pressure P2", "Free strain of the bundle [–]", screen_height(300)
         )
-        self._lines = {}
-        for name, dash, width in (("resisted", "solid", 3), ("free", "dashed", 1.8),
-                                  ("jumps", "dotted", 2)):  # fmt: skip
-            source = chart.source("xs", "ys", "color", "label", name=f"reversal_{name}")
-            chart.figure.multi_line("xs", "ys", source=source, line_color="color",
-                                    line_width=width, line_dash=dash)  # fmt: skip
-            self._lines[name] = source
-        self._turns = chart.source("x", "y", "color", "label", name="turns")
-        points = {"x": "x", "y": "y", "source": self._turns}
-        chart.figure.scatter(**points, size=11, marker="inverted_triangle", color="color")
-        chart.figure.text(**points, text="label", x_offset=8, y_offset=16, text_color=colors.ink,
-                          text_font_size="12px")  # fmt: skip
+        self._lines = {
+            name: chart.add("multi_line", "xs ys color label", f"reversal_{name}", line_width=width,
+                            line_dash=dash)
+            for name, dash, width in (("resisted", "solid", 3), ("free", "dashed", 1.8),
+                                      ("jumps", "dotted", 2))
+        }  # fmt: skip
+        self._turns = chart.add(
+            "scatter", "x y color label", "turns", size=11, marker="inverted_triangle",
+            color="color",
+        )  # fmt: skip
+        chart.figure.text("x", "y", source=self._turns, text="label", x_offset=8, y_offset=16,
+                          text_color=colors.ink, text_font_size="12px")  # fmt: skip
         self._legend = pane(sizing_mode="stretch_width")
-        self._table = pane((8, 8))
+        self._table = pane(margin=(8, 8))
         self._curves = LatestResult(self._show, self.fail)
-        left = column(self._splits, self.status, self._legend, chart.pane)
-        self.message = Message(left, self._splits)
-        explanation = pn.pane.HTML(_EXPLANATION, margin=(8, 8))
+        left = column(self._splits, self.message.pane, self.status, self._legend, chart.pane)
+        explanation = pane(_EXPLANATION, (8, 8))
         self.panel = row(
             left, pn.Column(explanation, self.notes, self._table, width=_SIDE, margin=0)
         )
@@ -174,9 +173,7 @@ class ReversalView(Tab):
 def _html_legend(curves: list[tuple[str, str, str]]) -> str:
     """A legend that wraps: name, color and CSS line style of each of the `curves`."""
     entries = "".join(
-        f'<span style="white-space:nowrap"><i style="display:inline-block;width:26px;'
-        f'border-top:3px {line} {color};vertical-align:middle;margin-right:6px"></i>{name}</span>'
+        f'<span><i style="border-top-style:{line};border-top-color:{color}"></i>{name}</span>'
         for name, color, line in curves
     )
-    style = f"display:flex;flex-wrap:wrap;gap:2px 18px;font-size:{SMALL}px"
-    return f'<div style="{style}">{entries}</div>'
+    return f'<div class="legend">{entries}</div>'

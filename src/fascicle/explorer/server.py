@@ -24,7 +24,7 @@ from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
 from .link import from_query
 from .page import add_scripts, build
 from .state import Session, View
-from .theme import column, page_colors, page_css
+from .theme import column, page_colors, page_css, pane
 
 
 PORT = 5006  # Bokeh's
@@ -132,7 +132,7 @@ def page(start: View) -> Any:
     theme = "dark" if query.get("theme") == "dark" else "default"
     pn.config.global_css = [page_css(page_colors(theme))]
     opening = '<div role="status" style="padding:24px;font-size:15px">fascicle is drawing …</div>'
-    shell = column(pn.pane.HTML(opening, margin=0))
+    shell = column(pane(opening, 0))
 
     def fill() -> None:
         view, errors = from_query(query, start)

@@ -34,25 +34,9 @@ AZIMUTH, ELEVATION = 30, 20  # degrees, of the camera at first
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
 _FIBER_WIDTH = 0.0028  # half of it, over the width of the view
-_PROJECT = Path(__file__).with_name("solid.js").read_text(encoding="utf-8")
-# the slider follows the pointer, and the camera the slider
-_GRIP = "camera.grip = camera.data;"
-_TURN = """
-const turned = camera.grip.azimuth[0] - 0.5 * cb_obj.delta_x;  // since the pointer went down
-const azimuth = ((turned + 180) % 360 + 360) % 360 - 180;
-const elevation = Math.max(-89, Math.min(89, camera.grip.elevation[0] + 0.5 * cb_obj.delta_y));
-camera.data = {azimuth: [azimuth], elevation: [elevation]};
-slider.value = Math.round(azimuth);
-"""
-_SLIDE = """
-const data = camera.data;
-if (Math.round(data.azimuth[0]) !== slider.value)
-  camera.data = {azimuth: [slider.value], elevation: data.elevation};
-"""
-_RESET = """
-camera.data = {azimuth: [azimuth], elevation: [elevation]};
-slider.value = azimuth;
-"""
+_PROJECT, _TURN = (
+    Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("solid.js", "camera.js")
+)
 _FRAME = ":host { border-radius: var(--round); overflow: hidden; cursor: grab; }"
 
 
@@ -155,13 +139,12 @@ class Scene:
         figure = chart.figure
         figure.stylesheets = [*figure.stylesheets, _FRAME]
         figure.background_fill_color = figure.border_fill_color = colors.raised
-        camera = chart.source("azimuth", "elevation")
+        camera = chart.source("azimuth elevation")
         camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
-        self.points = chart.source(*"xyz", name=name)
-        self._faces = chart.source(*"abcd", "red", "green", "blue")
-        self._fibers = chart.source("x", "y", "z", "nx", "ny", "nz", name=f"{name}_fibers")
-        drawn = chart.source("xs", "ys", "color", name=f"{name}_drawn")
-        figure.patches("xs", "ys", source=drawn, color="color", line_width=0.6)
+        self.points = chart.source("x y z", name)
+        self._faces = chart.source("a b c d red green blue")
+        self._fibers = chart.source("x y z nx ny nz", f"{name}_fibers")
+        drawn = chart.add("patches", "xs ys color", f"{name}_drawn", color="color", line_width=0.6)
         project = CustomJS(
             args={"camera": camera, "points": self.points, "faces": self._faces,
                   "fibers": self._fibers, "drawn": drawn, "along": ALONG, "lift": _LIFT,
@@ -177,17 +160,16 @@ class Scene:
             stylesheets=[WIDGET_CSS], sizing_mode="stretch_width", margin=(0, 14),
         )  # fmt: skip
         models = {"camera": camera, "slider": slider}
-        first = {"azimuth": AZIMUTH, "elevation": ELEVATION}
-        slider.js_on_change("value", CustomJS(args=models, code=_SLIDE))
-        figure.js_on_event(PanStart, CustomJS(args=models, code=_GRIP))
-        figure.js_on_event(Pan, CustomJS(args=models, code=_TURN))
-        figure.js_on_event(DoubleTap, CustomJS(args=models | first, code=_RESET))
+        turn = CustomJS(args=models | {"azimuth": AZIMUTH, "elevation": ELEVATION}, code=_TURN)
+        slider.js_on_change("value", turn)
+        for event in (PanStart, Pan, DoubleTap):
+            figure.js_on_event(event, turn)
         self._kinds: tuple[Any, ...] = ()
 
     def panes(self, *widgets: Any) -> tuple[Any, Any]:
         """The figure, and a row of its slider and `widgets`."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
-        return self._chart.pane, row(slider, *widgets, stylesheets=[])
+        return self._chart.pane, row(slider, *widgets, kind="")
 
     def show(
         self,

@@ -12,20 +12,13 @@ import panel as pn
 
 from ..plot.theme import Colors
 from .state import Session, View, changed
-from .widgets import Message, pane, unit_factor
+from .theme import pane
+from .widgets import Message, unit_factor
 
 
 _WORKERS = ThreadPoolExecutor(2, thread_name_prefix="fascicle")  # a fit, and a map beside it
 _RUNNING: set["Future[Any]"] = set()
 Outcome = tuple[Any, ValueError | str | None]  # of a computation: result, and error
-_PROGRESS = """<style>
-@keyframes to-and-fro { from { left: 0; } to { left: 70%; } }
-.bar { position: relative; height: 8px; border-radius: var(--round); background: var(--line);
-  overflow: hidden; margin: var(--near) 0; }
-.bar div { position: absolute; width: 30%; height: 100%; background: var(--accent);
-  animation: to-and-fro 1.2s ease-in-out infinite alternate; }
-@media (prefers-reduced-motion: reduce) { .bar div { animation: none; width: 100%; } }
-</style>"""
 
 
 class Tab:
@@ -37,12 +30,12 @@ class Tab:
     name: ClassVar[str]
     fields: ClassVar[tuple[str, ...]]
     panel: Any
-    message: Message
 
     def __init__(self, session: Session, colors: Colors):
         self.session, self.colors = session, colors
         self.status = pane(height=22)
-        self.notes = pane((2, 8), sizing_mode="stretch_width")
+        self.notes = pane(margin=(2, 8), sizing_mode="stretch_width")
+        self.message = Message()
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
@@ -77,7 +70,7 @@ class Tab:
 
 def progress_bar(label: str) -> str:
     """A moving bar in HTML, for work of unknown duration."""
-    return f'{_PROGRESS}<div class="bar" role="progressbar" aria-label="{label}"><div></div></div>'
+    return f'<div role="progressbar" aria-label="{label}"><div></div></div>'
 
 
 def is_computing() -> bool:

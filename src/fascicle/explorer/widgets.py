@@ -11,12 +11,12 @@ import panel as pn
 from ..core.errors import InvalidInputError
 from ..io.sanitize import sanitize_line
 from ..units import DIMENSIONS, parse
-from .theme import WHOLE_ROW, WIDGET_CSS, column, row
+from .theme import WIDGET_CSS, column, pane, row
 
 
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
 _STRAIN_STEP = 0.001
-_HIDDEN_LABEL = "label { position: absolute; left: -9999px; }"  # for screen readers alone
+WHOLE_ROW: dict[str, Any] = {"css_classes": ["whole-row"]}  # of a "pairs" column
 _SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
 SWEEP_STEPS = 80  # from one end to the other
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
@@ -81,41 +81,31 @@ def page_message(
 
 
 class Message:
-    """A line for an error; it is added to its column with the first error."""
+    """A line for an error, visible while there is one."""
 
-    def __init__(self, column: Any = None, after: Any = None):
-        """Message in a `column`, below the widget `after`, or as the last."""
-        self.column, self._after, self._pane = column, after, None
+    def __init__(self) -> None:
+        self.pane = pane(
+            margin=(0, 8, 4, 8), sizing_mode="stretch_width", visible=False, **WHOLE_ROW
+        )
 
     @property
     def text(self) -> str:
         """HTML of the line; empty where there is no error."""
-        return "" if self._pane is None else str(self._pane.object)
+        return str(self.pane.object)
 
     def show(
         self, error: ValueError | str, units: Mapping[str, str] | None = None, **labels: str
     ) -> None:
         """Show an `error` in the page's `labels` and `units`, or nothing where it is empty."""
-        text = sanitize_line(page_message(error, units, **labels))
-        if self._pane is None:
-            if not text:
-                return
-            self._pane = pane((0, 8, 4, 8), sizing_mode="stretch_width", styles=WHOLE_ROW)
-        if text and self.column is not None and self._pane not in self.column.objects:
-            widgets = self.column.objects
-            index = len(widgets) if self._after is None else widgets.index(self._after) + 1
-            self.column.insert(index, self._pane)
-        red = "color:var(--bad);background:var(--alarm);border-left:3px solid var(--bad)"
-        style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
-        line = f'<div role="alert" style="{style}">{html.escape(text)}</div>'
-        self._pane.param.update(object=line if text else "", visible=bool(text))
+        text = html.escape(sanitize_line(page_message(error, units, **labels)))
+        line = f'<div role="alert">{text}</div>' if text else ""
+        self.pane.param.update(object=line, visible=bool(text))
 
 
 def widget(kind: Any, label: str, **options: Any) -> Any:
     """A Panel widget of a `kind` in the page's style, as wide as there is room."""
     defaults = {"sizing_mode": None if "width" in options else "stretch_width", "margin": (2, 8)}
-    sheets = [WIDGET_CSS, *options.pop("stylesheets", [])]
-    return kind(label=label, stylesheets=sheets, **defaults | options)
+    return kind(label=label, stylesheets=[WIDGET_CSS], **defaults | options)
 
 
 def dropdown(label: str, options: Mapping[str, str] | Iterable[str], **more: Any) -> Any:
@@ -132,11 +122,6 @@ def button(label: str, on_click: Callable[[], None] | None, **options: Any) -> A
     return result
 
 
-def pane(margin: Any = (0, 8), **options: Any) -> Any:
-    """An empty HTML pane."""
-    return pn.pane.HTML("", margin=margin, **options)
-
-
 class Field:
     """A text field of a quantity with its unit; errors appear below it."""
 
@@ -148,7 +133,8 @@ class Field:
         self.label, self.name, self._dimension, self._set = label, name, dimension, set_value
         self._unit = self._text = ""
         self.input = widget(pn.widgets.TextInput, label, **options)
-        self.message = Message(None, self.input)
+        self.message = Message()
+        self.widgets = (self.input, self.message.pane)
         self.input.param.watch(self._on_input, "value")
 
     def show(self, value: float, unit: str) -> None:
@@ -189,11 +175,11 @@ class QuantitySlider:
             _StepSlider, label, start=0, end=1, step=0.01, show_value=False, margin=(4, 14, 4, 12)
         )
         self.field = Field(f"{label}, typed", name, dimension, self._on_field, width=106,
-                           margin=(8, 8, 0, 8), stylesheets=[_HIDDEN_LABEL])  # fmt: skip
+                           margin=(8, 8, 0, 8), css_classes=["hidden-label"])  # fmt: skip
         self.field.label = label
         self.slider.param.watch(self._on_slider, "value")
-        self.panel = column(row(self.slider, self.field.input, stylesheets=[]), styles=WHOLE_ROW)
-        self.field.message = Message(self.panel)
+        inputs = row(self.slider, self.field.input, kind="")
+        self.panel = column(inputs, self.field.message.pane, kind="whole-row")
 
     def show(self, value: float, unit: str, top: float) -> None:
         """Show a `value` [SI] of at most `top` [SI] in a `unit`."""
@@ -256,32 +242,23 @@ class Sweep:
 
 def heading(text: str) -> str:
     """A small title in HTML."""
-    style = "font-weight:600;font-size:13px;margin:10px 0 2px"
-    return f'<div style="{style}">{html.escape(text)}</div>'
+    return f'<div class="heading">{html.escape(text)}</div>'
 
 
 def status_line(text: str) -> str:
     """A quiet line in HTML on the state of a computation."""
-    return f'<div role="status" style="font-size:13px;opacity:.8">{text}</div>' if text else ""
+    return f'<div role="status">{text}</div>' if text else ""
 
 
 def readout_table(rows: Mapping[str, str]) -> str:
     """A table in HTML of names and values."""
     texts = {name: f"−{text[1:]}" if text[:1] == "-" else text for name, text in rows.items()}
-    cells = "".join(
-        f'<tr><th style="text-align:left;font-weight:400;opacity:.75;padding:1px 14px 1px 0">{name}'
-        f'</th><td style="font-variant-numeric:tabular-nums">{text}</td></tr>'
-        for name, text in texts.items()
-    )
-    return f'<table style="font-size:13.5px;border-collapse:collapse">{cells}</table>'
+    lines = "".join(f"<tr><th>{name}</th><td>{text}</td></tr>" for name, text in texts.items())
+    return f'<table class="readout">{lines}</table>'
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in HTML with a row of `heads`."""
-    style = "padding:2px 14px 2px 0;text-align:left;font-variant-numeric:tabular-nums"
-    top = "".join(f'<th style="{style};font-weight:600">{head}</th>' for head in heads)
-    body = "".join(
-        "<tr>" + "".join(f'<td style="{style}">{cell}</td>' for cell in row) + "</tr>"
-        for row in rows
-    )
-    return f'<table style="font-size:13.5px;border-collapse:collapse"><tr>{top}</tr>{body}</table>'
+    lines = [f"<th>{'</th><th>'.join(heads)}</th>"]
+    lines += [f"<td>{'</td><td>'.join(row)}</td>" for row in rows]
+    return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"

@@ -117,7 +117,8 @@ def test_a_fit_to_an_earlier_record_is_not_shown(tab, monkeypatch):
     send(tab, GOOD.replace(b"200", b"300"), "b.csv")
     assert not tab.calibrate.disabled and not tab.bar.visible
     latest, _ = requests[0]
-    latest._show((SimpleNamespace(), "of the earlier one", SIX.muscle, ()))
+    earlier = SimpleNamespace(record=object())
+    latest._show(earlier)
     assert tab.fit is None and tab.use.disabled
     latest._fail("of the earlier one")
     assert not tab.message.text
@@ -136,7 +137,7 @@ def test_the_order_of_the_side_column(tab):
     widgets = list(tab.panel[0])
     # the result of a fit is above its remarks, an error above the fields that help
     assert widgets.index(tab.table) < widgets.index(tab.use) < widgets.index(tab.fit_notes)
-    assert widgets.index(tab.message._pane) < widgets.index(tab.read_inputs.panel)
+    assert widgets.index(tab.message.pane) < widgets.index(tab.read_inputs.panel)
 
 
 def test_every_pressure_has_its_curve_and_few_are_labeled(tab):
