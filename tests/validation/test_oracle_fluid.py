@@ -23,7 +23,7 @@ def filled(chamber, ports, start, t, opening=1.0):
 
     def rates(_, state):
         s = state[: chamber.count]
-        P = chamber.guess(s, V)
+        P = chamber.static_pressure(s, V)
         p, T = P + ROOM, chamber.temperature(s, P)
         flow = valve.flow(p_s, p, T_s, T, opening)
         enthalpy = chamber.gas.enthalpy(T_s if flow > 0 else T) * flow
@@ -35,7 +35,7 @@ def filled(chamber, ports, start, t, opening=1.0):
         rates, (0, t[-1]), state, t_eval=t, rtol=1e-11, atol=1e-14, max_step=t[-1] / 200
     )
     states = done.y[:-1].T
-    return chamber.guess(states, V) + ROOM, states, done.y[-1]
+    return chamber.static_pressure(states, V) + ROOM, states, done.y[-1]
 
 
 @pytest.mark.parametrize("pressures", [(7e5, 1e5), (7e5, 2.1e5), (7e5, 3e5), (7e5, 6.99e5),
@@ -240,7 +240,7 @@ def test_liquid_chamber_keeps_its_energy():
     def rates(t, state):
         V, rate = volume(t)
         m = state[:1]
-        P = of.guess(m, V)
+        P = of.static_pressure(m, V)
         flow = fluid.OIL.reference_density * rate + 1e-4 * np.cos(5 * t)
         in_and_out = flow * fluid.OIL.flow_energy(P) - P * rate
         return [*of.rates(m, P, flow, 0.0, rate), in_and_out]
@@ -248,7 +248,7 @@ def test_liquid_chamber_keeps_its_energy():
     start = of.start(3e5, 1e-4)
     done = solve_ivp(rates, (0, 2), [*start, 0.0], rtol=1e-11, atol=1e-14, max_step=0.01)
     end, given = done.y[:1, -1], done.y[1, -1]
-    P = of.guess(end, volume(2.0)[0])
+    P = of.static_pressure(end, volume(2.0)[0])
     assert_allclose(of.stored(end, P) - of.stored(start, 3e5), given, rtol=1e-7)
 
 
@@ -263,7 +263,7 @@ def test_first_and_second_law_of_a_wall(G):
     def rates(t, state):
         V, rate = volume(t)
         s = state[:2]
-        P = of.guess(s, V)
+        P = of.static_pressure(s, V)
         heat = of.heat(s, P, 0.0, 0.0, rate)
         T = of.temperature(s)
         lost = heat * (1 - WARM / T)
@@ -273,6 +273,6 @@ def test_first_and_second_law_of_a_wall(G):
     done = solve_ivp(rates, (0, 8), [*start, 0, 0, 0, 0], rtol=1e-11, atol=1e-13, max_step=0.02)
     end, (done_work, gauge_work, heat, lost) = done.y[:2, -1], done.y[2:, -1]
     assert_allclose(end[1] - start[1], -done_work - heat, rtol=0, atol=1e-9)  # of 100 J
-    stored = of.stored(end, of.guess(end, volume(8.0)[0])) - of.stored(start, 2e5)
+    stored = of.stored(end, of.static_pressure(end, volume(8.0)[0])) - of.stored(start, 2e5)
     assert_allclose(stored, -gauge_work - lost, rtol=0, atol=1e-9)
     assert (lost > 0) == (G > 0)

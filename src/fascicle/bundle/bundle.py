@@ -212,7 +212,7 @@ class Bundle(Module):
         """
         P = self._check_pressures(pressures)
         if not resistance:
-            return evaluate(_largest_free_strain, self, P)
+            return evaluate(_free_strain_without_resistance, self, P)
         return self._search(_free_strain, P)
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
@@ -418,13 +418,13 @@ def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers
     return pressurized(bundle, pressures).unit_forces(strain)[0]
 
 
-def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
+def _free_strain_without_resistance(bundle: Bundle, pressures: PerUnit) -> Numbers:
     free_strains = pressurized(bundle, pressures).free_strains
     return array_namespace(free_strains).max(free_strains, axis=-1)
 
 
 def _single_equilibrium(bundle: Bundle, pressures: PerUnit) -> Equilibria:
-    strain = _largest_free_strain(bundle, pressures)[..., None]
+    strain = _free_strain_without_resistance(bundle, pressures)[..., None]
     exists = strain > -np.inf
     return Equilibria(strain, exists, array_namespace(exists).sum(exists, axis=-1))
 

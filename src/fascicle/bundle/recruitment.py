@@ -232,19 +232,19 @@ def _solve_traced(
         result = result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
         return tree_map(lambda x, shape: np.asarray(x, shape.dtype), result, shapes)
 
-    def array(kind: type, *columns: int) -> Any:
+    def array_spec(kind: type, *columns: int) -> Any:
         return jax.ShapeDtypeStruct((*shape, *columns), jax.dtypes.canonicalize_dtype(kind))
 
-    solutions = Solutions(*(array(kind, slots) for kind in (float, int, bool)))
+    solutions = Solutions(*(array_spec(kind, slots) for kind in (float, int, bool)))
     shapes = RecruitmentResult(
-        pressures=array(float, len(bundle.motor_units)),
-        state=array(int),
-        force=array(float),
-        status=array(int),
-        stable=array(bool),
+        pressures=array_spec(float, len(bundle.motor_units)),
+        state=array_spec(int),
+        force=array_spec(float),
+        status=array_spec(int),
+        stable=array_spec(bool),
         solutions=solutions,
-        count=array(int),
-        unit=array(int),
+        count=array_spec(int),
+        unit=array_spec(int),
     )
     arguments = stop_gradient((bundle, supply, force, strain, *present))
     result = jax.pure_callback(solve, shapes, *arguments, vmap_method="sequential")

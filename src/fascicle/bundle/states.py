@@ -109,9 +109,10 @@ class States(NamedTuple):
         return new[::2], new[1::2]
 
     def pressures(self, state: Int[np.ndarray, "*any"], level: Numbers, supply: Numbers) -> Numbers:
-        """Pressures of all units [Pa], on a new last axis.
+        """Pressures of all units [Pa], on a new last axis: `supply` where full, `level` of it where
+        throttled, zero where vented.
 
-        **Arguments:** `state`: index of the state; `level`: the throttled pressure over the
+        **Arguments:** `state`: index of the state, from 0; `level`: the throttled pressure over the
         supply's [-]; `supply`: $P_s$ [Pa].
 
         **Returns:** pressures [Pa].

@@ -294,6 +294,7 @@ class _HandOver:
 def _fill_time(
     bundle: Bundle, unit: int, valve: AbstractValves, onset: Values, strain: Values
 ) -> Numbers:
+    """Time [s] to fill a `unit` to its `onset` [Pa], (X4); inf where it gains nothing."""
     motor_unit = bundle.motor_units[unit - 1]
     eps = unit_strain(bundle, unit, strain)
     gains = np.isfinite(np.asarray(onset))

@@ -168,11 +168,11 @@ def shaft_work(
     periods = response.time * response.frequencies
     Q = response.drawn / rho
 
-    def period(values: Any) -> Numbers:
+    def per_period(values: Any) -> Numbers:
         return np.sum(values, axis=-1) * response.dt / periods
 
     return {
         "relief": P_s * np.max(Q, axis=-1) / (eta * response.frequencies),
-        "accumulator": (P_s + b / 2) * period(Q) / eta,
-        "sensing": period(np.minimum(response.top + c, P_s) * Q) / eta,
+        "accumulator": (P_s + b / 2) * per_period(Q) / eta,
+        "sensing": per_period(np.minimum(response.top + c, P_s) * Q) / eta,
     }

@@ -80,12 +80,12 @@ class Tables(AbstractMuscles):
         per_unit = [tables[i] for i in indices]
         table = UnitSurface(
             np.stack([unit_table.coefficients for unit_table in tables]),
-            _row(per_unit, lambda unit_table: unit_table.root_step),
+            _of_units(per_unit, lambda unit_table: unit_table.root_step),
             (
-                _row(per_unit, lambda unit_table: unit_table.strains[0]),
-                _row(per_unit, lambda unit_table: unit_table.strains[1]),
+                _of_units(per_unit, lambda unit_table: unit_table.strains[0]),
+                _of_units(per_unit, lambda unit_table: unit_table.strains[1]),
             ),
-            _row(per_unit, lambda unit_table: unit_table.rest_length),
+            _of_units(per_unit, lambda unit_table: unit_table.rest_length),
             _largest_errors([unit_table.errors for unit_table in tables]),
         )
         return cls(table, np.array(indices))
@@ -105,8 +105,8 @@ class Tables(AbstractMuscles):
         return self.table.highest_pressure
 
 
-def _row(tables: Sequence[UnitSurface], number: Callable[[UnitSurface], Any]) -> Numbers:
-    return np.array([float(number(unit_table)) for unit_table in tables])
+def _of_units(tables: Sequence[UnitSurface], get: Callable[[UnitSurface], Any]) -> Numbers:
+    return np.array([float(get(unit_table)) for unit_table in tables])
 
 
 def _largest_errors(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
@@ -130,7 +130,9 @@ class Exact(AbstractMuscles):
     def from_muscles(
         cls, muscles: Sequence[Muscle], highest_pressure: float, ends: tuple[Numbers, Numbers]
     ) -> "Exact":
-        """Muscles of each unit, up to `highest_pressure` [Pa], between strains `ends` [-]."""
+        """Exact laws of each unit's muscle, up to `highest_pressure` [Pa], between strains `ends`
+        [-].
+        """
         indices, groups = zip(*stack_muscles(list(muscles)), strict=True)
         return cls(groups, indices, ends, np.full(len(muscles), highest_pressure))
 

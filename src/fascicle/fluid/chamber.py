@@ -13,6 +13,7 @@ volume, so that a volume that moves with the pressure can be brought to the othe
 """
 
 import abc
+import warnings
 from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
@@ -85,8 +86,14 @@ class AbstractChamber(Module):
         """
 
     @abc.abstractmethod
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
+
+    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Former name of `static_pressure` [Pa]; `state` [SI], `volume` [m³]."""
+        message = "`guess` of a chamber is now `static_pressure`."
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return self.static_pressure(state, volume)
 
     @abc.abstractmethod
     def rates(

@@ -103,7 +103,7 @@ class AdiabaticWall(AbstractGasChamber):
         zero = 0.0 * value
         return Balance(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
 
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
         V = volume + self.dead_volume
         return (self.gas.heat_capacity_ratio - 1) * state[..., 1] / V - self.room_pressure
@@ -177,7 +177,7 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         zero = 0.0 * value
         return Balance(value, stack_last(-self._RT + zero), V + zero, p + zero)
 
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
         return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
 
@@ -238,7 +238,7 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         zero = 0.0 * value
         return Balance(value, stack_last(-self._RT + zero), V * slope + zero, reduced + zero)
 
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
         V, p_a = volume + self.dead_volume, self.room_pressure
         ratio = state[..., 0] * self._RT / (V * p_a)

@@ -59,7 +59,7 @@ class LiquidChamber(AbstractMassChamber):
         by_pressure = rho * (V / self.liquid.bulk_modulus + c)
         return Balance(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
 
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding
         above the vapor pressure.
         """

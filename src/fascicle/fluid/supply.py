@@ -199,7 +199,7 @@ class Tank(AbstractSupply):
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI]."""
-        return self.chamber.guess(state, self.volume)
+        return self.chamber.static_pressure(state, self.volume)
 
     def temperature_at(self, state: Numbers) -> Batch:
         """Temperature [K] in a `state` [SI]."""

@@ -48,7 +48,7 @@ class AbstractMaterial(Declared):
 
     @abc.abstractmethod
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Derivatives of the energy density [J/m³] at the same squared stretches [-]."""
+        """First and second derivatives of $W$ [J/m³] by the squared stretches [-]."""
 
 
 LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
@@ -124,7 +124,7 @@ class MooneyRivlin(AbstractMaterial):
         return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
 
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Derivatives of the energy density [J/m³] at the same squared stretches [-]."""
+        """First and second derivatives of $W$ [J/m³] by the squared stretches [-]."""
         p, q, a, b = axial_squared, hoop_squared, self.c10, self.c01
         s = 1 / (p * q)
         u, v = q * s, p * s  # 1/p and 1/q, for one division

@@ -1,4 +1,6 @@
-"""Whether intervals with a discrepancy hold the truth: synthetic experiments, each a whole fit."""
+"""Coverage of intervals with a discrepancy: synthetic experiments, each a whole fit."""
+
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -22,122 +24,105 @@ TRUE = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivl
 NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(4e5, 2e5))
 NAMES = ["braid_angle", "outer_radius"]
 P, STRAIN = np.linspace(1.5e5, 6e5, 10)[:, None], np.linspace(0.0, 0.1, 8)
-FORCE = np.asarray(TRUE.force(P, STRAIN))  # all of it pulls
+FORCE = np.asarray(TRUE.force(P, STRAIN))  # the muscle pulls at all of them
 SIGMA = 2.0
+RECORDS = {"scope": "module", "params": [15, pytest.param(60, marks=pytest.mark.slow)]}
 
 
 def smooth(rng, deviation, along=STRAIN):
-    """A smooth error: Legendre's polynomials of orders 0 to 5, of mean square 1."""
-    at = 2 * (along - along.min()) / np.ptp(along) - 1
-    B = np.polynomial.legendre.legvander(at, 5)
+    """A smooth error: Legendre polynomials of orders 0 to 5, of mean square 1."""
+    x = 2 * (along - along.min()) / np.ptp(along) - 1
+    B = np.polynomial.legendre.legvander(x, 5)
     return B / np.sqrt(np.mean(B**2, axis=0)) @ rng.normal(scale=deviation, size=6)
 
 
-def fitted(error, rng, **more):
+def fit_with(error, rng):
     force = FORCE + error + SIGMA * rng.normal(size=FORCE.shape)
-    return fit(Record.of(P, STRAIN, force, rest_length=0.2), NOMINAL, NAMES, whole=False, **more)
+    return fit(Record.of(P, STRAIN, force, rest_length=0.2), NOMINAL, NAMES, whole=False)
 
 
-def held(fits):
-    """Shares of intervals that hold the truth: as they are, and by noise alone."""
-    truth = np.array([float(one.value(TRUE)) for one in fits[0].problem.parameters])
-    z = np.array([float(one.coordinate(TRUE)) for one in fits[0].problem.parameters])
-    inside, alone = [], []
-    for made in fits:
-        inside += [one.low < x < one.high for one, x in zip(made.parameters, truth, strict=True)]
-        away = np.abs(made.coordinates - z) / np.sqrt(np.diag(made.minimum.covariance))
-        alone += (away < NORMAL).tolist()
-    return np.mean(inside), np.mean(alone)
+def coverage(fits):
+    """Share of intervals that hold the truth: as reported, and from noise alone."""
+    parameters = fits[0].problem.parameters
+    values = [float(parameter.value(TRUE)) for parameter in parameters]
+    z = np.array([float(parameter.coordinate(TRUE)) for parameter in parameters])
+    inside, from_noise = [], []
+    for calibration in fits:
+        pairs = zip(calibration.parameters, values, strict=True)
+        inside += [estimate.low < value < estimate.high for estimate, value in pairs]
+        deviation = np.sqrt(np.diag(calibration.minimum.covariance))
+        from_noise += (np.abs(calibration.coordinates - z) < NORMAL * deviation).tolist()
+    return np.mean(inside), np.mean(from_noise)
 
 
-# so many records, and more by `make slow`
-records = {"scope": "module", "params": [15, pytest.param(60, marks=pytest.mark.slow)]}
-
-
-def least(fits):
-    """90 % of the intervals, the two of a record nearly one, less three deviations of that."""
+def least_coverage(fits):
+    """90 %, the two intervals of a record nearly one, less three standard deviations."""
     return 0.9 - 3 * np.sqrt(0.9 * 0.1 / len(fits))
 
 
-@pytest.fixture(**records)
+@pytest.fixture(**RECORDS)
 def noisy(request):
-    return [fitted(0.0, np.random.default_rng(seed)) for seed in range(request.param)]
+    return [fit_with(0.0, np.random.default_rng(seed)) for seed in range(request.param)]
 
 
-@pytest.fixture(**records)
+@pytest.fixture(**RECORDS)
 def bowed(request):
     """Records with a smooth error along strain, another one each, three times the noise."""
-    fits = []
-    for seed in range(request.param):
-        rng = np.random.default_rng(100 + seed)
-        fits.append(fitted(smooth(rng, 3 * SIGMA), rng))
-    return fits
+    rngs = [np.random.default_rng(100 + seed) for seed in range(request.param)]
+    return [fit_with(smooth(rng, 3 * SIGMA), rng) for rng in rngs]
 
 
 def test_noise_alone_widens_nothing(noisy):
-    wide = [made for made in noisy if not made.diagnosis.is_white_noise]
+    white = [calibration for calibration in noisy if calibration.diagnosis.is_white_noise]
     # one record in a hundred: no more than this in 996 of 1000 tries, 3 of 60
-    assert len(wide) <= binom.isf(4e-3, len(noisy), 0.01)
-    for made in noisy:
-        if made.diagnosis.is_white_noise:
-            assert_allclose(made.wider, 1.0)
-            assert made.diagnosis.covariance is None
-            assert not any("Residuals follow" in line for line in made.warnings)
-    inside, _ = held(noisy)
-    assert least(noisy) < inside <= 1
+    assert len(noisy) - len(white) <= binom.isf(4e-3, len(noisy), 0.01)
+    for calibration in white:
+        assert_allclose(calibration.wider, 1.0)
+        assert calibration.diagnosis.covariance is None
+    assert least_coverage(noisy) < coverage(noisy)[0] <= 1
 
 
-def test_a_discrepancy_lets_intervals_hold_the_truth(bowed):
-    assert all(
-        made.diagnosis.significant and made.diagnosis.significant[0].along == "strain"
-        for made in bowed
-    )
-    inside, alone = held(bowed)
-    assert alone < 0.5
-    assert least(bowed) < inside <= 1
-    for made in bowed:
-        assert np.all(made.wider > 1.5)
-        told = " ".join(made.warnings)
-        assert "Residuals follow strain" in told and "Intervals include a discrepancy" in told
+def test_intervals_with_a_discrepancy_hold_the_truth(bowed):
+    for calibration in bowed:
+        assert calibration.diagnosis.significant[0].along == "strain"
+        assert np.all(calibration.wider > 1.5)
+        assert any("Residuals follow strain" in line for line in calibration.warnings)
+    inside, from_noise = coverage(bowed)
+    assert from_noise < 0.5
+    assert least_coverage(bowed) < inside <= 1
+
+
+def test_the_discrepancy_has_its_true_size(bowed):
+    sizes = [discrepancy_sizes(residuals_of(c), c.diagnosis)[0] for c in bowed]
+    assert all(3 <= orders <= 6 for _, orders in sizes)
+    # a variance of four or so orders scatters by 70 %; three deviations of the mean
+    tolerance = 3 * 0.7 / np.sqrt(len(sizes))
+    assert_allclose(np.mean([variance for variance, _ in sizes]), (3 * SIGMA) ** 2, rtol=tolerance)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("deviation", [1.0, 3.0, 10.0])
 @pytest.mark.parametrize("along", ["strain", "pressure"])
-def test_intervals_hold_over_many_records(along, deviation):
-    fits = []
+def test_coverage_over_many_records(along, deviation):
+    axis, fits = STRAIN if along == "strain" else P[:, 0], []
     for seed in range(400):
         rng = np.random.default_rng(seed)
-        axis = STRAIN if along == "strain" else P[:, 0]
         error = smooth(rng, deviation * SIGMA, axis)
-        fits.append(fitted(error if along == "strain" else error[:, None], rng))
-    inside, _ = held(fits)
-    # meant: 90 %; 800 that are pairs know it to 1.5 %. What a pressure's own error does to a
-    # radius is more than what shows of it, and a trend that isn't found is not counted
-    assert 0.80 < inside < 0.99, inside
+        fits.append(fit_with(error if along == "strain" else error[:, None], rng))
+    # nominal: 90 %; 800 that are pairs know it to 1.5 %. An error along pressure changes a radius
+    # more than it shows, and a trend that is not significant does not count
+    assert 0.80 < coverage(fits)[0] < 0.99
 
 
-def test_the_size_is_what_was_put_in(bowed):
-    squares = []
-    for made in bowed:
-        (variance, orders), *_ = discrepancy_sizes(residuals_of(made), made.diagnosis)
-        squares.append(variance)
-        assert 3 <= orders <= 6
-    # a variance of four or so orders scatters by 70 %; three deviations of the mean
-    known = 3 * 0.7 / np.sqrt(len(squares))
-    assert_allclose(np.mean(squares), (3 * SIGMA) ** 2, rtol=known)
-
-
-def test_residuals_that_follow_one_another_widen_by_their_correlation():
+def test_correlated_residuals_widen_intervals():
     rng, n, rho = np.random.default_rng(0), 20000, 0.6
-    steps = rng.normal(size=n)
-    r = np.zeros(n)
+    steps, r = rng.normal(size=n), np.zeros(n)
     for i in range(1, n):
         r[i] = rho * r[i - 1] + steps[i]
-    one, zero = np.ones(n), np.zeros(n)
-    left = Residuals(r, np.zeros((n, 1)), one, np.linspace(0, 0.2, n), 1e5 * one, zero,
-                     np.full(n, np.nan), one, zero)  # fmt: skip
-    seen = find_trends(left)
-    assert_allclose(autocorrelation_inflation(left, seen), (1 + rho) / (1 - rho), rtol=0.1)
-    white = Residuals(steps, *(getattr(left, name) for name in list(left.__dataclass_fields__)[1:]))
+    ones, zeros = np.ones(n), np.zeros(n)
+    correlated = Residuals(r, np.zeros((n, 1)), ones, np.linspace(0, 0.2, n), 1e5 * ones, zeros,
+                           np.full(n, np.nan), ones, zeros)  # fmt: skip
+    inflation = autocorrelation_inflation(correlated, find_trends(correlated))
+    assert_allclose(inflation, (1 + rho) / (1 - rho), rtol=0.1)
+    white = Residuals(steps, *(getattr(correlated, f.name) for f in fields(Residuals)[1:]))
     assert autocorrelation_inflation(white, find_trends(white)) == 1.0

@@ -29,7 +29,7 @@ def test_start_is_in_balance_and_found_again(of):
     at = of.balance(state, PRESSURES, V)
     # of p V, 10 to 50 J, or of 0.1 kg
     assert_allclose(at.value, 0, atol=1e-13)
-    assert_allclose(of.guess(state, V), PRESSURES, rtol=1e-12, atol=1e-6)
+    assert_allclose(of.static_pressure(state, V), PRESSURES, rtol=1e-12, atol=1e-6)
     assert np.all(of.lowest_pressure < PRESSURES)
     if of.physical:
         assert_allclose(of.temperature(state, PRESSURES), WARM, rtol=1e-14)
@@ -93,11 +93,16 @@ def test_polytropic_goes_from_isothermal_to_adiabatic():
     one, held = fluid.Polytropic(1.0), fluid.Isothermal()
     state = held.start(PRESSURES, V)
     assert_allclose(one.start(PRESSURES, V), state, rtol=1e-14)
-    assert_allclose(one.guess(state, 0.5 * V), held.guess(state, 0.5 * V), rtol=1e-12, atol=1e-9)
+    assert_allclose(
+        one.static_pressure(state, 0.5 * V),
+        held.static_pressure(state, 0.5 * V),
+        rtol=1e-12,
+        atol=1e-9,
+    )
     fast = fluid.Polytropic(1.4)
     state = fast.start(0.0, V)
     # p V^n of a mass that stays
-    p = fast.guess(state, 0.5 * V) + ROOM
+    p = fast.static_pressure(state, 0.5 * V) + ROOM
     assert_allclose(p, ROOM * 2**1.4, rtol=1e-13)
     assert_allclose(fast.temperature(state, p - ROOM), WARM * 2**0.4, rtol=1e-13)
 
@@ -118,8 +123,9 @@ def test_everything_is_finite_with_its_slopes(of, pressure):
     for s in (state, 0.0 * state):
 
         def all_of_it(s, P, V, of=of):
-            out = [of.guess(s, V), of.temperature(s, P), of.stored(s, P), *of.balance(s, P, V),
-                   *of.rates(s, P, 1e-4, 30.0, 1e-5), of.per_volume_rate(s, P)]  # fmt: skip
+            out = [of.static_pressure(s, V), of.temperature(s, P), of.stored(s, P),
+                   *of.balance(s, P, V), *of.rates(s, P, 1e-4, 30.0, 1e-5),
+                   of.per_volume_rate(s, P)]  # fmt: skip
             return sum(np.sum(x) if isinstance(x, np.ndarray) else x.sum() for x in out)
 
         slopes = jax.grad(all_of_it, (0, 1, 2))(s, pressure, V)
@@ -133,11 +139,14 @@ def test_numpy_and_jax_agree(of):
     state = of.start(PRESSURES, V)
     assert type(state) is np.ndarray
     for name, arguments in (
-        ("balance", (state, PRESSURES, V)), ("guess", (state, V)), ("stored", (state, PRESSURES)),
-        ("temperature", (state, PRESSURES)), ("rates", (state, PRESSURES, 1e-4, 30.0, 1e-5)),
+        ("balance", (state, PRESSURES, V)), ("static_pressure", (state, V)),
+        ("stored", (state, PRESSURES)), ("temperature", (state, PRESSURES)),
+        ("rates", (state, PRESSURES, 1e-4, 30.0, 1e-5)),
     ):  # fmt: skip
         plain = getattr(of, name)(*arguments)
         compiled = jax.jit(getattr(of, name))(*arguments)
         for one, other in zip(jax.tree.leaves(plain), jax.tree.leaves(compiled), strict=True):
             # pressures of oil have the rounding of its bulk modulus, 1.4e9 Pa
-            assert_allclose(one, other, rtol=1e-12, atol=1e-6 if name == "guess" else 1e-12)
+            assert_allclose(
+                one, other, rtol=1e-12, atol=1e-6 if name == "static_pressure" else 1e-12
+            )

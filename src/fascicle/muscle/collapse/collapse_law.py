@@ -90,5 +90,5 @@ class SteinHedgepeth1961(AbstractCollapse):
     factor: Batch = FACTOR.field()
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:  # noqa: ARG002 a membrane has no modulus
-        """$M_{collapse}$ [N·m], proportional to pressure."""
+        """$M_{collapse} = \\pi P r_0^3$ [N·m] times `factor`; `youngs_modulus` is unused."""
         return self.factor * np.pi * pressure * bladder.braid.radius**3
