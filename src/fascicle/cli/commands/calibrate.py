@@ -128,7 +128,7 @@ def run(
     """Fit a muscle to dynamometer data, with uncertainties."""
     names = None if fit is None else [name.strip() for name in fit.split(",")]
     prior_texts = _pairs(prior, "--prior")
-    reading = {
+    reading: dict[str, Any] = {
         "units": _pairs(unit, "--unit"),
         "columns": _pairs(column, "--column"),
         "clipped_at_zero": True if clipped_at_zero else None,
@@ -140,8 +140,9 @@ def run(
         "braid_angle": braid_angle, "material": material, "tension": tension,
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
     })  # fmt: skip
-    rest = None if rest_length is None else read_quantity(rest_length, "length", "--rest-length")
-    record, remarks = _read_record(data, reading, rest, float(start.length), push_positive)
+    if rest_length is not None:
+        reading["rest_length"] = read_quantity(rest_length, "length", "--rest-length")
+    record, remarks = _read_record(data, reading, float(start.length), push_positive)
     _check(names, loss, intervals, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
@@ -243,11 +244,7 @@ def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
 
 
 def _read_record(
-    paths: list[str],
-    reading: Mapping[str, Any],
-    rest: float | None,
-    length: float,
-    push_positive: bool,
+    paths: list[str], reading: dict[str, Any], length: float, push_positive: bool
 ) -> tuple["Record", tuple[str, ...]]:
     """Read the record; also remarks on what was assumed."""
     from ...records import join, load
@@ -258,12 +255,12 @@ def _read_record(
         try:
             for path in paths:
                 try:
-                    records.append(load(path, rest_length=rest, **reading))
+                    records.append(load(path, **reading))
                 except MissingMetadataError as error:
                     if error.argument != "rest_length":
                         raise
                     # a length or displacement in a file that names no rest length
-                    records.append(load(path, rest_length=length, **reading))
+                    records.append(load(path, **dict(reading, rest_length=length)))
                     assumed = True
             record = join(records)
         except MissingMetadataError as error:

@@ -63,10 +63,10 @@ def run(
 
     outputs.write(variables, table, draw, title=f"Efficiency of {file}")
     fractions = variables["reached"].values
-    # a map without given forces extends past the workspace: only an empty one is incomplete
+    # a map without demanded forces extends past the workspace: only an empty one is incomplete
     if not fractions.all() or (forces is not None and fractions.min() < 1):
-        reached = zip(fractions, paths, strict=True)
-        texts = ", ".join(f"{100 * fraction:.3g} % {path}" for fraction, path in reached)
+        pairs = zip(fractions, paths, strict=True)
+        texts = ", ".join(f"{100 * fraction:.3g} % {path}" for fraction, path in pairs)
         exit_incomplete(f"not all points are reached ({texts}): the others have no efficiency.")
 
 

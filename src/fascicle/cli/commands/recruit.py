@@ -77,7 +77,7 @@ def _print(variables: Any, is_free: bool) -> None:
         demand, strain = f"{values['demand'][index[0]]:.6g}", f"{values['strain'][index[1]]:.6g}"
         force, state = number(values["force"][index], decimals), values["state"][index]
         solution = values["throttled_pressure"][index], state
-        others = [
+        alternatives = [
             f"{other_state}: {pressure / 1e3:.6g} kPa{'' if is_stable else ' u'}"
             for pressure, other_state, is_stable in zip(
                 *(values[f"solution_{name}"][index] for name in ("pressure", "state", "stable")),
@@ -88,7 +88,7 @@ def _print(variables: Any, is_free: bool) -> None:
         pressures = [f"{pressure / 1e3:.6g}" for pressure in values["pressures"][index]]
         mark = "" if values["stable"][index] else " u"
         rows.append(
-            [demand, strain, f"{state}", *pressures, force + mark, "\n".join(others) or "-"]
+            [demand, strain, f"{state}", *pressures, force + mark, "\n".join(alternatives) or "-"]
         )
         if code:
             messages.append(
