@@ -66,7 +66,7 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert lines[0].startswith("synthetic")
-    assert "rest length not given: strains are taken over the muscle's, 127 mm" in lines
+    assert "rest length not given: strains refer to the muscle's length, 127 mm" in lines
     assert any("read as force" in line for line in lines)
     assert all(name in out for name in FACTORS)
     assert "1/bar" in out and "rmse" in out
@@ -136,7 +136,7 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     assert code == 0
     assert "48 readings read, none left out" in out
     # one table, not a block for each column
-    assert out.count("Tried on readings that pull") == 1 and " taken" in out
+    assert out.count("Fits of readings that pull") == 1 and " selected" in out
     assert "Selected: " in out and "The paper's tuning (" in out
     assert "Residuals follow strain" in out and "Intervals include a discrepancy" in out
     page = (tmp_path / "calibrated-d/report.html").read_text(encoding="utf-8")
@@ -153,7 +153,7 @@ def test_help_lists_every_name_that_a_fit_takes(fascicle):
 
     code, out, _ = fascicle("calibrate", "--help")
     assert code == 0
-    listed = out.split("Names for --fit and --prior")[1].split()
+    listed = re.findall(r"^  (\w+)", out.split("Names for --fit and --prior")[1], re.MULTILINE)
     laws = [law for laws in LAWS.values() for law in laws.values()]
     own = [one.name for law in laws for one in law.constants() if one.transform is not None]
     for name in (*own, *FACTORS, "c10", "braid_angle", "active_length", "dead_band"):
