@@ -105,7 +105,7 @@ def test_it_is_named_in_files(tmp_path):
 
 
 def test_stubby_muscles_are_warned_of_once(monkeypatch):
-    monkeypatch.setattr("fascicle.core.validation._SHOWN", set())
+    monkeypatch.setattr("fascicle.core.validation._WARNED_ONCE", set())
     with pytest.warns(UserWarning, match="beam theory does not apply"):
         SIX.replace(length=6 * 6.35e-3)
     with warnings.catch_warnings():

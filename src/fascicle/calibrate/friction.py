@@ -96,9 +96,11 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(n):
         return Friction(None, width, 0.0 * width, np.zeros(0), (), loops.levels)
     fits = [_fit_springs(loops, count) for count in range(1, _MAX_SPRINGS + 1)]
-    least = _MIN_ERROR * float(np.mean(width))
+    smallest = _MIN_ERROR * float(np.mean(width))
     # two numbers for each spring: its share and its distance
-    costs = [2 * n * np.log(max(fit.rmse, least)) + 2 * k * np.log(n) for k, fit in enumerate(fits)]
+    costs = [
+        2 * n * np.log(max(fit.rmse, smallest)) + 2 * k * np.log(n) for k, fit in enumerate(fits)
+    ]
     return fits[int(np.argmin(costs))]
 
 
@@ -114,7 +116,9 @@ def _loops(record: Record, length: float) -> _Loops | None:
     if not rows:
         return None
     step = float(np.median([np.median(np.diff(np.sort(row[1]))) for row in rows]))
-    P, from_start, from_end, width = (np.concatenate(part) for part in zip(*rows, strict=True))
+    P, from_start, from_end, width = (
+        np.concatenate(portion) for portion in zip(*rows, strict=True)
+    )
     # at a turn both branches are one reading
     inside = np.minimum(from_start, from_end) > step / 2
     P, from_start, from_end, width = (x[inside] for x in (P, from_start, from_end, width))
@@ -155,11 +159,11 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
     shortest, longest = np.log(min(loops.step, stroke / 4)), np.log(stroke)
 
     def law(z: np.ndarray) -> MaxwellSlip:
-        share = np.exp(z[:count] - z[:count].max())
-        share = share / share.sum()
+        fraction = np.exp(z[:count] - z[:count].max())
+        fraction = fraction / fraction.sum()
         constant, rise = z[-2:]
-        stiffness = 2 * share * (constant + rise) / np.exp(z[count:-2])
-        return MaxwellSlip(stiffness, share * constant, share * rise / top)
+        stiffness = 2 * fraction * (constant + rise) / np.exp(z[count:-2])
+        return MaxwellSlip(stiffness, fraction * constant, fraction * rise / top)
 
     def residuals(z: np.ndarray) -> np.ndarray:
         return law(z).loop_width(loops.from_start, loops.from_end, loops.pressure) - loops.width

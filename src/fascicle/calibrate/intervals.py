@@ -52,7 +52,7 @@ _POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard devi
 
 def with_profiles(calibration: Calibration) -> Calibration:
     """The `calibration` with profiles of those parameters whose quick interval says nothing."""
-    names = [one.name for one in calibration.parameters if not one.identifiable]
+    names = [parameter.name for parameter in calibration.parameters if not parameter.identifiable]
     if not names or calibration.bootstrapped is not None:
         return calibration
     return replace(calibration, profiles=profiles(calibration, names=names))
@@ -81,7 +81,7 @@ def profiles(
     # noise is held at its fitted value: the rise counts in proportion to noise's part of variance
     minimum = calibration.minimum
     noise = np.diag(minimum.covariance - minimum.from_curves)
-    share = noise / np.diag(calibration.covariance)
+    fraction = noise / np.diag(calibration.covariance)
     default = (points, reach) == (_POINTS, _REACH)
     present = {profile.name: profile for profile in calibration.profiles} if default else {}
     out = []
@@ -91,35 +91,35 @@ def profiles(
         if name in present:
             out.append(present[name])
             continue
-        value, coordinate, rise = _profile(calibration, i, steps, share[i])
+        value, coordinate, rise = _profile(calibration, i, steps, fraction[i])
         width = np.ptp(_crossings(coordinate, rise))
         factor = calibration.problem.parameters[i].deviation / WEAK  # coordinates of a factor of e
-        known = bool(width < 2 * NORMAL * KNOWN * factor)
-        out.append(Profile(name, value, rise, *_crossings(value, rise), known))
+        identified = bool(width < 2 * NORMAL * KNOWN * factor)
+        out.append(Profile(name, value, rise, *_crossings(value, rise), identified))
     return tuple(out)
 
 
 def _profile(
-    calibration: Calibration, index: int, steps: np.ndarray, share: float
+    calibration: Calibration, index: int, steps: np.ndarray, fraction: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values [SI unit] and coordinates [-] of a held parameter, and the rises there [-]."""
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
-    others = np.delete(np.arange(z.size), index)
+    other_columns = np.delete(np.arange(z.size), index)
     # the start of each refit moves all coordinates along the fit's correlations
     direction = C[index] / np.sqrt(C[index, index])
 
     def prior(point: np.ndarray) -> float:
         return ((point[index] - problem.center[index]) / problem.deviation[index]) ** 2
 
-    least = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
+    lowest = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
     points, rises = [z], [0.0]
     for side in (-np.sort(-steps[steps < 0]), np.sort(steps[steps > 0])):
         for step in side:
-            end = solve(problem, (z + step * direction)[None], others, tolerance=ROUGH)
+            end = solve(problem, (z + step * direction)[None], other_columns, tolerance=ROUGH)
             # a parameter's own prior is no part of the likelihood
-            own = prior(end.points[0]) - prior(z)
+            prior_rise = prior(end.points[0]) - prior(z)
             points.append(end.points[0])
-            rises.append(share * (2 * (end.cost[0] - least) - own))
+            rises.append(fraction * (2 * (end.cost[0] - lowest) - prior_rise))
             if rises[-1] > _CRITICAL:
                 break
     order = np.argsort([point[index] for point in points])
@@ -140,8 +140,8 @@ def _crossing(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: fl
         if rise[outer] > _CRITICAL:
             # deviations are nearly linear in the value, their squares are not
             a, b, c = np.sqrt([max(rise[inner], 0.0), rise[outer], _CRITICAL])
-            share = (c - a) / (b - a)
-            return float(value[inner] + share * (value[outer] - value[inner]))
+            fraction = (c - a) / (b - a)
+            return float(value[inner] + fraction * (value[outer] - value[inner]))
     return otherwise
 
 
@@ -220,13 +220,15 @@ def _bootstrap_ends(
     """Ends of the intervals [SI units], (C15); even in value where a parameter is so given."""
     problem, wide = calibration.problem, np.sqrt(calibration.diagnosis.inflation)
     best, count = calibration.coordinates, len(z)
-    fitted, unknown = value_of(problem, best), np.std(z, axis=0) > KNOWN
+    fitted, undetermined = value_of(problem, best), np.std(z, axis=0) > KNOWN
     errors, value_errors = np.sort(z - best, axis=0), np.sort(values - fitted, axis=0)
     ends = []
-    for share in (1 - _TAIL, _TAIL):
-        rank = int(np.clip(round((count + 1) * share), 1, count)) - 1
-        away = np.where(unknown, -errors[-1 - rank], errors[rank]) * wide
-        moved = [value_of(problem, best - away * row)[i] for i, row in enumerate(np.eye(best.size))]
+    for fraction in (1 - _TAIL, _TAIL):
+        rank = int(np.clip(round((count + 1) * fraction), 1, count)) - 1
+        away = np.where(undetermined, -errors[-1 - rank], errors[rank]) * wide
+        displaced = [
+            value_of(problem, best - away * row)[i] for i, row in enumerate(np.eye(best.size))
+        ]
         linear = [parameter.linear for parameter in problem.parameters]
-        ends.append(np.where(linear, fitted - value_errors[rank] * wide, moved))
+        ends.append(np.where(linear, fitted - value_errors[rank] * wide, displaced))
     return ends[0], ends[1]

@@ -152,12 +152,12 @@ class Problem:
         of a `point` come first.
         """
         muscle = self.muscle_at(point[..., None, None] if point.ndim > 1 else point)
-        level, places, order = self._rows
+        level, place_indices, order = self._rows
         law, P = muscle.law, self.grid.pressure[level]
         if point.ndim > 1:
             P = np.broadcast_to(P, (*point.shape[1:], *P.shape))  # laws put nodes ahead of it
         strain = self.strain(muscle)
-        strain = strain.reshape(*strain.shape[:-2], -1)[..., places]
+        strain = strain.reshape(*strain.shape[:-2], -1)[..., place_indices]
         with np.errstate(all="ignore"):  # of branches that aren't taken
             rows = law.tension.force(P, strain) if self.pulls else law.at(P).force(strain)[0]
         return where(self.grid.used, rows.reshape(*rows.shape[:-2], -1)[..., order], 0.0)
@@ -174,9 +174,9 @@ class Problem:
         level = np.repeat(np.arange(len(counts)), rows)
         rank = np.cumsum(used, axis=1) - 1
         order = np.where(used, (np.cumsum(rows) - rows)[:, None] * width + rank, 0)
-        places = np.repeat(level * used.shape[1] + np.argmax(used, axis=1)[level], width)
-        places[order[used]] = np.flatnonzero(used)
-        return level, places.reshape(-1, width), order
+        place_indices = np.repeat(level * used.shape[1] + np.argmax(used, axis=1)[level], width)
+        place_indices[order[used]] = np.flatnonzero(used)
+        return level, place_indices.reshape(-1, width), order
 
     def force_slopes(
         self, point: Vector, force: Table, columns: np.ndarray | None = None, fine: bool = False
@@ -311,7 +311,7 @@ class Solutions:
 def solve(
     problem: Problem,
     starts: np.ndarray,
-    moving: np.ndarray | None = None,
+    free_columns: np.ndarray | None = None,
     tolerance: float = FINE,
 ) -> Solutions:
     """Minimize a problem by Levenberg-Marquardt.
@@ -320,17 +320,17 @@ def solve(
 
     - `problem`: the problem.
     - `starts`: points to begin from, one a row.
-    - `moving`: indices of the numbers that move; left out, all.
+    - `free_columns`: indices of the numbers that move; left out, all.
     - `tolerance`: a walk ends where a step wins no more of the cost [-].
     """
-    columns = np.arange(starts.shape[1]) if moving is None else moving
+    columns = np.arange(starts.shape[1]) if free_columns is None else free_columns
     ends = [_walk(problem, start, columns, tolerance) for start in np.asarray(starts, float)]
     points, cost, status, steps = zip(*ends, strict=True)
     return Solutions(np.array(points), np.array(cost), np.array(status), np.array(steps))
 
 
 def _walk(
-    problem: Problem, start: np.ndarray, moving: np.ndarray, tolerance: float
+    problem: Problem, start: np.ndarray, free_columns: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, float, int, int]:
     """One walk from `start`: its end, half the sum of squares, status, steps."""
     # MINPACK asks for residuals and Jacobian one after another
@@ -339,7 +339,7 @@ def _walk(
 
     def whole(z: np.ndarray) -> np.ndarray:
         point = start.copy()
-        point[moving] = z
+        point[free_columns] = z
         return point
 
     def force(z: np.ndarray) -> np.ndarray:
@@ -355,16 +355,16 @@ def _walk(
         return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
 
     def jacobian(z: np.ndarray) -> np.ndarray:
-        if (known := first.pop(z.tobytes(), None)) is not None:
-            return known
+        if (stored := first.pop(z.tobytes(), None)) is not None:
+            return stored
         F = force(z)
-        return problem.slopes(F, problem.force_slopes(whole(z), F, moving), moving)
+        return problem.slopes(F, problem.force_slopes(whole(z), F, free_columns), free_columns)
 
-    z, r = start[moving], problem.residuals(start, force(start[moving]))
+    z, r = start[free_columns], problem.residuals(start, force(start[free_columns]))
     J = jacobian(z)
     if not (np.all(np.isfinite(r)) and np.all(np.isfinite(J))):
         return start, np.nan, BROKE, 0
-    if not moving.size:
+    if not free_columns.size:
         return start, 0.5 * float(r @ r), CONVERGED, 0
     first[z.tobytes()] = J
     minpack: Any = leastsq  # its stubs know only the short answer
@@ -388,8 +388,8 @@ def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
     settled.
     """
     basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
-    part = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
-    return 0.5 * float(part @ part)
+    projection = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
+    return 0.5 * float(projection @ projection)
 
 
 def starts_around(
@@ -406,12 +406,12 @@ def starts_around(
     """
     rng = np.random.default_rng(seed)
     if covariance is None:
-        others = center + np.log(2) * rng.uniform(-1, 1, (count - 1, center.size))
+        random_starts = center + np.log(2) * rng.uniform(-1, 1, (count - 1, center.size))
     else:
         spread, basis = np.linalg.eigh(np.nan_to_num(covariance))
         normal = rng.normal(size=(count - 1, center.size))
-        others = center + 2 * normal @ (basis * np.sqrt(np.clip(spread, 0, _FARTHEST**2))).T
-    return np.concatenate([center[None], others])
+        random_starts = center + 2 * normal @ (basis * np.sqrt(np.clip(spread, 0, _FARTHEST**2))).T
+    return np.concatenate([center[None], random_starts])
 
 
 @dataclass(frozen=True, eq=False)
@@ -511,17 +511,17 @@ def search(
     problem, first, best, minimum = solve_with_noise(problem, starts, curves_covariance)
     if problem.pulls:
         return problem, first, best, minimum
-    near = starts_around(best, len(starts), seed, minimum.covariance)
+    nearby_starts = starts_around(best, len(starts), seed, minimum.covariance)
     # the second takes the noise that the first one left: priors weigh against it
     scale = (problem.noise / minimum.noise) ** 2
     problem = replace(problem, noise=minimum.noise)
-    close = solve(problem, near, tolerance=ROUGH)
-    best = solve(problem, close.best_point[None]).points[0]
+    nearby_ends = solve(problem, nearby_starts, tolerance=ROUGH)
+    best = solve(problem, nearby_ends.best_point[None]).points[0]
     ends = Solutions(
-        np.concatenate([first.points, close.points]),
-        np.concatenate([first.cost * scale, close.cost]),
-        np.concatenate([first.status, close.status]),
-        np.concatenate([first.steps, close.steps]),
+        np.concatenate([first.points, nearby_ends.points]),
+        np.concatenate([first.cost * scale, nearby_ends.cost]),
+        np.concatenate([first.status, nearby_ends.status]),
+        np.concatenate([first.steps, nearby_ends.steps]),
     )
     return problem, ends, best, minimum_at(problem, best, curves_covariance)
 

@@ -128,8 +128,8 @@ def _put_hinge_slope(muscle: Muscle, z: Batch) -> Muscle:
     return _with_value(muscle, "tuning.hinge_stiffness_slope", slope)
 
 
-def _logit(share: Batch) -> Batch:
-    return log(share / (1 - share))
+def _logit(fraction: Batch) -> Batch:
+    return log(fraction / (1 - fraction))
 
 
 FACTORS: tuple[Parameter, ...] = (

@@ -93,8 +93,8 @@ def outcomes(
         one_table = bool(key[2]) and states.gapless
         res = resolution or (UNIFORM if one_table else MIXED)
         if one_table or (states.gapless and states.separable and "curves" not in needs):
-            for part, batch in _batches(group, bool(key[2]), demand, needs, res):
-                yield index[part], batch
+            for portion, batch in _batches(group, bool(key[2]), demand, needs, res):
+                yield index[portion], batch
             continue
         for i, design in enumerate(index):
             drawing, sizes = group.drawing(i), group.sizes(i)
@@ -174,7 +174,7 @@ def _batches(
                 )
         for start in range(0, len(members), step):
             cut = slice(start, start + step)
-            part = outcome(
+            portion = outcome(
                 designs.counts[members[cut]].T,
                 table.take(index[cut].T),
                 designs.length[members[cut]],
@@ -182,7 +182,7 @@ def _batches(
                 None if depth is None else depth[cut],
                 None if overlap is None else overlap[cut],
             )
-            yield members[cut], part
+            yield members[cut], portion
 
 
 def _curve_objectives(

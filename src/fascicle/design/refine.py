@@ -150,7 +150,7 @@ def _coordinates(
     sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[Array, Array, np.ndarray]:
     """Bounds of every size that has some, and the design's coordinates between them."""
-    lows, highs, shares = [], [], []
+    lows, highs, fractions = [], [], []
     for key, (low, high) in bounds.items():
         check_choice(key, BOUNDED, "bounds")
         values = sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key)
@@ -160,10 +160,10 @@ def _coordinates(
             raise InvalidInputError("bounds", rule, (low, high), shown=f"{low:g} to {high:g}")
         lows.append(np.full(values.size, low))
         highs.append(np.full(values.size, high))
-        shares.append((values - low) / (high - low))
-    low, high, share = (np.concatenate([[], *x]) for x in (lows, highs, shares))
-    share = np.clip(share, _INSIDE, 1 - _INSIDE)
-    return jnp.asarray(low), jnp.asarray(high), np.log(share / (1 - share))
+        fractions.append((values - low) / (high - low))
+    low, high, fraction = (np.concatenate([[], *x]) for x in (lows, highs, fractions))
+    fraction = np.clip(fraction, _INSIDE, 1 - _INSIDE)
+    return jnp.asarray(low), jnp.asarray(high), np.log(fraction / (1 - fraction))
 
 
 def _sizes_at(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str, ...]) -> Sizes:

@@ -34,10 +34,10 @@ def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Num
 
     def total(index: Whole, level: Numbers) -> Numbers:
         """Force at the strain with an index for each unit, levels first."""
-        others, unit = (
+        other_units, unit = (
             xp.take_along_axis(x, index, axis=-1)[..., 0] for x in (offset[None], level)
         )
-        return others + number * unit
+        return other_units + number * unit
 
     def first_zero(force: Numbers) -> Numbers:
         """First strain at which the force of any level vanishes, in steps of the strain."""
@@ -57,9 +57,9 @@ def reversal_depth(counts: Whole, curves: Numbers, top: Numbers, states: States)
     """
     xp, n = array_namespace(curves), counts[states.order]
     force = xp.moveaxis(curves, -1, 1)[:, states.order]
-    unfed, full = n[:, None] * force[0], n[:, None] * force[-1]
+    vented, full = n[:, None] * force[0], n[:, None] * force[-1]
     before = full.cumsum(axis=0) - full
-    after = unfed.sum(axis=0) - unfed.cumsum(axis=0)
+    after = vented.sum(axis=0) - vented.cumsum(axis=0)
     falls = free_strain_falls(before + after, n, force, top)
     later = (np.arange(len(n)) > 0) & (n > 0)
     return where(later, falls, 0.0).max()
@@ -78,20 +78,20 @@ def uniform_reversal_depths(
     """
     n = counts[states.order]
     before = n.cumsum(axis=0) - n
-    unfed = n.sum(axis=0) - before - n
+    vented = n.sum(axis=0) - before - n
     # a fall depends on (a, n, r) alone
     shape = (int(n.sum(axis=0).max()) + 1,) * 3
-    code = np.ravel_multi_index((before, n, unfed), shape)
+    code = np.ravel_multi_index((before, n, vented), shape)
     code, index = np.unique(code, return_inverse=True)
     transitions = np.stack(np.unravel_index(code, shape))
     falls = np.zeros(transitions.shape[1])
     (later,) = np.nonzero((transitions[0] > 0) & (transitions[1] > 0))
     step = max(1, _BATCH // curves.shape[1])
     for start in range(0, later.size, step):
-        part = later[start : start + step]
-        a, m, r = transitions[:, part]
+        portion = later[start : start + step]
+        a, m, r = transitions[:, portion]
         offset = a[:, None] * curves[-1] + r[:, None] * curves[0]
-        falls[part] = free_strain_falls(offset, m, curves[:, None], top)
+        falls[portion] = free_strain_falls(offset, m, curves[:, None], top)
     return falls[index.reshape(n.shape)].max(axis=0)
 
 
@@ -106,10 +106,10 @@ def overlap_width(
     designs have.
     """
     xp = array_namespace(counts, curves)
-    unfed, full, throttled = (
+    vented, full, throttled = (
         xp.moveaxis(counts * x, -counts.ndim, -1) for x in (curves[0], curves[-1], levels)
     )
-    low, high = states.edges(throttled, unfed, full)
+    low, high = states.edges(throttled, vented, full)
     bottom, top = overlap_edges((low[:-1], high[:-1]), (low[1:], high[1:]))
     height = (top - bottom).max(axis=1, initial=0.0)
     return where(exists[1:], height, 0.0).max(axis=0, initial=0.0)

@@ -57,7 +57,7 @@ class Scales(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Objectives of designs over draws. `values` [SI] by name, draws last; `met`: mask of the
+    """Objectives of designs over draws. `values` [SI] by name, draws last; `satisfied`: mask of the
     draws that reach the task and keep all limits.
     """
 
@@ -69,9 +69,9 @@ class Spread:
         """Share of the draws that meet the task and the limits [-]."""
         return self.met.mean(axis=1)
 
-    def quantile(self, share: float) -> dict[str, Float[np.ndarray, " design"]]:
-        """A quantile of every objective [SI]; `share`: of the draws below it [-]."""
-        return {name: np.quantile(draws, share, axis=1) for name, draws in self.values.items()}
+    def quantile(self, fraction: float) -> dict[str, Float[np.ndarray, " design"]]:
+        """A quantile of every objective [SI]; `fraction`: of the draws below it [-]."""
+        return {name: np.quantile(draws, fraction, axis=1) for name, draws in self.values.items()}
 
     def front(
         self, senses: Mapping[str, str], confidence: float = 0.9
@@ -146,8 +146,8 @@ def spread(
             kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
         )
     by_name = dict(zip(names, values, strict=True))
-    met = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
-    return Spread(by_name, met.reshape(len(designs), draws))
+    satisfied = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
+    return Spread(by_name, satisfied.reshape(len(designs), draws))
 
 
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))

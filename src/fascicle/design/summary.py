@@ -115,10 +115,10 @@ def cases(designs: Designs, index: int, task: Task) -> Cases:
     batches = []
     for start in range(0, len(task), _BATCH):
         cut = slice(start, start + _BATCH)
-        part = with_fields(
+        portion = with_fields(
             demand, force=demand.force[cut], travel=demand.travel[cut], weight=demand.weight[cut]
         )
-        batches.append(_states_used(drawing, sizes, counts, part, resolution, task.fluid))
+        batches.append(_states_used(drawing, sizes, counts, portion, resolution, task.fluid))
     return Cases(task, float(sizes.length[0]), *map(np.concatenate, zip(*batches, strict=True)))
 
 
@@ -141,7 +141,7 @@ def _states_used(
     cost = None if sets.nested else sum_fed(np.maximum(counts * table.volume, 0.0), sets)
     visited = visit(demand, length, high, np.ones(sets.size, bool), low, cost)
     full, throttled = sets.full[visited.state], sets.throttled[visited.state]
-    fed, forces = full | throttled, counts * table.levels
+    pressurized, forces = full | throttled, counts * table.levels
     if sets.independent:
         last, levels = _independent_levels(forces, full, throttled, F, resolution.level)
     else:
@@ -149,7 +149,7 @@ def _states_used(
         last = _first_level(force, F, resolution.level)
         levels = np.where(throttled, last[:, None], full)
     # a case that isn't reached is as near as can be with all fed units at full supply
-    levels = np.where(visited.reached[:, None], levels, fed)
+    levels = np.where(visited.reached[:, None], levels, pressurized)
     pressure = np.where(visited.reached, last, 1.0) * demand.supply
     content = table.volume
     if fluid == "air":
@@ -157,7 +157,7 @@ def _states_used(
         content = (1 + filling) * content + filling * sizes.muscle(drawing).volume(0 * sizes.length)
     top = high.max(axis=0)
     largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * MET))
-    content = np.where(fed, counts * content, 0.0)
+    content = np.where(pressurized, counts * content, 0.0)
     return largest, visited.spare, state_of[visited.state], pressure, content
 
 
@@ -192,8 +192,8 @@ def _first_level(
     first, points = np.argmax(crosses, axis=1), np.arange(len(force))
     before, after = excess[points, first], excess[points, first + 1]
     drop = np.where(after == before, 1.0, after - before)
-    share = np.clip(-before / drop, 0.0, 1.0)
-    crossing = level[first] + share * (level[first + 1] - level[first])
+    fraction = np.clip(-before / drop, 0.0, 1.0)
+    crossing = level[first] + fraction * (level[first + 1] - level[first])
     # without a crossing it is within the tolerance of a state's end
     return np.where(np.any(crosses, axis=1), crossing, 1.0)
 

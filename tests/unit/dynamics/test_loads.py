@@ -66,7 +66,7 @@ def test_a_motion_s_velocity_is_its_slope():
          " inf) m, got inf m."),
         (lambda: dynamics.AntagonisticJoint(0.01, 0.0), "`radius` must be positive and finite, got"
          " 0 m."),
-        (lambda: dynamics.PrescribedMotion(0.0, 0.01), "`frequency` must be positive where there is"
+        (lambda: dynamics.PrescribedMotion(0.0, 0.01), "`frequency` must be positive if there is"
          " an amplitude, got 0.0."),
         (lambda: dynamics.PrescribedMotion(0.0, -0.01, 1.0), "`amplitude` must lie in [0, inf) m,"
          " got -0.01 m."),

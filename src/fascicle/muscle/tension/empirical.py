@@ -94,7 +94,7 @@ def _signed_constant(
 _SAROSI = (
     ("exponential_slope", "a", "slip", 1 / _BAR, "slope of the exponential with pressure"),
     ("exponential_force", "b", "force", 1.0, "exponential without pressure"),
-    ("exponent", "c", "number", 1 / _PERCENT, "exponent over the strain"),
+    ("exponent", "c", "number", 1 / _PERCENT, "rate of the exponential over the strain"),
     (
         "strain_slope",
         "d",
