@@ -38,7 +38,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from .calibration import Bootstrap, Calibration, Profile, value_of
 from .data import Grid
-from .least_squares import KNOWN, NORMAL, ROUGH, solve, solve_with_noise
+from .least_squares import KNOWN, NORMAL, solve, solve_with_noise
 from .parameters import WEAK
 from .tuning import refit_tuning
 
@@ -48,6 +48,7 @@ _TAIL = 0.05
 _MIN_DRAWS = 19
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 _POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard deviations
+_TOLERANCE = 1e-5  # of a cost of some hundreds: 0.005 of the critical rise of 2.7
 
 
 def with_profiles(calibration: Calibration) -> Calibration:
@@ -115,7 +116,7 @@ def _profile(
     points, rises = [z], [0.0]
     for side in (-np.sort(-steps[steps < 0]), np.sort(steps[steps > 0])):
         for step in side:
-            end = solve(problem, (z + step * direction)[None], other_columns, tolerance=ROUGH)
+            end = solve(problem, (z + step * direction)[None], other_columns, tolerance=_TOLERANCE)
             # a parameter's own prior is no part of the likelihood
             prior_rise = prior(end.points[0]) - prior(z)
             points.append(end.points[0])

@@ -48,7 +48,7 @@ from .readings import Readings, SmoothCurves, top_pressure
 LOSSES = ("linear", "soft_l1", "cauchy")
 KNOWN = 1.0  # deviation of an identifiable coordinate
 NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
-ROUGH = 1e-5  # of the cost, which is some hundreds: 0.005 of a profile's critical rise of 2.7
+ROUGH = 1e-6  # of the cost, which is some hundreds: tells which start leads lowest
 _CERTAIN = 30.0  # deviations below the limit, where a censored reading says nothing in float64
 # steps of finite differences: roots in the law are exact to 1e-12, so a first-order difference is
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
