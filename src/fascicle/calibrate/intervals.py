@@ -1,30 +1,28 @@
-r"""Better intervals than the linear ones: profile likelihoods, and a parametric bootstrap.
+r"""Intervals beyond the linear approximation: profile likelihoods and a parametric bootstrap.
 
-**Profiles.** With coordinate $i$ held at $z_i$ all the others are fitted again, and
+**Profiles.** Coordinate $i$ is held at $z_i$ and all others are fitted again:
 
 $$\Delta(z_i) = \min_{z_{j \ne i}} \lVert r \rVert^2 - \min \lVert r \rVert^2 \tag{C4}$$
 
-is a squared number of standard deviations where the problem is nearly linear: 2.71 at the
-ends of a 90 % interval. A flat profile is a parameter that the data don't determine; an
-uneven one, an interval that isn't symmetric. Readings are held at their values here, so
-$\Delta$ is taken in proportion to the part of the variance that remains.
+In a nearly linear problem this is the squared distance in standard deviations; it is 2.71 at the
+ends of a 90 % interval. A flat profile shows a parameter that the data do not determine; an uneven
+one shows an asymmetric interval. The readings of a tuning are fixed here, so $\Delta$ counts in
+proportion to the part of the variance that noise causes.
 
-**Bootstrap.** Each draw is a record of the fitted muscle at the readings' own places, with the
-noise that was found, clipped where the gauge clips, and with a smooth error of the model where
-residuals show one, (C10) drawn anew. Of it everything is done that was done of the record: blocked
-force and free strain are read, factors and curves searched for together, or constants with the
-noise that is left. The errors $\delta = \hat z^* - \hat z$ of the draws are taken for those of the
-fit,
+**Bootstrap.** Each draw simulates a record of the fitted muscle at the measured points, with the
+fitted noise, clipped where the gauge clips. If the residuals show an error of the model, a smooth
+error is drawn from (C10) and added. Each simulated record is fitted as the measured one was. The
+errors $\delta = \hat z^* - \hat z$ of the draws stand for the error of the fit:
 
 $$\hat z - \delta_{95\,\%} < z < \hat z - \delta_{5\,\%}, \tag{C15}$$
 
-which needs no problem that is nearly linear, as (C3) does: a collapse is a kink, which passes from
-one reading to the next. Residuals that follow one another widen $\delta$ as they widen (C3).
+Unlike (C3), this does not assume a nearly linear problem: the strain of collapse is a kink that
+passes from one reading to the next. Correlated residuals widen $\delta$ as they widen (C3).
 
-A constant whose draws scatter by more than a factor of e is hardly known, as one that may be zero:
-its errors aren't turned round, which would give it values that no fit found, but taken as they lie.
+If the draws of a constant scatter by more than a factor of e, (C15) would give it values that no
+fit has reached. For such a constant the quantiles of the draws are used directly.
 
-**Assumes** that the law is right but for that error. Which constants are free is not chosen anew.
+**Assumes** that the law is right except for that error. The free constants are not selected anew.
 **Source:** Raue et al. (2009); Efron and Tibshirani (1993), chapters 6 and 13.
 """
 

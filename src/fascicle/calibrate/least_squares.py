@@ -155,7 +155,8 @@ class Problem:
         level, place_indices, order = self._rows
         law, P = muscle.law, self.grid.pressure[level]
         if point.ndim > 1:
-            P = np.broadcast_to(P, (*point.shape[1:], *P.shape))  # laws put nodes ahead of it
+            # laws add axes ahead of the pressure's
+            P = np.broadcast_to(P, (*point.shape[1:], *P.shape))
         strain = self.strain(muscle)
         strain = strain.reshape(*strain.shape[:-2], -1)[..., place_indices]
         with np.errstate(all="ignore"):  # of branches that aren't taken
@@ -204,17 +205,13 @@ class Problem:
         count = max(1, _BATCH // force.size)
         for i in range(0, len(columns), count):
             step, chunk = steps[:, i : i + count], slice(i, i + count)
-            rise = self._batch(point[:, None] + step, force.shape) - force
+            rise = self.force(point[:, None] + step) - force
             if fine:
                 # in this form a force that doesn't change has a slope of exactly zero
-                further = self._batch(point[:, None] + 2 * step, force.shape) - force
+                further = self.force(point[:, None] + 2 * step) - force
                 rise = 2 * rise - further / 2
             out[..., chunk] = np.moveaxis(rise, 0, -1) / size[chunk]
         return out
-
-    def _batch(self, points: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-        """Forces [N] at several `points`, one a column."""
-        return np.broadcast_to(self.force(points), (points.shape[1], *shape))
 
     def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;

@@ -18,24 +18,24 @@ BUNDLE = view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4")
 SUPPLY = 413.7e3
 
 
-@pytest.fixture
-def page():
-    """Inputs of a muscle, and their session."""
-    session = Session(view_of(fs.example("kim2021_figure_6"), "six"))
-    inputs = MuscleInputs(session)
+def connect(kind, session):
+    """Inputs of a `kind` that follow the views of a `session`, and the session."""
+    inputs = kind(session)
     session.watch(lambda _, after: inputs.show(after))
     inputs.show(session.view)
     return inputs, session
 
 
 @pytest.fixture
+def page():
+    """Inputs of a muscle, and their session."""
+    return connect(MuscleInputs, Session(view_of(fs.example("kim2021_figure_6"), "six")))
+
+
+@pytest.fixture
 def rows():
     """Rows of a bundle's units, and their session."""
-    session = Session(BUNDLE)
-    rows = UnitRows(session)
-    session.watch(lambda _, after: rows.show(after))
-    rows.show(session.view)
-    return rows, session
+    return connect(UnitRows, Session(BUNDLE))
 
 
 @pytest.fixture
