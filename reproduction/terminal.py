@@ -1,4 +1,4 @@
-"""Claims and comparisons with measured records, as tables on the terminal."""
+"""Claims and comparisons with measured records on the terminal: a summary, and tables."""
 
 import sys
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from rich.text import Text
 
 from fascicle.cli.outputs import print_line, print_table
 
-from .claims import KINDS, Claim, failed, of_kind, remarks, summary
+from .claims import KINDS, Claim, failed, of_kind, summary
 
 
 if TYPE_CHECKING:
     from .measurements import RecordComparison
 
-__all__ = ["failed", "print_claims", "print_comparisons"]
+__all__ = ["failed", "print_claims", "print_comparisons", "verdict_lines"]
 
 _STYLES = {
     "holds": "green", "chosen": "", "by definition": "", "differs": "yellow", "fails": "bold red",
@@ -26,18 +26,47 @@ _STYLES = {
 _WIDEST = 40  # characters of a law's label in a line
 
 
-def print_claims(claims: Sequence[Claim]) -> None:
-    """Print each claim with the number that decides, kind by kind; what differs; and the sum."""
+def verdict_lines(claims: Sequence[Claim]) -> list[str]:
+    """Verdict on a paper's `claims`: the counts, then claims that fail, differ, or depend on how
+    the paper is read.
+    """
+    failures = failed(claims)
+    differing = [claim for claim in claims if claim.verdict == "differs"]
+    depending = [claim for claim in claims if claim.opposite_readings]
+    close = [claim for claim in claims if any(number.close for number in claim.criteria)]
+    counts = f"{len(failures)} claim{'s fail' if len(failures) > 1 else ' fails'}"
+    groups = {
+        "Fail": failures,
+        "Differ, for a reason that the report gives": differing,
+        "Depend on how the paper is read": depending,
+        "Decided by a limit that the paper does not give": close,
+    }
+    return [
+        f"Verdict: {counts if failures else 'no claim fails'}. {summary(claims)}",
+        *(
+            f"{title}: {', '.join(f'{claim.key} ({claim.place})' for claim in group)}."
+            for title, group in groups.items()
+            if group
+        ),
+    ]
+
+
+def print_claims(claims: Sequence[Claim], verbose: bool = False) -> None:
+    """Print the verdict; with `verbose`, also each claim with the numbers that decide on it."""
     console = Console(file=sys.stdout, highlight=False)
+    for line in verdict_lines(claims):
+        print_line(line)
+    if not verbose:
+        return
     for kind, about in KINDS.items():
-        chosen = of_kind(claims, kind)
-        if not chosen:
+        group = of_kind(claims, kind)
+        if not group:
             continue
         console.print(Text(f"{kind.capitalize()}s: {about}", style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False)
         for head in ("where", "verdict", "claim, and the paper's words", "criterion"):
             table.add_column(head)
-        for claim in chosen:
+        for claim in group:
             verdict = Text(claim.verdict, style=_STYLES[claim.verdict])
             words = Text.assemble(claim.text, (f" “{claim.quote}”", "dim"))
             table.add_row(Text(claim.place), verdict, words, Text(_criteria(claim)))
@@ -46,8 +75,6 @@ def print_claims(claims: Sequence[Claim]) -> None:
         if not claim.holds:
             text = f"{claim.verdict}: {claim.text} {claim.outcome} {claim.explanation}".rstrip()
             console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
-    for sentence in (*remarks(claims), summary(claims)):
-        console.print(Text(sentence), soft_wrap=True)
 
 
 def _criteria(claim: Claim) -> str:
@@ -57,10 +84,21 @@ def _criteria(claim: Claim) -> str:
     return "; ".join(lines)
 
 
-def print_comparisons(comparisons: "Sequence[RecordComparison]") -> None:
-    """Print every law's errors for each measured record, and what the best law misses."""
+def print_comparisons(comparisons: "Sequence[RecordComparison]", verbose: bool = False) -> None:
+    """Print each measured record's best law, its error and what it misses; with `verbose`, also
+    the errors of every law.
+    """
     heads = ["", "free", "rmse", "left out", "along pressure", "along strain"]
     for comparison in comparisons:
+        name, best = comparison.measured.name, comparison.laws[0]
+        print_line(
+            f"{name}: best of {len(comparison.laws)} fits: {best.row.label}, error"
+            f" {best.row.relative_rmse:.2%} of the largest force,"
+            f" {best.row.relative_left_out_rmse:.2%} where left out of the fit;"
+            f" {best.misses or 'six numbers without physics'}"
+        )
+        if not verbose:
+            continue
         rows = [
             [fill(law.row.label, _WIDEST), str(law.row.free), f"{law.row.relative_rmse:.2%}",
              f"{law.row.relative_left_out_rmse:.2%}",
@@ -68,7 +106,4 @@ def print_comparisons(comparisons: "Sequence[RecordComparison]") -> None:
                (law.along_pressure, law.along_strain))]
             for law in comparison.laws
         ]  # fmt: skip
-        name = comparison.measured.name
         print_table(f"{name}: error over the largest force, mean residuals", heads, rows)
-        best = comparison.laws[0]
-        print_line(f"{best.row.label}: {best.misses or 'six numbers without physics'}")

@@ -317,10 +317,13 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
     monkeypatch.setattr("reproduction.kim2021.reproduction.run", run, raising=False)
     code, out, err = fascicle("reproduce", "kim2021", "--out", "results")
     assert (code, err) == (0 if holds else 1, "")
+    lines = out.splitlines()
+    assert f"{int(holds)} of 2 predictions hold, 1 differs" in lines[0] and len(lines) <= 10
+    assert ("a (Fig. 6)" in out) is not holds and "b (Sec. 4)" in out and "report.html" in lines[-1]
+    code, out, _ = fascicle("reproduce", "kim2021", "--out", "results", "--overwrite", "--verbose")
     for text in ("Fig. 6", "holds" if holds else "fails", "differs", "“it folds”", "Predictions: "):
         assert text in out
-    assert f"{int(holds)} of 2 predictions hold, 1 differs" in out
-    assert out.endswith("claims: results/claims.json\nreport: results/report.html\n")
+    assert out.endswith("results/report.html\n")
     assert (tmp_path / "results" / "report.html").read_text() == "a report"
 
 

@@ -58,6 +58,7 @@ _MAX_FOLDS = 24  # pressures left out one by one: each is a refit
 _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
+_STEPWISE_TRIALS, _FULL_TRIALS = 5, 4  # usual numbers, for an estimate of the progress
 _BAND, _WALL, _ACTIVE = "dead_band", "wall_thickness", "active_length"
 
 Names = tuple[str, ...]
@@ -83,7 +84,7 @@ def select_model(
     - `muscle`: sizes, laws and constants to begin with.
     - `priors`: prior knowledge of some constants; these are always free.
     - `loss`, `weights`, `starts`, `seed`: as of `fit`.
-    - `progress`: is called with the name of each step.
+    - `progress`: is called with a line on each step; their number is an estimate.
 
     **Returns:** the selection, with all candidates.
 
@@ -95,8 +96,9 @@ def select_model(
     options = FitOptions(loss, weights, starts, seed, whole=False)
     if priors:
         select_parameters(list(priors), with_optional_laws(muscle))  # raises for unknown names
-    progress("selecting the model")
-    trials, noise = _pulling_trials(pulling_only(data, _MAX_READINGS), muscle, priors, options)
+    steps = _Steps(progress, 0 if data.pulls else _FULL_TRIALS)
+    pulling = pulling_only(data, _MAX_READINGS)
+    trials, noise = _pulling_trials(pulling, muscle, priors, options, steps)
     if not trials:  # without a reading that pulls, `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
     by_strain = _measured_levels(data.grid).size < _MIN_LEVELS
@@ -108,10 +110,10 @@ def select_model(
         options = replace(options, tune=tuning)
         fitted = fit_data(data, muscle, names, _priors_of(priors, names or ()), options)
         return Selection(fitted, _marked(trials, best), (*reasons_of(trials, best, by_strain),))
-    progress("fitting the resisting force")
     best = select([t for t in trials if t.candidate.method == "constants"], noise, loss)
     names = best.candidate.names
-    full_trials, fits = _full_trials(data, muscle, priors, replace(options, whole=True), names)
+    options = replace(options, whole=True)
+    full_trials, fits = _full_trials(data, muscle, priors, options, names, steps)
     final = select(full_trials, noise, loss)
     reasons = (
         f"Where the muscle pulls, {best.candidate.label} is best.",
@@ -121,6 +123,19 @@ def select_model(
     )
     candidates = (*_marked(trials, best), *_marked(full_trials, final))
     return Selection(fits[full_trials.index(final)], candidates, reasons)
+
+
+class _Steps:
+    """Count of the fits that are tried; `progress` is called with a line on each."""
+
+    def __init__(self, progress: Callable[[str], object], later: int):
+        self.progress, self.done, self.total = progress, 0, later
+
+    def begin(self, label: str) -> None:
+        """Show the next fit."""
+        self.done += 1
+        self.total = max(self.total, self.done)
+        self.progress(f"{label}: fit {self.done} of {self.total}")
 
 
 def make_trial(
@@ -288,7 +303,7 @@ def identifiable_constants(
 
 
 def _pulling_trials(
-    data: FitData, muscle: Muscle, priors: Priors, options: FitOptions
+    data: FitData, muscle: Muscle, priors: Priors, options: FitOptions, steps: _Steps
 ) -> tuple[list[Trial], float]:
     """Candidates for the pull, and the noise of a reading [N], 0 where it can't be seen."""
     measured = int(np.sum(data.grid.measured))
@@ -301,6 +316,7 @@ def _pulling_trials(
     def attempt(names: Names) -> None:
         if len(names) >= measured or frozenset(names) in trials:
             return
+        steps.begin("selecting the constants")
         # a search that begins at the end of a subset's search can't end with a larger error
         subsets = [key for key in ends if key <= set(names)]
         start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=None)
@@ -314,7 +330,9 @@ def _pulling_trials(
         if names and not trial.violation:
             ends[frozenset(names)] = end
 
-    for names in base_parameter_sets(muscle, required):
+    bases = base_parameter_sets(muscle, required)
+    steps.total += len(bases) + _STEPWISE_TRIALS
+    for names in bases:
         attempt(names)
     noise = read(muscle, on_length(data, muscle)).noise
     if any(trial.valid for trial in trials.values()):
@@ -380,7 +398,12 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str) -> list[Trial]:
 
 
 def _full_trials(
-    data: FitData, muscle: Muscle, priors: Priors, options: FitOptions, names: Names
+    data: FitData,
+    muscle: Muscle,
+    priors: Priors,
+    options: FitOptions,
+    names: Names,
+    steps: _Steps,
 ) -> tuple[list[Trial], list[Calibration]]:
     """Trials on all readings: the paper's tuning; the constants `names`, best where the muscle
     pulls, with the factors on the resisting force and without; and these factors alone.
@@ -396,8 +419,10 @@ def _full_trials(
         factors = [(f"{AS_GIVEN} {suffix}", FACTOR_NAMES, False)] if names else []
         attempts = [(TUNING, FACTOR_NAMES, True), *attempts, *factors]
     trials, fits = [], []
+    steps.total = steps.done + len(attempts)
     near: dict[str, float] = {}
     for title, free, tune in attempts:
+        steps.begin("fitting the resisting force")
         begin = replace(options, tune=tune, near=dict(near))
         fitted = fit_data(data, muscle, free, _priors_of(priors, free), begin)
         # the next search begins at this end: few other points are enough

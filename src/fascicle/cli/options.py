@@ -99,6 +99,7 @@ SCHEME = option(
 SEED = option("Random seed.", "--seed", default=0, min=0)
 JSON = flag("JSON output in SI units; --json FILE.json: into a file.", "--json")
 CSV = flag("CSV output in SI units; --csv FILE.csv: into a file.", "--csv")
+VERBOSE = flag("Tables and details on the terminal, too.", "--verbose")
 OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
 PLOT = option("Picture file: .png or .svg.", "--plot", metavar="PATH")
 _OVERWRITE = "Overwrite existing files, including files not created by fascicle."

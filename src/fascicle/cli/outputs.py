@@ -3,7 +3,9 @@
 import contextlib
 import math
 import os
+import re
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 _MAX_LINE = 2000  # characters of a line with foreign text, such as file names
+_MAX_NAMES = 2  # files of a kind that are named; more are counted
 _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
 
@@ -89,11 +92,15 @@ def number(value: float, decimals: int) -> str:
 
 
 _updates: list[Callable[[str], None]] = []  # function that changes the displayed status, if any
+_STEPS = re.compile(r"(\d+) of (\d+)$")  # at the end of a status: a bar shows them
 
 
 @contextlib.contextmanager
 def status(text: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal what is being done, and for how long; gives a function that updates it."""
+    """Show on a terminal what is being done, and for how long; gives a function that updates it.
+
+    A text that ends in "3 of 12" gets a bar, and an estimate of the time left.
+    """
     if not sys.stderr.isatty():
         yield lambda _: None
         return
@@ -102,14 +109,34 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
         yield _updates[-1]
         return
     from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True, markup=False), transient=True) as progress:
+    bar = (*columns, BarColumn(20), TimeRemainingColumn(), TextColumn("left"))
+    with Progress(
+        *columns, console=Console(stderr=True, markup=False), transient=True,
+        speed_estimate_period=3600,  # seconds: the whole of a fit, whose steps are slow and few
+    ) as progress:  # fmt: skip
         task = progress.add_task(sanitize_line(text), total=None)
-        _updates.append(lambda text: progress.update(task, description=sanitize_line(text)))
+
+        def update(text: str) -> None:
+            steps = _STEPS.search(text)
+            progress.columns = columns if steps is None else bar
+            done, total = (0, None) if steps is None else (int(steps[1]), int(steps[2]))
+            progress.update(
+                task, description=sanitize_line(text), completed=done, total=total, refresh=True
+            )
+
+        _updates.append(update)
         try:
-            yield _updates[-1]
+            yield update
         finally:
             _updates.pop()
 
@@ -146,6 +173,17 @@ def write_folder(folder: Path, overwrite: bool, fill: Callable[[Path], object]) 
     """Write a folder of results, once all of the files that `fill` writes are complete."""
     with user_errors("--out "):
         atomic.write_folder(folder, fill, overwrite)
+
+
+def print_written(folder: Path, names: Sequence[str], verbose: bool) -> None:
+    """Print a `folder` and the `names` of the files written into it; with `verbose`, paths."""
+    if verbose:
+        print_line(f"wrote {', '.join(str(folder / name) for name in names)}")
+        return
+    kinds = Counter(Path(name).suffix for name in names)
+    pages = [name for name in names if kinds[Path(name).suffix] <= _MAX_NAMES]
+    others = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
+    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *others])}; --verbose prints details")
 
 
 def result_folder(out: str | None, default: str, as_json: bool, overwrite: bool) -> Path | None:

@@ -11,7 +11,7 @@ from .. import options
 from ..errors import INCOMPLETE, UserError, user_errors
 from ..inputs import load_laws
 from ..options import argument, option
-from ..outputs import print_line, result_folder, status, write_folder
+from ..outputs import print_line, print_written, result_folder, status, write_folder
 
 
 MEASUREMENTS = "measurements"
@@ -25,6 +25,7 @@ def run(
     ),
     out: str | None = option("Folder of results; default: out/PAPER.", "--out -o", metavar="DIR"),
     overwrite: bool = options.OVERWRITE,
+    verbose: bool = options.VERBOSE,
 ) -> None:
     """Reproduce the figures and check the claims of a paper.
 
@@ -46,12 +47,12 @@ def run(
     folder = Path(f"out/{paper}" if out is None else out)
     load_laws()
     if paper == MEASUREMENTS:
-        _compare_measurements(folder, overwrite)
+        _compare_measurements(folder, overwrite, verbose)
     else:
-        _check_claims(folder, overwrite)
+        _check_claims(folder, overwrite, verbose)
 
 
-def _compare_measurements(folder: Path, overwrite: bool) -> None:
+def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
     """Compare every law with every measured record that is available."""
     with status("reading the records"), user_errors():
         measurements = import_module("reproduction.measurements")
@@ -64,38 +65,41 @@ def _compare_measurements(folder: Path, overwrite: bool) -> None:
         raise typer.Exit(INCOMPLETE)
     _make_folder(folder, overwrite)
     comparisons: list[Any] = []
+    names: list[str] = []
     with user_errors(), status("measurements") as update:
-        write_folder(
-            folder,
-            overwrite,
-            lambda draft: comparisons.extend(measurements.run(draft, records, update)),
-        )
-    import_module("reproduction.terminal").print_comparisons(comparisons)
-    for text in (*measurements.UNTESTED, f"report: {folder / 'report.html'}"):
-        print_line(text)
+
+        def fill(draft: Path) -> None:
+            comparisons.extend(measurements.run(draft, records, update))
+            names.extend(sorted(path.name for path in draft.iterdir()))
+
+        write_folder(folder, overwrite, fill)
+    import_module("reproduction.terminal").print_comparisons(comparisons, verbose)
+    print_line(measurements.UNTESTED[0])
+    print_written(folder, names, verbose)
     if omitted:
         raise typer.Exit(INCOMPLETE)
 
 
-def _check_claims(folder: Path, overwrite: bool) -> None:
+def _check_claims(folder: Path, overwrite: bool, verbose: bool) -> None:
     """Draw the paper's figures, and check its claims."""
     _make_folder(folder, overwrite)
     with status("loading the paper's figures"):
         kim2021 = import_module("reproduction.kim2021.reproduction")
         terminal = import_module("reproduction.terminal")
     claims: list[Any] = []
+    names: list[str] = []
     with status("computing") as update:
 
         def run(draft: Path) -> None:
             claims.extend(kim2021.run(draft, progress))
+            names.extend(sorted(path.name for path in draft.iterdir()))
 
         def progress(done: int, total: int, figure: str) -> None:
             update(f"{figure}, {done} of {total}")
 
         write_folder(folder, overwrite, run)
-    terminal.print_claims(claims)
-    print_line(f"claims: {folder / 'claims.json'}")
-    print_line(f"report: {folder / 'report.html'}")
+    terminal.print_claims(claims, verbose)
+    print_written(folder, names, verbose)
     if terminal.failed(claims):
         raise typer.Exit(1)
 
