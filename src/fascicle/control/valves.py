@@ -40,7 +40,7 @@ class AbstractValves(Module):
 
     @abc.abstractmethod
     def flow(self, pressure: Numbers) -> Batch:
-        """Flow into it [kg/s or m³/s] at its gauge `pressure` [Pa], wide open [SI]."""
+        """Flow through the open valve [kg/s or m³/s] at gauge `pressure` [Pa] of the unit [SI]."""
 
 
 class GasValves(AbstractValves):
@@ -59,7 +59,7 @@ class GasValves(AbstractValves):
         return self.gas.density(pressure + self.room_pressure, self.room_temperature) * volume
 
     def flow(self, pressure: Numbers) -> Batch:
-        """The mass flow [kg/s], at any `pressure` [Pa]."""
+        """Mass flow `mass_flow` [kg/s] into the unit, at any `pressure` [Pa]."""
         return self.mass_flow + 0.0 * pressure
 
 
@@ -73,7 +73,7 @@ class OilValves(AbstractValves):
         return volume + 0.0 * pressure
 
     def flow(self, pressure: Numbers) -> Batch:
-        """The volume flow [m³/s], at any `pressure` [Pa]."""
+        """Volume flow `flow_rate` [m³/s] into the unit, at any `pressure` [Pa]."""
         return self.flow_rate + 0.0 * pressure
 
 

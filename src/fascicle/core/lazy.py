@@ -50,6 +50,18 @@ def attach_lazy(
     return get_attribute, lambda: sorted({*vars(sys.modules[package]), *homes})
 
 
+def renamed_method(old: str, new: str) -> Callable[..., Any]:
+    """Method under its `old` name: warns, and calls the `new` one."""
+
+    def method(self: Any, *arguments: Any, **options: Any) -> Any:
+        message = f"`{type(self).__name__}.{old}` is now `{new}`."
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return getattr(self, new)(*arguments, **options)
+
+    method.__doc__ = f"Former name of `{new}`."
+    return method
+
+
 def import_late(name: str) -> Any:
     """Import an object of a higher layer, such as "plot.objects.of_muscle", when it is needed."""
     module, _, attribute = name.rpartition(".")

@@ -216,7 +216,7 @@ def _supply_balance(
 ) -> Balance:
     reserve = np.asarray(run.outputs.reserve)
     stored = np.asarray(plant.supply.stored(reserve))
-    spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
+    spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}
     into = {"shaft": spent.pop("shaft_work", 0.0)}
     losses = {_LOSSES.get(name, name): x for name, x in spent.items()}
     went = {"supplied": ledger["supplied"], "stored in the supply": stored[-1] - stored[0]}

@@ -151,7 +151,8 @@ def _row(state: State, ledger: Numbers) -> Numbers:
 def _split_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     """State and ledger of a `row` [SI]."""
     units = plant.units
-    shapes = State((), (), (plant.spool.states(units),), (units, plant.chamber.count), (units,),
+    shapes = State((), (), (plant.spool.state_count(units),), (units, plant.chamber.count),
+                   (units,),
                    (plant.supply.count,))  # fmt: skip
     ends = np.cumsum([math.prod(shape) for shape in shapes])
     *parts, ledger = jnp.split(row, ends)
@@ -174,7 +175,7 @@ def _scales(plant: Plant, state: State) -> Numbers:
     ledger[LEDGER.index("mass")] = np.sum(full[..., 0])
     stroke = np.float64(high - low)
     sizes = State(
-        stroke, stroke, np.ones(plant.spool.states(plant.units)), full, top,
+        stroke, stroke, np.ones(plant.spool.state_count(plant.units)), full, top,
         np.maximum(np.abs(state.supply), 1e-12),
     )  # fmt: skip
     return _row(sizes, ledger)

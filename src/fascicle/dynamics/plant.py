@@ -144,7 +144,7 @@ class Plant(Module):
     @property
     def commands(self) -> int:
         """Number of commands."""
-        return self.spool.commands(self.units)
+        return self.spool.command_count(self.units)
 
     @property
     def liquid(self) -> bool:
@@ -240,4 +240,4 @@ def _check_fit(plant: Plant) -> None:
                 " of each motor unit",
                 shown=f"{float(np.min(compliance)):g} m³/Pa",
             )
-    plant.spool.commands(plant.units)  # refuses a number of units that it can't serve
+    plant.spool.command_count(plant.units)  # refuses a number of units that it can't serve

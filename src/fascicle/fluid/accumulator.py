@@ -22,7 +22,7 @@ energy stored, and the losses.
 Systems.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -54,7 +54,7 @@ from .pumps import FixedPump, PressureBand, Relief, VariablePump
 from .supply import AbstractSupply, supply_pressure_field
 
 
-_FULL = 0.99  # of the volume, up to which (F18) is valid
+_FULL = 0.99  # share of the volume up to which (F18) is valid: the last gas is never a spring
 _STEPS = 4  # of Newton's method: from P/K of some 1e-3 two would do
 
 
@@ -67,6 +67,8 @@ class Accumulator(AbstractSupply):
     """
 
     source: ClassVar[str] = "Merritt (1967)"
+    names: ClassVar[tuple[str, ...]] = ("mass",)
+    units: ClassVar[tuple[str, ...]] = ("kg",)
 
     volume: Batch = positive_field("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
     precharge: Batch = positive_field("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
@@ -88,24 +90,14 @@ class Accumulator(AbstractSupply):
             raise InvalidInputError(
                 "pressure", rule, low, "below it there is no liquid", f"{low:g} Pa"
             )
-        fill = float(np.max(-expm1(-self._spread(P))))
+        fill = float(np.max(-expm1(-self._log_ratio(P))))
         if fill > _FULL:
             rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - fill:.3g}"
             raise InvalidInputError("pressure", rule, fill, "raise the `precharge`", shown="")
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Mass alone."""
-        return ("mass",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Kilogram."""
-        return ("kg",)
-
     def stored_volume(self, pressure: BatchLike) -> Batch:
         """Volume $V_l$ of liquid [m³] at gauge `pressure` [Pa]; negative below the precharge."""
-        return -self.volume * expm1(-self._spread(pressure))
+        return -self.volume * expm1(-self._log_ratio(pressure))
 
     def start(self) -> Numbers:
         """Mass [kg] at the initial pressure."""
@@ -136,10 +128,14 @@ class Accumulator(AbstractSupply):
 
     def energy(self, pressure: BatchLike) -> Batch:
         """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (F19)."""
-        x = self._spread(pressure)
+        x = self._log_ratio(pressure)
         V_l = -self.volume * expm1(-x)
         z = (self.exponent - 1) * x
-        gas = (self.precharge + self.room_pressure) * self.volume * x * _growth(z)
+        # (e^z - 1)/z, whose limit at z = 0, an isothermal gas, is 1
+        small = absolute(z) < 1e-4
+        s, far = guarded(small, z, 0.0), guarded(logical_not(small), z, 1.0)
+        growth = where(small, 1 + s * (1 / 2 + s * (1 / 6 + s / 24)), expm1(far) / far)
+        gas = (self.precharge + self.room_pressure) * self.volume * x * growth
         mass = self.liquid.density(pressure) * V_l
         return mass * self.liquid.stored_energy(pressure) + gas - self.room_pressure * V_l
 
@@ -151,18 +147,10 @@ class Accumulator(AbstractSupply):
         """True if a `state` [SI] has no liquid left."""
         return state[..., 0] <= 0
 
-    def _spread(self, pressure: BatchLike) -> Batch:
-        """$x$ [-] at gauge `pressure` [Pa]."""
+    def _log_ratio(self, pressure: BatchLike) -> Batch:
+        """$x$ of (F18) [-] at gauge `pressure` [Pa]."""
         p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
         return log(guarded(p > 0, p, p_0) / p_0) / self.exponent
-
-
-def _growth(z: Any) -> Batch:
-    """$(e^z - 1)/z$ [-], 1 at zero, where the gas is isothermal."""
-    small = absolute(z) < 1e-4
-    s = guarded(small, z, 0.0)
-    far = guarded(logical_not(small), z, 1.0)
-    return where(small, 1 + s * (1 / 2 + s * (1 / 6 + s / 24)), expm1(far) / far)
 
 
 class PumpedAccumulator(AbstractSupply):
@@ -173,6 +161,11 @@ class PumpedAccumulator(AbstractSupply):
     """
 
     source: ClassVar[str] = "Merritt (1967)"
+    # energies are those since the start
+    names: ClassVar[tuple[str, ...]] = (
+        "mass", "pump_on", "shaft_work", "pump_lost", "relief_lost",
+    )  # fmt: skip
+    units: ClassVar[tuple[str, ...]] = ("kg", "1", "J", "J", "J")
 
     accumulator: Accumulator = component_field("accumulator", (Accumulator,))
     pump: FixedPump | VariablePump = component_field("pump", (FixedPump, VariablePump))
@@ -189,16 +182,6 @@ class PumpedAccumulator(AbstractSupply):
         if any(is_concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
             rule = "must be for the accumulator's liquid"
             raise InvalidInputError("pump", rule, pumped, shown="another")
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of mass, switch of the pump, and energies since the start."""
-        return ("mass", "pump_on", "shaft_work", "pump_lost", "relief_lost")
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Their units."""
-        return ("kg", "1", "J", "J", "J")
 
     def start(self) -> Numbers:
         """State [SI] at the accumulator's pressure, its pump switched by the band."""
@@ -220,21 +203,20 @@ class PumpedAccumulator(AbstractSupply):
         negative for an outflow; `energy_in` [W] doesn't count.
         """
         del energy_in
-        P = self.pressure_at(state)
-        point = (P, state[..., 1]) if isinstance(self.pump, FixedPump) else (P,)
-        flow, shaft = self.pump.flow(*point), self.pump.shaft_power(*point)
-        losses = self.pump.lost_power(*point)
-        out = wasted = 0.0 * P
+        P, on, pump = self.pressure_at(state), state[..., 1], self.pump
+        relief_flow = relief_loss = 0.0 * P
         if self.relief is not None:
-            out = self.relief.flow(P)
-            wasted = self.relief.lost_power(P, self.accumulator.liquid)
-        return stack_last(mass_in + flow - out, 0.0 * P, shaft, losses, wasted)
+            relief_flow = self.relief.flow(P)
+            relief_loss = self.relief.lost_power(P, self.accumulator.liquid)
+        mass_rate = mass_in + pump.flow(P, on) - relief_flow
+        shaft, losses = pump.shaft_power(P, on), pump.lost_power(P, on)
+        return stack_last(mass_rate, 0.0 * P, shaft, losses, relief_loss)
 
-    def switched(self, state: Numbers) -> Numbers:
-        """State with its pump switched by the band [SI]."""
+    def update_switch(self, state: Numbers) -> Numbers:
+        """State [SI] after a `state` [SI] whose pressure switches the pump by the band."""
         if self.band is None:
             return state
-        on = self.band.after(state[..., 1], self.pressure_at(state))
+        on = self.band.update(state[..., 1], self.pressure_at(state))
         xp = array_namespace(state, on)
         return xp.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
 
@@ -242,8 +224,8 @@ class PumpedAccumulator(AbstractSupply):
         """Energy [J] of a `state` [SI] in the accumulator."""
         return self.accumulator.stored(state)
 
-    def spent(self, state: Numbers) -> dict[str, Batch]:
-        """Energies [J] since the beginning of a `state` [SI], by name."""
+    def drive_energies(self, state: Numbers) -> dict[str, Batch]:
+        """Work of the pump's shaft and losses [J] since the start, in a `state` [SI], by name."""
         return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
 
     def empty(self, state: Numbers) -> BoolBatch:

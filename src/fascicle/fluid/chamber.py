@@ -13,18 +13,18 @@ volume, so that a volume that moves with the pressure can be brought to the othe
 """
 
 import abc
-import warnings
 from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
+from ..core.lazy import renamed_method
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
 from .fields import nonnegative_field, room_pressure_field, temperature_field
 
 
-_DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)
+_DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)  # usual hoses and fittings hold less than 10 L
 
 
 class Balance(NamedTuple):
@@ -43,7 +43,7 @@ class AbstractChamber(Module):
 
     - `dead_volume`: of hose and fittings, in addition to the volume of each method [m³].
     - `room_pressure`: absolute [Pa]. `room_temperature`: of room and wall [K].
-    - `names`, `units`: of the state's numbers, and `count`, their number.
+    - `names`, `units`: of the state variables, and `count`, their number.
     - `physical`: true if it keeps both laws of thermodynamics, so that an audit can close.
     - `gas` of a gas, `liquid` of a liquid.
     """
@@ -63,7 +63,7 @@ class AbstractChamber(Module):
 
     @property
     def count(self) -> int:
-        """Number of numbers of the state."""
+        """Number of state variables."""
         return len(self.names)
 
     @property
@@ -73,7 +73,7 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """The state [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
+        """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
 
     @abc.abstractmethod
     def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
@@ -81,30 +81,21 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """The residual (F12) and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in a
-        `volume` [m³].
+        """Residual of the equation of state (F12) and its slopes [SI] for a `state` [SI] at gauge
+        `pressure` [Pa] in a `volume` [m³].
         """
 
     @abc.abstractmethod
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
 
-    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Former name of `static_pressure` [Pa]; `state` [SI], `volume` [m³]."""
-        message = "`guess` of a chamber is now `static_pressure`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return self.static_pressure(state, volume)
+    guess = renamed_method("guess", "static_pressure")
 
     @abc.abstractmethod
     def rates(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Rates of the state.
+        """Rates of the state variables.
 
         **Arguments:**
 
@@ -123,19 +114,9 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def heat(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Heat flow out through the wall.
-
-        **Arguments:** those of `rates`.
-
-        **Returns:** heat flow [W].
-        """
+        """Heat flow out through the wall [W]; arguments [SI] as of `rates`."""
 
     @abc.abstractmethod
     def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
@@ -151,24 +132,10 @@ class AbstractMassChamber(AbstractChamber):
     units: ClassVar[tuple[str, ...]] = ("kg",)
 
     def rates(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Mass flow into the chamber.
-
-        **Arguments:**
-
-        - `state`: the state [SI].
-        - `pressure`: its gauge pressure [Pa].
-        - `mass_in`: mass flow into the chamber [kg/s].
-        - `energy_in`: its enthalpy flow [W].
-        - `volume_rate`: of the volume [m³/s].
-
-        **Returns:** rate of mass [kg/s] on the last axis.
+        """Rate of the mass [kg/s] on the last axis: `mass_in` [kg/s]; other arguments [SI], as of
+        `AbstractChamber.rates`, don't count.
         """
         del pressure, energy_in, volume_rate
         return stack_last(mass_in + 0.0 * state[..., 0])

@@ -23,30 +23,28 @@ from ..core.validation import (
 
 ROOM_PRESSURE = 101325.0  # Pa, absolute: the standard atmosphere
 ROOM_TEMPERATURE = 293.15  # K: ISO 6358's reference, 20 °C
-
-# from the top of the highest mountain, with room to spare, to the deepest sea
-_ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)
-_TEMPERATURE = Range("K", 100.0, 230.0, 400.0, 1500.0)
+_ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)  # from above the highest mountain to the deepest sea
+_TEMPERATURE = Range("K", 100.0, 230.0, 400.0, 1500.0)  # from liquid air to hot gas
 
 
 def positive_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
     """Field of a positive number within plausible `limits`; `remedy` is part of its error."""
 
-    def checked(value: Values) -> Batch:
+    def validate(value: Values) -> Batch:
         return check_plausible(check_positive(value, name, limits.unit, remedy), name, limits)
 
-    return record(converter=checked, **default)
+    return record(converter=validate, **default)
 
 
 def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
     """Field of a number from zero within plausible `limits`; `remedy` is part of its error."""
 
-    def checked(value: Values) -> Batch:
+    def validate(value: Values) -> Batch:
         closed = (True, False)
         x = check_interval(value, 0.0, np.inf, name, limits.unit, closed=closed, remedy=remedy)
         return check_plausible(x, name, limits)
 
-    return record(converter=checked, **default)
+    return record(converter=validate, **default)
 
 
 def interval_field(
@@ -58,42 +56,36 @@ def interval_field(
     **default: Any,
 ) -> Any:
     """Field of a number without unit between `low` and `high` [-], each end `closed` or not."""
-
-    def checked(value: Values) -> Batch:
-        return check_interval(value, low, high, name, "-", "", closed, remedy)
-
-    return record(converter=checked, **default)
+    return record(
+        converter=lambda value: check_interval(value, low, high, name, "-", "", closed, remedy),
+        **default,
+    )
 
 
 def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
     """Field of a component of one of some `kinds`, or `None` if that is its `default`."""
 
-    def checked(value: Any) -> Any:
+    def validate(value: Any) -> Any:
         if isinstance(value, kinds) or (value is None and default.get("default", kinds) is None):
             return value
         names = " or ".join(f"`{kind.__name__}`" for kind in kinds)
         raise InvalidInputError(name, f"must be {names}", value, shown=f"`{type(value).__name__}`")
 
-    return record(converter=checked, **default)
+    return record(converter=validate, **default)
 
 
 def room_pressure_field() -> Any:
     """Field of the room's pressure, absolute [Pa]."""
 
-    def checked(value: Values) -> Batch:
+    def validate(value: Values) -> Batch:
         x = check_interval(value, -np.inf, np.inf, "room_pressure", "Pa")
         if is_concrete(x) and np.any(np.asarray(x) < _ROOM.least):
-            bad = float(np.min(x))
-            raise InvalidInputError(
-                "room_pressure",
-                f"is absolute and must be at least {_ROOM.least:g} Pa",
-                bad,
-                "at sea level it is 101325 Pa",
-                shown=f"{bad:g} Pa",
-            )
+            low, remedy = float(np.min(x)), "at sea level it is 101325 Pa"
+            rule = f"is absolute and must be at least {_ROOM.least:g} Pa"
+            raise InvalidInputError("room_pressure", rule, low, remedy, shown=f"{low:g} Pa")
         return check_plausible(x, "room_pressure", _ROOM)
 
-    return record(converter=checked, default=ROOM_PRESSURE)
+    return record(converter=validate, default=ROOM_PRESSURE)
 
 
 def temperature_field(name: str = "room_temperature") -> Any:
@@ -108,12 +100,7 @@ def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
     p = check_positive(absolute, "absolute", "Pa")
     room = check_positive(room_pressure, "room_pressure", "Pa")
     if is_concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
-        low = float(np.min(p))
-        raise InvalidInputError(
-            "absolute",
-            f"must lie above the room's {float(np.max(room)):g} Pa",
-            low,
-            "give an absolute pressure here, or a gauge pressure as `pressure`",
-            shown=f"{low:g} Pa",
-        )
+        rule, low = f"must lie above the room's {float(np.max(room)):g} Pa", float(np.min(p))
+        remedy = "give an absolute pressure here, or a gauge pressure as `pressure`"
+        raise InvalidInputError("absolute", rule, low, remedy, shown=f"{low:g} Pa")
     return match_array_type(absolute, p - room)

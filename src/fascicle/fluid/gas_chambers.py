@@ -1,6 +1,6 @@
 r"""Chambers of gas: with a wall that conducts heat, at the room's temperature, and a fit.
 
-`AdiabaticWall`: its state are its mass and its internal energy $U = m c_v T$; at an
+`AdiabaticWall`: its state is its mass and its internal energy $U = m c_v T$; at an
 absolute pressure $p = P + p_a$,
 
 $$\dot m = \dot m_{in}, \qquad \dot U = \dot H_{in} - p \dot V - G (T - T_a), \qquad
@@ -43,7 +43,7 @@ class AbstractGasChamber(AbstractChamber):
     gas: Gas = component_field("gas", (Gas,), default=AIR)
 
     @property
-    def _RT(self) -> Batch:
+    def _RT(self) -> Batch:  # at the room's temperature [J/kg]
         return self.gas.specific_gas_constant * self.room_temperature
 
     def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:
@@ -79,9 +79,7 @@ class AdiabaticWall(AbstractGasChamber):
     )
 
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] and energy [J] at gauge `pressure` [Pa] and `volume` [m³], as warm as the
-        room.
-        """
+        """Mass [kg] and internal energy [J] at gauge `pressure` [Pa] and `volume` [m³]."""
         m = self._room_mass(pressure, volume)
         return stack_last(m, m * self.gas.c_v * self.room_temperature)
 
@@ -109,24 +107,10 @@ class AdiabaticWall(AbstractGasChamber):
         return (self.gas.heat_capacity_ratio - 1) * state[..., 1] / V - self.room_pressure
 
     def rates(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Equation (F13).
-
-        **Arguments:**
-
-        - `state`: the state [SI].
-        - `pressure`: its gauge pressure [Pa].
-        - `mass_in`: mass flow into the chamber [kg/s].
-        - `energy_in`: its enthalpy flow [W].
-        - `volume_rate`: of the volume [m³/s].
-
-        **Returns:** rates of mass and energy [kg/s], [W], on the last axis.
+        """Rates of mass [kg/s] and internal energy [W] on the last axis, equation (F13); arguments
+        [SI] as of `AbstractChamber.rates`.
         """
         work = (pressure + self.room_pressure) * volume_rate
         return stack_last(mass_in, energy_in - work - self.heat(state))
@@ -144,12 +128,7 @@ class AdiabaticWall(AbstractGasChamber):
         energy_in: BatchLike = 0.0,
         volume_rate: BatchLike = 0.0,
     ) -> Batch:
-        """Heat flow $G (T - T_a)$, which depends on the state alone.
-
-        **Arguments:** those of `rates`.
-
-        **Returns:** heat flow [W].
-        """
+        """Heat flow $G (T - T_a)$ [W] of a `state` [SI]; other arguments don't count."""
         del pressure, mass_in, energy_in, volume_rate
         return self.conductance * (self.temperature(state) - self.room_temperature)
 
@@ -182,19 +161,9 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
 
     def heat(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Heat flow through the wall with which $U = m c_v T_a$.
-
-        **Arguments:** those of `rates`.
-
-        **Returns:** heat flow [W].
-        """
+        """Heat flow out [W] that keeps $U = m c_v T_a$; arguments [SI] as of `rates`."""
         work = (pressure + self.room_pressure) * volume_rate
         stored = self.gas.c_v * self.room_temperature * mass_in
         return energy_in - work - stored + 0.0 * state[..., 0]
@@ -246,17 +215,7 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         return p_a * (power - 1)
 
     def heat(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """NaN: a fit knows no heat.
-
-        **Arguments:** those of `rates`.
-
-        **Returns:** heat flow [W].
-        """
+        """NaN [W], since a fitted exponent defines no heat; arguments [SI] as of `rates`."""
         return float("nan") * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)

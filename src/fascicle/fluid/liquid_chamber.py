@@ -70,22 +70,12 @@ class LiquidChamber(AbstractMassChamber):
         return P
 
     def heat(
-        self,
-        state: Numbers,
-        pressure: BatchLike,
-        mass_in: BatchLike,
-        energy_in: BatchLike,
-        volume_rate: BatchLike,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Zero heat flow: a liquid compressed at one temperature is a spring.
-
-        **Arguments:** those of `rates`.
-
-        **Returns:** heat flow [W].
-        """
+        """Zero [W]: a liquid at one temperature is a spring; arguments [SI] as of `rates`."""
         return 0.0 * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)
 
     def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
         """Energy of liquid and compliance [J] in a `state` [SI] at gauge `pressure` [Pa]."""
-        of_liquid = state[..., 0] * self.liquid.stored_energy(pressure)
-        return of_liquid + self.compliance * pressure**2 / 2
+        liquid_energy = state[..., 0] * self.liquid.stored_energy(pressure)
+        return liquid_energy + self.compliance * pressure**2 / 2

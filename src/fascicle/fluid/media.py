@@ -62,22 +62,10 @@ class Gas(Module):
         return self.c_p * temperature
 
     def flow_exergy(
-        self,
-        absolute: BatchLike,
-        temperature: BatchLike,
-        room_pressure: BatchLike,
-        room_temperature: BatchLike,
+        self, absolute: Batch, temperature: Batch, room_pressure: Batch, room_temperature: Batch
     ) -> Batch:
-        """Exergy of a streaming kilogram, equation (F1).
-
-        **Arguments:**
-
-        - `absolute`: its pressure [Pa], positive.
-        - `temperature`: of the gas [K].
-        - `room_pressure`: $p_a$, absolute [Pa].
-        - `room_temperature`: $T_a$ [K].
-
-        **Returns:** exergy [J/kg].
+        """Exergy [J/kg] of a streaming kilogram, (F1), at a positive `absolute` pressure [Pa] and
+        `temperature` [K], in a room of absolute `room_pressure` [Pa] and `room_temperature` [K].
         """
         p, T, p_a, T_a = absolute, temperature, room_pressure, room_temperature
         return self.c_p * (T - T_a) - T_a * self._entropy(p, T, p_a, T_a)
@@ -90,23 +78,14 @@ class Gas(Module):
         room_pressure: BatchLike,
         room_temperature: BatchLike,
     ) -> Batch:
-        """Exergy of a mass at rest in a volume, equation (F2); never negative.
-
-        **Arguments:**
-
-        - `mass`: $m$ [kg].
-        - `absolute`: its pressure [Pa], positive.
-        - `temperature`: of the gas [K].
-        - `room_pressure`: $p_a$, absolute [Pa].
-        - `room_temperature`: $T_a$ [K].
-
-        **Returns:** exergy [J].
+        """Exergy [J] of a `mass` [kg] at rest in a volume, (F2), never negative; other arguments
+        [SI] as of `flow_exergy`.
         """
         p, T, p_a, T_a = absolute, temperature, room_pressure, room_temperature
         p = guarded(p > 0, p, p_a)
-        pushed = self.specific_gas_constant * (T * p_a / p - T_a)
+        room_work = self.specific_gas_constant * (T * p_a / p - T_a)
         entropy = self._entropy(p, T, p_a, T_a)
-        return mass * (self.c_v * (T - T_a) + pushed - T_a * entropy)
+        return mass * (self.c_v * (T - T_a) + room_work - T_a * entropy)
 
     def _entropy(self, p: BatchLike, T: BatchLike, p_a: BatchLike, T_a: BatchLike) -> Batch:
         """Entropy over the room's [J/(kg·K)]; zero instead of a logarithm of zero."""

@@ -24,12 +24,14 @@ pump without pressure takes no power. **Source:** Merritt (1967), Hydraulic Cont
 Systems.
 """
 
+import abc
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..core.array_namespace import logical_and, maximum, minimum, where
 from ..core.errors import InvalidInputError
+from ..core.lazy import renamed_method
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range, is_concrete
@@ -37,9 +39,9 @@ from .fields import component_field, interval_field, nonnegative_field, positive
 from .media import OIL, Liquid
 
 
-_DISPLACEMENT = Range("m³", 1e-12, 1e-9, 1e-2, 1.0)
-_SPEED = Range("1/s", 1e-3, 0.1, 1e3, 1e5)
-_PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
+_DISPLACEMENT = Range("m³", 1e-12, 1e-9, 1e-2, 1.0)  # of a turn: usually 1 mm³ to 10 L
+_SPEED = Range("1/s", 1e-3, 0.1, 1e3, 1e5)  # usually up to 60 000 turns a minute
+_PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
 
 
 def _efficiency(name: str) -> Any:
@@ -58,16 +60,26 @@ class _Pump(Module):
     mechanical_efficiency: ClassVar[Batch]
     liquid: ClassVar[Liquid]
 
-    def _flow(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
-        volume = fraction * self.displacement * self.speed * self.volumetric_efficiency
-        return volume * self.liquid.reference_density + 0.0 * pressure
+    @abc.abstractmethod
+    def fraction(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Used fraction $s$ of the displacement [-] at gauge `pressure` [Pa]; `on` [-]: 1 of a
+        pump that runs, else 0.
+        """
 
-    def _shaft_power(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
-        return fraction * self.displacement * self.speed * pressure / self.mechanical_efficiency
+    def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Mass flow [kg/s] at gauge `pressure` [Pa]; `on` [-] as of `fraction`."""
+        turn = self.fraction(pressure, on) * self.displacement * self.speed
+        return turn * self.volumetric_efficiency * self.liquid.reference_density + 0.0 * pressure
 
-    def _lost_power(self, fraction: BatchLike, pressure: BatchLike) -> Batch:
-        useful = self._flow(fraction, pressure) * self.liquid.flow_energy(pressure)
-        return self._shaft_power(fraction, pressure) - useful
+    def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Shaft power [W] at gauge `pressure` [Pa]; `on` [-] as of `fraction`."""
+        turn = self.fraction(pressure, on) * self.displacement * self.speed
+        return turn * pressure / self.mechanical_efficiency
+
+    def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Lost power [W] at gauge `pressure` [Pa]; `on` [-] as of `fraction`."""
+        useful = self.flow(pressure, on) * self.liquid.flow_energy(pressure)
+        return self.shaft_power(pressure, on) - useful
 
 
 class FixedPump(_Pump):
@@ -81,17 +93,10 @@ class FixedPump(_Pump):
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
-    def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Mass flow [kg/s] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
-        return self._flow(on, pressure)
-
-    def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Shaft power [W] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
-        return self._shaft_power(on, pressure)
-
-    def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """Lost power [W] at gauge `pressure` [Pa] of a pump that is `on`, 1, or off, 0 [-]."""
-        return self._lost_power(on, pressure)
+    def fraction(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Used fraction of the displacement [-], which is `on` [-], at any `pressure` [Pa]."""
+        del pressure
+        return on
 
 
 class VariablePump(_Pump):
@@ -108,21 +113,12 @@ class VariablePump(_Pump):
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
-    def fraction(self, pressure: BatchLike) -> Batch:
-        """Fraction $s$ of the displacement [-] at gauge `pressure` [Pa], equation (F21)."""
+    def fraction(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Used fraction $s$ of the displacement [-] at gauge `pressure` [Pa], equation (F21);
+        it always runs, `on` [-] doesn't count.
+        """
+        del on
         return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
-
-    def flow(self, pressure: BatchLike) -> Batch:
-        """Mass flow [kg/s] at gauge `pressure` [Pa]."""
-        return self._flow(self.fraction(pressure), pressure)
-
-    def shaft_power(self, pressure: BatchLike) -> Batch:
-        """Shaft power [W] at gauge `pressure` [Pa]."""
-        return self._shaft_power(self.fraction(pressure), pressure)
-
-    def lost_power(self, pressure: BatchLike) -> Batch:
-        """Lost power [W] at gauge `pressure` [Pa]."""
-        return self._lost_power(self.fraction(pressure), pressure)
 
 
 class PressureBand(Module):
@@ -140,13 +136,15 @@ class PressureBand(Module):
             raise InvalidInputError("high", rule, high, "widen the band", f"{high:g} Pa")
 
     def start(self, pressure: BatchLike) -> Batch:
-        """On, 1, below the high pressure, else off, 0 [-], at gauge `pressure` [Pa]."""
+        """Initial state of the switch [-]: 1 at a gauge `pressure` [Pa] below `high`, else 0."""
         return where(pressure < self.high, 1.0, 0.0)
 
-    def after(self, on: BatchLike, pressure: BatchLike) -> Batch:
-        """New state [-] of a switch that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
+    def update(self, on: BatchLike, pressure: BatchLike) -> Batch:
+        """State of the switch [-], 1 or 0, at gauge `pressure` [Pa] after the state `on` [-]."""
         unchanged = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
         return where(pressure >= self.high, 0.0, unchanged)
+
+    after = renamed_method("after", "update")
 
 
 class Relief(Module):
@@ -161,7 +159,7 @@ class Relief(Module):
     slope: Batch = positive_field("slope", Range("kg/(s·Pa)", 1e-15, 1e-11, 1e-2, 1e3))
 
     def flow(self, pressure: BatchLike) -> Batch:
-        """Mass flow out [kg/s] at gauge `pressure` [Pa]."""
+        """Mass flow through the valve [kg/s] at gauge `pressure` [Pa], equation (F22)."""
         return self.slope * maximum(pressure - self.crack, 0.0)
 
     def lost_power(self, pressure: BatchLike, liquid: Liquid = OIL) -> Batch:

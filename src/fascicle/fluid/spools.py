@@ -25,19 +25,20 @@ ports' even spacing and linear openings are ours.
 """
 
 import abc
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import maximum, minimum
 from ..core.errors import InvalidInputError
+from ..core.lazy import renamed_method
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
 from .fields import interval_field, positive_field
 
 
-_TIME = Range("s", 1e-6, 1e-4, 1.0, 1e3)
+_TIME = Range("s", 1e-6, 1e-4, 1.0, 1e3)  # usual valves take 0.1 ms to 1 s
 
 
 class Openings(NamedTuple):
@@ -48,15 +49,20 @@ class Openings(NamedTuple):
 
 
 class AbstractSpool(Module):
-    """Law from commands to openings."""
+    """Law from commands to openings; `overlap`: $o$ at a port [-], in [0, 1)."""
+
+    overlap: ClassVar[Batch]
+
+    def command_count(self, units: int) -> int:
+        """Number of commands for a number of `units`: one for each."""
+        return units
 
     @abc.abstractmethod
-    def commands(self, units: int) -> int:
-        """Number of commands for a number of `units`."""
-
-    @abc.abstractmethod
-    def states(self, units: int) -> int:
+    def state_count(self, units: int) -> int:
         """Number of spools with a state for a number of `units`."""
+
+    commands = renamed_method("commands", "command_count")
+    states = renamed_method("states", "state_count")
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -66,6 +72,15 @@ class AbstractSpool(Module):
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-] at a `command` [-] and a position of the `spool` [-]."""
 
+    def _port_openings(self, position: Numbers) -> Openings:
+        """Equation (F9) at a `position` of the spool [-]."""
+        # at the edges a derivative is the mean of both sides', as differences have it
+        supply, exhaust = (
+            minimum(maximum(side - self.overlap, 0.0) / (1 - self.overlap), 1.0)
+            for side in (position, -position)
+        )
+        return Openings(supply, exhaust)
+
 
 class Direct(AbstractSpool):
     """A spool for each unit whose position is the command. `overlap`: $o$ [-], in [0, 1)."""
@@ -73,11 +88,7 @@ class Direct(AbstractSpool):
     source: ClassVar[str] = "Merritt (1967)"
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
-    def commands(self, units: int) -> int:
-        """One for each of the `units`."""
-        return units
-
-    def states(self, units: int) -> int:
+    def state_count(self, units: int) -> int:
         """Zero for any number of `units`."""
         return 0 * units
 
@@ -88,7 +99,7 @@ class Direct(AbstractSpool):
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Equation (F9) at the `command` [-]; the `spool` [-] doesn't count."""
         del spool
-        return _openings(command, self.overlap)
+        return self._port_openings(command)
 
 
 class Servovalve(AbstractSpool):
@@ -101,11 +112,7 @@ class Servovalve(AbstractSpool):
     time_constant: Batch = positive_field("time_constant", _TIME)
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
-    def commands(self, units: int) -> int:
-        """One for each of the `units`."""
-        return units
-
-    def states(self, units: int) -> int:
+    def state_count(self, units: int) -> int:
         """One for each of the `units`."""
         return units
 
@@ -116,7 +123,7 @@ class Servovalve(AbstractSpool):
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Equation (F9) of the `spool` [-]; the `command` [-] doesn't count."""
         del command
-        return _openings(spool, self.overlap)
+        return self._port_openings(spool)
 
 
 class OrderlyValve(AbstractSpool):
@@ -135,15 +142,16 @@ class OrderlyValve(AbstractSpool):
         if isinstance(self.units, bool) or not isinstance(self.units, int) or self.units < 1:
             raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
 
-    def commands(self, units: int) -> int:
+    def command_count(self, units: int) -> int:
         """One for all of the `units`, whose number must be that of the ports."""
-        self._check(units)
+        if units != self.units:
+            rule = f"must be the bundle's number of motor units, {units}"
+            raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
         return 1
 
-    def states(self, units: int) -> int:
+    def state_count(self, units: int) -> int:
         """One for all of the `units`, whose number must be that of the ports."""
-        self._check(units)
-        return 1
+        return self.command_count(units)
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
         """Equation (F10) [1/s] for the `command` and position of the `spool` [-]."""
@@ -152,10 +160,9 @@ class OrderlyValve(AbstractSpool):
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Equations (F11) and (F9) of the `spool` [-]; the `command` [-] doesn't count."""
         del command
-        position = self.units * (1 + spool) - 2 * np.arange(self.units) - 1
-        return _openings(position, self.overlap)
+        return self._port_openings(self.units * (1 + spool) - 2 * np.arange(self.units) - 1)
 
-    def middle(self, unit: int) -> float:
+    def closing_command(self, unit: int) -> float:
         """Command [-] at which port `unit`, counted from 0, is shut and all before it are open to
         the supply.
         """
@@ -163,10 +170,7 @@ class OrderlyValve(AbstractSpool):
             raise InvalidInputError("unit", f"must lie in [0, {self.units - 1}]", unit)
         return (2 * unit + 1) / self.units - 1
 
-    def _check(self, units: int) -> None:
-        if units != self.units:
-            rule = f"must be the bundle's number of motor units, {units}"
-            raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
+    middle = renamed_method("middle", "closing_command")
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:
@@ -174,11 +178,3 @@ def validate_commands(command: Values, name: str = "command") -> Numbers:
     return check_interval(
         command, -1.0, 1.0, name, "-", "from open exhaust to open supply", closed=(True, True)
     )
-
-
-def _openings(x: Any, overlap: Batch) -> Openings:
-    # at the edges a derivative is the mean of both sides', as differences have it
-    supply, exhaust = (
-        minimum(maximum(side - overlap, 0.0) / (1 - overlap), 1.0) for side in (x, -x)
-    )
-    return Openings(supply, exhaust)

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.lazy import renamed_method
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
@@ -29,25 +30,20 @@ from .fields import (
 from .gas_chambers import AdiabaticWall, Isothermal, Polytropic
 
 
-_PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
+_PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
+# Pa, a thousandth of an atmosphere: a tank only nears the room's pressure
+_EMPTY_PRESSURE = 100.0
 
 
 class AbstractSupply(Module):
-    """A supply with a state."""
+    """A supply with a state: `names`, `units` and `count` of its variables."""
 
-    @property
-    @abc.abstractmethod
-    def names(self) -> tuple[str, ...]:
-        """Names of the numbers of the state."""
-
-    @property
-    @abc.abstractmethod
-    def units(self) -> tuple[str, ...]:
-        """Units of the numbers of the state."""
+    names: ClassVar[tuple[str, ...]]
+    units: ClassVar[tuple[str, ...]]
 
     @property
     def count(self) -> int:
-        """Number of numbers of the state [-]."""
+        """Number of state variables."""
         return len(self.names)
 
     @abc.abstractmethod
@@ -64,20 +60,24 @@ class AbstractSupply(Module):
 
     @abc.abstractmethod
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Rates of a `state` [SI] with an inflow `mass_in` [kg/s] and its enthalpy `energy_in` [W],
-        both negative for an outflow.
+        """Rates of a `state` [SI] with an inflow `mass_in` [kg/s] and its enthalpy `energy_in`
+        [W], both negative for an outflow.
         """
 
-    def switched(self, state: Numbers) -> Numbers:
-        """A `state` [SI] after its switches [SI]; the same for a supply without any."""
+    def update_switch(self, state: Numbers) -> Numbers:
+        """State [SI] after a `state` [SI] whose pressure switches a pump, if there is one."""
         return state
 
-    def spent(self, state: Numbers) -> dict[str, Batch]:
-        """Energies of the drive and its losses [J] up to a `state` [SI], by name; empty without a
-        drive.
+    switched = renamed_method("switched", "update_switch")
+
+    def drive_energies(self, state: Numbers) -> dict[str, Batch]:
+        """Work of the pump's shaft and losses [J] up to a `state` [SI], by name; empty without a
+        pump.
         """
         del state
         return {}
+
+    spent = renamed_method("spent", "drive_energies")
 
     @abc.abstractmethod
     def stored(self, state: Numbers) -> Batch:
@@ -91,7 +91,7 @@ class AbstractSupply(Module):
 def supply_pressure_field() -> Any:
     """Field of a supply's gauge pressure [Pa], above the room's."""
 
-    def checked(value: Values) -> Batch:
+    def validate(value: Values) -> Batch:
         if is_concrete(value):
             p = np.asarray(value)
             if p.dtype.kind in "fiu" and np.any(p <= 0):
@@ -100,7 +100,7 @@ def supply_pressure_field() -> Any:
                 raise InvalidInputError("pressure", rule, bad, "raise it", shown=f"{bad:g} Pa")
         return check_plausible(check_positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
 
-    return record(converter=checked)
+    return record(converter=validate)
 
 
 class ConstantSupply(AbstractSupply):
@@ -111,6 +111,8 @@ class ConstantSupply(AbstractSupply):
     """
 
     source: ClassVar[str] = "a boundary condition"
+    names: ClassVar[tuple[str, ...]] = ()
+    units: ClassVar[tuple[str, ...]] = ()
 
     pressure: Batch = supply_pressure_field()
     supply_temperature: Batch = temperature_field("supply_temperature")
@@ -125,18 +127,8 @@ class ConstantSupply(AbstractSupply):
         """
         return cls(gauge_from(absolute, room_pressure), room_pressure=room_pressure)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """None."""
-        return ()
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """None."""
-        return ()
-
     def start(self) -> Numbers:
-        """Initial state [SI], without numbers."""
+        """Initial state [SI] of no variables."""
         return np.zeros((*np.shape(self.pressure), 0))
 
     def pressure_at(self, state: Numbers) -> Batch:
@@ -165,9 +157,6 @@ class ConstantSupply(AbstractSupply):
         return self.pressure <= 0
 
 
-_NEARLY = 100.0  # Pa, a thousandth of an atmosphere: a tank only nears the room's pressure
-
-
 class Tank(AbstractSupply):
     """Gas in a constant volume, equation (F17).
 
@@ -185,12 +174,12 @@ class Tank(AbstractSupply):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the chamber's state."""
+        """Names of the chamber's state variables."""
         return self.chamber.names
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Units of the chamber's state."""
+        """Units of the chamber's state variables."""
         return self.chamber.units
 
     def start(self) -> Numbers:
@@ -217,4 +206,4 @@ class Tank(AbstractSupply):
 
     def empty(self, state: Numbers) -> BoolBatch:
         """True if a `state` [SI] is within 100 Pa of the room's pressure."""
-        return self.pressure_at(state) <= _NEARLY
+        return self.pressure_at(state) <= _EMPTY_PRESSURE

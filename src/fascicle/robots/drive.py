@@ -201,7 +201,7 @@ class Drive(Module):
         P = np.broadcast_to(P, (self.units,)) + 0.0
         eps = self.strains(data.actuator_length[list(self.actuators)])
         V = self.plant.counts * self.plant.muscles.at(P, eps).volume
-        spool = np.zeros(self.plant.spool.states(self.units))
+        spool = np.zeros(self.plant.spool.state_count(self.units))
         chambers = np.asarray(self.plant.chamber.start(P, V))
         supply = np.asarray(self.plant.supply.start(), float)
         return Fluid(chambers, P, spool, supply, np.array(True))

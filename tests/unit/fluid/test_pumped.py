@@ -35,7 +35,7 @@ def _ran(supply, drawn, end=2.0):
 def test_what_the_shaft_does_is_stored_given_or_lost(supply, drawn):
     states = _ran(supply, drawn)
     begin, end = states[0], states[-1]
-    spent = supply.spent(end)
+    spent = supply.drive_energies(end)
     # what is drawn takes its energy along at the pressure of then, integrated apart
     given = solve_ivp(
         lambda _, y: [*supply.rates(y[:-1], -drawn, 0.0),
@@ -61,19 +61,19 @@ def test_the_band_switches_a_fixed_pump():
     state = supply.start()
     assert state[1] == 1
     full = fluid.PumpedAccumulator(fluid.Accumulator(1e-3, 3e5, 5.6e5), FIXED, BAND)
-    off = supply.switched(np.array([full.start()[0], 1.0, 1.0, 2.0, 3.0]))
+    off = supply.update_switch(np.array([full.start()[0], 1.0, 1.0, 2.0, 3.0]))
     assert off.tolist() == [full.start()[0], 0.0, 1.0, 2.0, 3.0]
     assert supply.rates(off, -1e-3, 0.0).tolist() == [-1e-3, 0.0, 0.0, 0.0, 0.0]
     between = fluid.Accumulator(1e-3, 3e5, 5e5).start()[0]
     for on in (0.0, 1.0):  # what it was
-        assert supply.switched(np.array([between, on, 0.0, 0.0, 0.0]))[1] == on
-    assert fluid.PumpedAccumulator(STORE, FIXED).switched(state) is state
+        assert supply.update_switch(np.array([between, on, 0.0, 0.0, 0.0]))[1] == on
+    assert fluid.PumpedAccumulator(STORE, FIXED).update_switch(state) is state
 
 
 def test_it_is_batched_and_differentiated():
     supply = fluid.PumpedAccumulator(STORE, FIXED, BAND, RELIEF)
     states = np.stack([supply.start(), supply.start()])
-    many = jax.vmap(lambda s: supply.rates(supply.switched(s), -1e-3, 0.0))(states)
+    many = jax.vmap(lambda s: supply.rates(supply.update_switch(s), -1e-3, 0.0))(states)
     assert_allclose(many[1], supply.rates(supply.start(), -1e-3, 0.0), rtol=1e-12)
     slopes = jax.grad(lambda s: supply.rates(s, 0.0, 0.0)[2])(states[0])
     assert np.all(np.isfinite(slopes))

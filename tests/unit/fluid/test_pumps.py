@@ -40,10 +40,10 @@ def test_variable_pump_holds_its_pressure():
 def test_pressure_band_keeps_what_it_was():
     of = fluid.PressureBand(4e5, 6e5)
     P = np.array([3e5, 4e5, 5e5, 6e5, 7e5])
-    assert_allclose(of.after(0.0, P), [1, 1, 0, 0, 0], atol=0)
-    assert_allclose(of.after(1.0, P), [1, 1, 1, 0, 0], atol=0)
+    assert_allclose(of.update(0.0, P), [1, 1, 0, 0, 0], atol=0)
+    assert_allclose(of.update(1.0, P), [1, 1, 1, 0, 0], atol=0)
     assert_allclose(of.start(P), [1, 1, 1, 0, 0], atol=0)
-    assert_allclose(jax.jit(of.after)(1.0, P), of.after(1.0, P), atol=0)
+    assert_allclose(jax.jit(of.update)(1.0, P), of.update(1.0, P), atol=0)
 
 
 def test_relief_opens_at_its_pressure():

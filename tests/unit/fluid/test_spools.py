@@ -15,7 +15,7 @@ def test_direct_opens_to_supply_above_zero_and_to_exhaust_below():
     supply, exhaust = of.openings(u, NONE)
     assert_allclose(supply, [0, 0, 0, 0.5, 1], atol=0)
     assert_allclose(exhaust, [1, 0.25, 0, 0, 0], atol=0)
-    assert of.commands(5) == 5 and of.states(5) == 0
+    assert of.command_count(5) == 5 and of.state_count(5) == 0
     assert of.rate(u, NONE).shape == (0,)
 
 
@@ -32,7 +32,7 @@ def test_servovalve_follows_in_first_order():
     assert_allclose(of.rate(u, x), [100, -150, 0], atol=1e-12)
     # what is open is where the spool is, not where it should be
     assert_allclose(of.openings(u, x).supply, fluid.Direct(0.1).openings(x, NONE).supply, atol=0)
-    assert of.commands(3) == of.states(3) == 3
+    assert of.command_count(3) == of.state_count(3) == 3
 
 
 def test_orderly_valve_recruits_in_sequence():
@@ -47,11 +47,11 @@ def test_orderly_valve_recruits_in_sequence():
     # no unit opens to the supply before the one ahead of it is wide open
     assert np.all((supply[:, 1:] == 0) | (supply[:, :-1] == 1))
     for unit in range(4):
-        at = np.array([of.middle(unit)])
+        at = np.array([of.closing_command(unit)])
         supply, exhaust = of.openings(at, at)
         assert_allclose(supply, np.arange(4) < unit, atol=1e-14)
         assert_allclose(exhaust, np.arange(4) > unit, atol=1e-14)
-    assert of.commands(4) == of.states(4) == 1
+    assert of.command_count(4) == of.state_count(4) == 1
     assert_allclose(of.rate(np.array([1.0]), np.array([0.5])), [50], rtol=1e-14)
 
 
