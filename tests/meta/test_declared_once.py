@@ -21,14 +21,64 @@ HERE = Path(__file__).parent
 SOURCE = Path(fascicle.__file__).parent
 
 
-def run(code: str) -> str:
-    """What a fresh interpreter prints that has the toy package."""
-    prelude = f"import sys; sys.path.insert(0, {str(HERE)!r}); import toy_package\n"
+CODE = """
+import json, os, sys
+sys.path.insert(0, sys.argv[1])
+import toy_package, numpy as np, fascicle as fs
+from typer.testing import CliRunner
+from fascicle.cli.commands import app
+from fascicle.design import OBJECTIVES, Designs, Task, evaluate
+from fascicle.explorer.link import from_query
+from fascicle.explorer.state import view_of
+b = toy_package.bundle()
+fs.save(b, "pairs.toml")
+again = fs.load("pairs.toml")
+found = fs.recruitment.recruit(again, [60.0, 300.0], 0.08)
+space = fs.recruitment.space(again, strain=[0.08])
+task = Task.of([60.0, 300.0], [0.08, 0.08], 413.7e3, scheme="pairs")
+designs = Designs.of(b.motor_units[0].muscle, [(1, 1, 1), (1, 1, 1, 1)])
+values = evaluate(designs, task, ["mean_energy", "overlap_width", "reversal_depth"])
+invoke = lambda *line: CliRunner().invoke(app, list(line))
+designed = invoke("design", "task.toml", "--out", "found")
+assert designed.exit_code == 0, (designed.output, designed.exception)
+print(json.dumps(dict(
+    scheme=str(again.scheme), state=found.state.tolist(), pressures=found.pressures.tolist(),
+    high=space.high[:, 0].tolist(), energy=values["mean_energy"].tolist(),
+    overlap=values["overlap_width"].tolist(),
+    taken=fs.energetics.unit_volume_change(b, 0.08).tolist(),
+    eta=fs.energetics.average_efficiency(again),
+    help=invoke("space", "--help").output, about=fs.schemes.SCHEMES["pairs"].about,
+    shown=invoke("space", "pairs.toml", "--strain", "0.05,0.08").output,
+    refused=str(invoke("space", "pairs.toml", "--scheme", "pars").exception),
+    query=from_query(dict(muscle="kim2021_slenderness_10", units="1,1", scheme="pairs"),
+                     view_of(b, "x"))[0].scheme,
+    objectives=[f"{n} {o.unit} {o.sense}: {o.about}" for n, o in OBJECTIVES.items()],
+    designed=designed.output,
+)))
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("toy")
+    (folder / "task.toml").write_text(
+        'format = 1\n[task]\nforce = ["60 N", "150 N"]\nstrain = [0.08, 0.1]\n'
+        'supply_pressure = "413.7 kPa"\nscheme = "pairs"\n'
+        '[design]\nmuscle = "kim2021_slenderness_10"\nmuscles = [2, 3]\n'
+        '[objectives]\nwork_done = "max"\nvalves = "min"\n',
+        encoding="utf-8",
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def answers(folder):
+    """What a fresh interpreter answers that has the toy package."""
     done = subprocess.run(
-        [sys.executable, "-c", prelude + code], capture_output=True, text=True, timeout=300
+        [sys.executable, "-c", CODE, str(HERE)], cwd=folder, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    return done.stdout
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def test_the_toy_uses_public_names_alone():
@@ -41,85 +91,35 @@ def test_the_toy_uses_public_names_alone():
             assert node.value.id != "fs" or node.attr in fascicle.__all__
 
 
-def test_a_new_scheme_is_one_class(tmp_path):
+def test_a_new_scheme_is_one_class(answers):
     """Recruited, shown, judged, written and read, in the help and in the docs' list."""
-    path = tmp_path / "pairs.toml"
-    out = run(f"""
-import json, numpy as np, fascicle as fs
-from typer.testing import CliRunner
-from fascicle.cli.commands import app
-from fascicle.design import Designs, Task, evaluate
-from fascicle.explorer.link import from_query
-from fascicle.explorer.state import view_of
-b = toy_package.bundle()
-fs.save(b, {str(path)!r})
-again = fs.load({str(path)!r})
-found = fs.recruitment.recruit(again, [60.0, 300.0], 0.08)
-space = fs.recruitment.space(again, strain=[0.08])
-task = Task.of([60.0, 300.0], [0.08, 0.08], 413.7e3, scheme="pairs")
-designs = Designs.of(b.motor_units[0].muscle, [(1, 1, 1), (1, 1, 1, 1)])
-values = evaluate(designs, task, ["mean_energy", "overlap_width", "reversal_depth"])
-run = lambda *words: CliRunner().invoke(app, list(words)).output
-print(json.dumps(dict(
-    scheme=str(again.scheme), state=found.state.tolist(), pressures=found.pressures.tolist(),
-    high=space.high[:, 0].tolist(), energy=values["mean_energy"].tolist(),
-    overlap=values["overlap_width"].tolist(),
-    taken=fs.energetics.unit_volume_change(b, 0.08).tolist(),
-    eta=fs.energetics.average_efficiency(again),
-    help=run("space", "--help"), told=fs.schemes.SCHEMES["pairs"].about,
-    shown=run("space", {str(path)!r}, "--strain", "0.05,0.08"),
-    refused=str(CliRunner().invoke(app, ["space", {str(path)!r}, "--scheme", "pars"]).exception),
-    query=from_query(dict(muscle="kim2021_slenderness_10", units="1,1", scheme="pairs"),
-                     view_of(b, "x"))[0].scheme,
-)))
-""")
-    told = json.loads(out.splitlines()[-1])
-    assert told["scheme"] == told["query"] == "pairs"
-    assert told["state"] == [1, 2]
-    first, second = told["pressures"]
+    assert answers["scheme"] == answers["query"] == "pairs"
+    assert answers["state"] == [1, 2]
+    first, second = answers["pressures"]
     assert first[0] == first[1] > 0 == first[2] == first[3]
     assert second[:2] == [413.7e3] * 2 and 0 < second[2] == second[3] < 413.7e3
     # a pair takes the fluid of two, also the last that is alone in a bundle of three
-    supply, (one, *_) = 413.7e3, told["taken"]
-    assert told["energy"] == pytest.approx([supply * one * 2.5, supply * one * 3], rel=1e-9)
-    assert len(told["high"]) == 2 and told["high"][1] > told["high"][0]
-    assert all(width >= 0 for width in told["overlap"]) and 0 < told["eta"] < 1
-    assert "pairs" in " ".join(told["help"].split())
-    assert "pairs recruitment" in told["shown"] and "state 2" in told["shown"]
-    assert "did you mean 'pairs'" in told["refused"]
-    assert told["told"].startswith("Two units at a time")
+    supply, (volume, *_) = 413.7e3, answers["taken"]
+    energy = [supply * volume * 2.5, supply * volume * 3]
+    assert answers["energy"] == pytest.approx(energy, rel=1e-9)
+    assert len(answers["high"]) == 2 and answers["high"][1] > answers["high"][0]
+    assert all(width >= 0 for width in answers["overlap"]) and 0 < answers["eta"] < 1
+    assert "pairs" in " ".join(answers["help"].split())
+    assert "pairs recruitment" in answers["shown"] and "state 2" in answers["shown"]
+    assert "did you mean 'pairs'" in answers["refused"]
+    assert answers["about"].startswith("Two units at a time")
 
 
-def test_a_new_objective_is_one_function(tmp_path):
+def test_a_new_objective_is_one_function(answers, folder):
     """In a task file, the search, the console's answer, the page and the docs' list."""
-    (tmp_path / "task.toml").write_text(
-        'format = 1\n[task]\nforce = ["60 N", "150 N"]\nstrain = [0.08, 0.1]\n'
-        'supply_pressure = "413.7 kPa"\nscheme = "pairs"\n'
-        '[design]\nmuscle = "kim2021_slenderness_10"\nmuscles = [2, 3]\n'
-        '[objectives]\nwork_done = "max"\nvalves = "min"\n',
-        encoding="utf-8",
-    )
-    out = run(f"""
-import json, os
-os.chdir({str(tmp_path)!r})
-from typer.testing import CliRunner
-from fascicle.cli.commands import app
-from fascicle.design import OBJECTIVES
-done = CliRunner().invoke(app, ["design", "task.toml", "--out", "found"])
-assert done.exit_code == 0, (done.output, done.exception)
-print(json.dumps(dict(
-    docs=[f"{{n}} {{o.unit}} {{o.sense}}: {{o.about}}" for n, o in OBJECTIVES.items()],
-    shown=done.output)))
-""")
-    told = json.loads(out.splitlines()[-1])
-    assert "work_done J max: Work of the task's points that are reached" in told["docs"]
-    page = unescape((tmp_path / "found" / "report.html").read_text(encoding="utf-8"))
+    assert "work_done J max: Work of the task's points that are reached" in answers["objectives"]
+    page = unescape((folder / "found" / "report.html").read_text(encoding="utf-8"))
     assert "work_done" in page and "Work of the task's points that are reached" in page
     assert "pairs recruitment" in page
-    assert "work done" in told["shown"]
+    assert "work done" in answers["designed"]
 
 
-def test_no_scheme_is_told_by_its_name_but_in_its_module():
+def test_no_other_module_compares_a_scheme_with_a_name():
     """Nowhere else is a scheme compared with a name."""
     by_name = re.compile(r"""scheme\s*[!=]=|[!=]=\s*["'](orderly|batch|free)["']""")
     found = [

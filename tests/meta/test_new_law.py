@@ -1,6 +1,5 @@
 """The trial in CONTRIBUTING: a new tension law of two constants is its own file, nothing else."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -156,22 +155,6 @@ for wrong, said in (("law = 'toy_bow', gap = 3", "buckling.gap = 3: `gap` must b
     else:
         raise AssertionError(wrong)
 """,
-    "fit and comparison": """
-from fascicle.calibrate import compare_tension, fit
-from fascicle.records.record import Record
-P, strain = np.linspace(1.5e5, 5e5, 4)[:, None], np.linspace(0.0, 0.12, 8)
-true = muscle.replace(tension=fs.tension.Toy2026(2.0, -4e3))
-force = true.force(P, strain) + 0.2 * np.random.default_rng(0).normal(size=(4, 8))
-record = Record.of(P, strain, np.asarray(force), rest_length=0.2)
-made = fit(record, muscle, ["loss", "friction"], whole=False)
-found = {one.name: one for one in made.parameters}
-assert found["friction"].dimension == "pressure"
-# the sum of both is what the force tells: its factor, 2e5 - 4e3
-told = 1e5 * found["loss"].value + found["friction"].value
-assert abs(told / 1.96e5 - 1) < 0.02, told
-rows = [one.label for one in compare_tension(record, muscle.replace(tension="ideal"), whole=False)]
-assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
-""",
     "explorer": """
 from dataclasses import replace
 from fascicle.explorer.muscle_curves import alternative_laws
@@ -211,44 +194,63 @@ tests.test_every_law_is_here()
 }
 
 
+FIT = """
+from fascicle.calibrate import compare_tension, fit
+from fascicle.records.record import Record
+P, strain = np.linspace(1.5e5, 5e5, 4)[:, None], np.linspace(0.0, 0.12, 8)
+true = muscle.replace(tension=fs.tension.Toy2026(2.0, -4e3))
+force = true.force(P, strain) + 0.2 * np.random.default_rng(0).normal(size=(4, 8))
+record = Record.of(P, strain, np.asarray(force), rest_length=0.2)
+made = fit(record, muscle, ["loss", "friction"], whole=False)
+found = {one.name: one for one in made.parameters}
+assert found["friction"].dimension == "pressure"
+# the sum of both is what the force tells: its factor, 2e5 - 4e3
+told = 1e5 * found["loss"].value + found["friction"].value
+assert abs(told / 1.96e5 - 1) < 0.02, told
+rows = [one.label for one in compare_tension(record, muscle.replace(tension="ideal"), whole=False)]
+assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
+"""
+
+COMMAND = """
+from fascicle.cli import main
+from fascicle.files import example_text
+text = example_text("kim2021_figure_6")
+text = text.replace('tension = "klute_hannaford"', 'tension = { law = "toy2026", loss = 0.6 }')
+Path("toy.toml").write_text(text)
+try:
+    main("force toy.toml --pressure 100kPa --strain 0.1 --json toy.json".split())
+except SystemExit as end:
+    assert not end.code
+assert len(json.loads(Path("toy.json").read_text())["force"][0]) == 1
+"""
+
+
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """The package with one file more."""
+    """The package with some files more."""
     folder = tmp_path_factory.mktemp("toy")
-    shutil.copytree(
-        ROOT / "src/fascicle", folder / "fascicle", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(ROOT / "src/fascicle", folder / "fascicle")
     for name, text in {"tension/toy2026.py": LAW, **OTHERS}.items():
         (folder / "fascicle/muscle" / name).write_text(text, encoding="utf-8")
     return folder
 
 
-@pytest.mark.parametrize(
-    "reader",
-    [
-        pytest.param(name, marks=pytest.mark.slow) if name == "fit and comparison" else name
-        for name in READERS
-    ],
-)
-def test_a_new_law_is_found_everywhere(reader, copy, tmp_path):
-    env = os.environ | {"PYTHONPATH": str(copy)}
-    pages, laws = ROOT / "docs/_ext/laws.py", ROOT / "tests/invariants/test_laws.py"
+def run(copy, folder, *blocks):
+    """Run blocks of Python, each with names of its own, in an interpreter that has the copy."""
+    arguments = [copy, ROOT / "docs/_ext/laws.py", ROOT / "tests/invariants/test_laws.py"]
+    code = HEAD + f"\nfor block in {blocks!r}:\n    exec(block, dict(globals()))\n"
     done = subprocess.run(
-        [sys.executable, "-c", HEAD + READERS[reader], str(copy), str(pages), str(laws)],
-        cwd=tmp_path, env=env, capture_output=True, text=True,
+        [sys.executable, "-c", code, *map(str, arguments)],
+        cwd=folder, env=os.environ | {"PYTHONPATH": str(copy)}, capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
 
 
-def test_the_commands_take_it_by_name(copy, tmp_path):
-    env = os.environ | {"PYTHONPATH": str(copy)}
-    text = (ROOT / "src/fascicle/files/examples/kim2021_figure_6.toml").read_text()
-    text = text.replace('tension = "klute_hannaford"', 'tension = { law = "toy2026", loss = 0.6 }')
-    (tmp_path / "toy.toml").write_text(text, encoding="utf-8")
-    asked = ["force", "toy.toml", "--pressure", "100kPa", "--strain", "0.1", "--json"]
-    done = subprocess.run(
-        [sys.executable, "-m", "fascicle", *asked],
-        cwd=tmp_path, env=env, capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert len(json.loads(done.stdout)["force"][0]) == 1
+def test_a_new_law_is_found_everywhere(copy, tmp_path):
+    """In files, widgets, the docs, the tests of laws, and by the commands."""
+    run(copy, tmp_path, *READERS.values(), COMMAND)
+
+
+@pytest.mark.slow
+def test_a_new_law_is_fitted_and_compared(copy, tmp_path):
+    run(copy, tmp_path, FIT)

@@ -26,7 +26,7 @@ NAMES = ["braid_angle", "outer_radius"]
 P, STRAIN = np.linspace(1.5e5, 6e5, 10)[:, None], np.linspace(0.0, 0.1, 8)
 FORCE = np.asarray(TRUE.force(P, STRAIN))  # the muscle pulls at all of them
 SIGMA = 2.0
-RECORDS = {"scope": "module", "params": [15, pytest.param(60, marks=pytest.mark.slow)]}
+RECORDS = {"scope": "module", "params": [8, pytest.param(60, marks=pytest.mark.slow)]}
 
 
 def smooth(rng, deviation, along=STRAIN):

@@ -36,7 +36,7 @@ def tuned():
     return fit(MACHINE.record(TRUE, seed=1), DRAWN)
 
 
-@pytest.fixture(scope="module", params=[8, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.fixture(scope="module", params=[5, pytest.param(30, marks=pytest.mark.slow)])
 def many(request):
     """Fits of as many synthetic records, of more by `make slow`."""
     return [fit(MACHINE.record(TRUE, seed=seed), DRAWN) for seed in range(request.param)]
@@ -84,8 +84,7 @@ def test_factors_are_recovered_within_their_intervals(many):
 
 
 def test_the_noise_is_the_records(many):
-    # 0.5 % of the largest force, of some 160 readings past the free strain: 6 % each, 1 % of 30,
-    # 2 % of eight
+    # 0.5 % of the largest force, of some 160 readings past the free strain: 6 % each, 3 % of five
     scale = np.array([0.005 * np.abs(made.record.force).max() for made in many])
     found = np.array([float(made.problem.noise) for made in many])
     assert_allclose(np.mean(found / scale), 1, rtol=0.05)
@@ -222,7 +221,7 @@ def test_constants_are_recovered_from_what_pulls(constants):
     assert_allclose(constants.problem.noise, 1.0, rtol=0.37)
 
 
-@pytest.mark.parametrize("records", [12, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("records", [6, pytest.param(40, marks=pytest.mark.slow)])
 def test_constants_keep_their_coverage_over_seeds(records):
     inside = []
     for seed in range(records):
@@ -323,12 +322,6 @@ def test_unknown_choices_are_refused():
         fit(record, NOMINAL, NAMES, {"c10": Prior(1e5, 1e4)})
 
 
-def test_impossible_priors_are_refused():
-    for prior in (Prior(-6e-3, 1e-5), Prior(6e-3, 0.0), Prior(float("nan"), 1e-5)):
-        with pytest.raises(ValueError, match="outer_radius"):
-            fit(clipped(), NOMINAL, NAMES, {"outer_radius": prior})
-
-
 def test_fewer_readings_than_parameters_are_refused():
     record = clipped().only(slice(0, 1))
     with pytest.raises(ValueError, match="holds 1 readings for 2 parameters: measure more"):
@@ -358,12 +351,13 @@ def test_forces_that_never_pull_under_pressure_are_refused():
     assert largest_force(still) == np.max(1.0 - flipped.force)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_priors_that_no_muscle_can_have_are_refused(name):
-    # past the neutral angle; inside the wall
-    value = {"braid_angle": np.radians(60), "outer_radius": 1e-3}[name]
-    with pytest.raises(ValueError, match=name):
-        fit(clipped(), NOMINAL, NAMES, {name: Prior(value, 0.1 * value)})
+def test_priors_that_no_muscle_can_have_are_refused():
+    # inside the wall, and past the neutral angle
+    radii = [Prior(-6e-3, 1e-5), Prior(6e-3, 0.0), Prior(float("nan"), 1e-5), Prior(1e-3, 1e-4)]
+    cases = [("outer_radius", prior) for prior in radii]
+    for name, prior in (*cases, ("braid_angle", Prior(np.radians(60), 0.1))):
+        with pytest.raises(ValueError, match=name):
+            fit(clipped(), NOMINAL, NAMES, {name: prior})
 
 
 def test_a_wide_prior_is_still_a_prior():

@@ -56,7 +56,7 @@ def size(name):
     return layout(name)[0].size
 
 
-@pytest.mark.parametrize("count", [150, pytest.param(600, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [100, pytest.param(600, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["table", "sweeps", "loops"])
 def test_noise_is_called_a_trend_as_rarely_as_is_said(name, count):
     rng = np.random.default_rng(1)

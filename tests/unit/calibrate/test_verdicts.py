@@ -10,7 +10,7 @@ from fascicle.calibrate.calibration import Estimate
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.fitting import fit
 from fascicle.calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
-from fascicle.calibrate.model_selection import make_trial, select, select_model
+from fascicle.calibrate.model_selection import select_model
 from fascicle.calibrate.readings import _polynomial
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
@@ -67,34 +67,25 @@ def test_values_without_scatter_have_a_polynomial():
     assert np.all(np.isfinite(fitted.covariance))
 
 
-def candidate(names, unseen):
-    error = np.full(40, unseen)
-    label = ",".join(names), names, "constants", len(names)
-    return make_trial(label, error, error, "linear", 100.0)
-
-
-def test_the_muscle_as_given_is_taken_where_no_fit_is_better():
-    given, fitted = candidate((), 2.02), candidate(("c10", "c01"), 2.03)
-    assert select([given, fitted], 0.1, "linear") is given
-    better = candidate(("c10", "c01"), 1.0)
-    assert select([given, better], 0.1, "linear") is better
-
-
 def test_a_muscle_as_given_has_a_calibration_without_constants():
-    record = sweeps([1e5, 2e5, 3e5, 4e5], [0.1, 0.1, 0.15, 0.2], noise=0.3)
+    record = sweeps([1e5, 2e5, 3e5, 4e5], [0.1, 0.1, 0.15, 0.2], points=12, noise=0.3)
     choice = select_model(record, MUSCLE)
     assert [one.constants for one in choice.candidates if one.chosen] == [0]
     assert choice.calibration.parameters == ()
     assert choice.calibration.muscle == MUSCLE
 
 
-@pytest.mark.parametrize(("value", "half"), [(36.08, 0.004), (36.08, 4e-7), (0.25, 0.3)])
-def test_a_printed_interval_holds_its_value(value, half):
-    estimate = Estimate("x", "number", "", value, value - half, value + half, value, 1.0, True)
+@pytest.mark.parametrize(
+    ("value", "low", "high"),
+    [(36.08, 36.076, 36.084), (36.08, 36.0799996, 36.0800004), (0.25, -0.05, 0.55),
+     (1.004, 0.6, 1.0045), (9.996, 9.9958, 15.0), (36.08, 36.08, 36.08)],
+)  # fmt: skip
+def test_a_printed_interval_contains_its_value(value, low, high):
+    estimate = Estimate("x", "number", "", value, low, high, value, 1.0, True)
     text, interval = interval_texts(estimate)
-    low, high = map(float, interval.split(" to "))
-    assert low <= float(text) <= high
-    assert low < high
+    ends = [float(end) for end in interval.split(" to ")]
+    assert ends[0] <= float(text) <= ends[1]
+    assert ends[0] < ends[1] or low == high
 
 
 @pytest.fixture(scope="module")
@@ -159,10 +150,13 @@ def test_a_coarse_load_cell_has_no_floor():
     )
 
 
-@pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
+@pytest.mark.parametrize(
+    ("truth", "model"),
+    [("elastica", "kim2021"), pytest.param("kim2021", "elastica", marks=pytest.mark.slow)],
+)
 def test_another_buckling_law_is_named_for_residuals_past_the_free_strain(truth, model):
     slender = fs.example("kim2021_figure_6")
-    gauge = fs.records.VirtualDynamometer(noise=0.003, samples=40)
+    gauge = fs.records.VirtualDynamometer(noise=0.003, samples=20)
     data = gauge.record(slender.replace(buckling=truth), seed=1)
     free = ("youngs_modulus_factor", "collapse_moment_factor")
     made = fit(data, slender.replace(buckling=model), free)
@@ -177,14 +171,3 @@ def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
     with pytest.raises(ValueError, match="--push-positive") as refused:
         fit(record(made.pressure, made.strain, -made.force), MUSCLE, ("c10", "c01"))
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("value", "low", "high"), [(36.08, 36.08, 36.08), (1.004, 0.6, 1.0045), (9.996, 9.9958, 15.0)]
-)
-def test_a_printed_end_beside_the_value_is_not_past_it(value, low, high):
-    shown, interval = interval_texts(
-        Estimate("x", "number", "", value, low, high, value, 1.0, True)
-    )
-    ends = [float(end) for end in interval.split(" to ")]
-    assert ends[0] <= float(shown) <= ends[1]

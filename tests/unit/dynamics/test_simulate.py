@@ -163,7 +163,7 @@ def test_a_controller_sees_and_acts(lift):
 
 @pytest.fixture(scope="module")
 def tracking(lift):
-    """A cost of tracking by gains, from a start, with its slopes, forward and in reverse."""
+    """A cost of tracking by gains, from a start, with its slopes by the gains."""
     begin = dynamics.equilibrium_state(lift, BEGIN)
     reference = begin.position + 0.004 * np.sin(np.linspace(0, 3, SHORT))
 
@@ -174,17 +174,17 @@ def tracking(lift):
     def twice(gains, start):
         return (found := cost(gains, start)), found
 
-    # one program has the cost and its slopes
-    return begin, jax.jit(jax.jacfwd(twice, has_aux=True)), jax.jit(jax.grad(cost))
+    # forward: `test_batches` compares them with those in reverse, which take longer to compile
+    return begin, jax.jit(jax.jacfwd(twice, has_aux=True))
 
 
 def test_slopes_by_gains_are_right(tracking):
-    start, forward, reverse = tracking
+    start, slopes_and_cost = tracking
     gains, h = jnp.array([300.0, 2e3]), np.array([3e-2, 2e-1])
-    slopes, _ = forward(gains, start)
-    assert_allclose(reverse(gains, start), slopes, rtol=1e-10)
+    slopes, _ = slopes_and_cost(gains, start)
     central = [
-        (forward(gains + d, start)[1] - forward(gains - d, start)[1]) / (2 * np.sum(d))
+        (slopes_and_cost(gains + d, start)[1] - slopes_and_cost(gains - d, start)[1])
+        / (2 * np.sum(d))
         for d in np.diag(h)
     ]
     assert_allclose(slopes, central, rtol=1e-4)
@@ -194,12 +194,10 @@ def test_slopes_by_gains_are_right(tracking):
 def test_slopes_are_finite_where_nothing_flows(tracking, lift, case):
     gains = jnp.zeros(2) if case == "shut valves" else jnp.array([300.0, 2e3])
     pressure = {"shut valves": BEGIN, "no pressure": 0.0, "supply's pressure": 413.7e3}[case]
-    _, forward, reverse = tracking
+    _, slopes_and_cost = tracking
     start = dynamics.equilibrium_state(lift, pressure, position=0.01)
-    slopes, _ = forward(gains, start)
+    slopes, _ = slopes_and_cost(gains, start)
     assert np.all(np.isfinite(slopes)) and np.any(slopes != 0)
-    # at a valve that just opens a slope is one of two; which one, both ways agree on
-    assert_allclose(reverse(gains, start), slopes, rtol=1e-10)
 
 
 def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
