@@ -3,14 +3,52 @@
 import pytest
 from measured import measured
 
-from fascicle.records import load
+from fascicle.records import load, runs
 from fascicle.records.columns import MissingMetadataError
 
 
-def test_a_rigs_clock_does_not_stop_the_reading():
-    record = load(measured("field-cases/06_timestamps.csv"), rest_length=0.18)
-    assert record.time is None and record.force.max() > 100
-    assert any("`Time` not read as time" in note for note in record.notes)
+LENGTH = {"rest_length": 0.18}
+PLACES = {"columns": "force[N],pressure[kPa],time,branch", "constants": {"length": "180 mm"}}
+READ = {
+    "01_headerless.csv": (60, PLACES), "02_isometric_floor.csv": (200, {}),
+    "02b_repeats_at_rest.csv": (192, {}), "03_in_mm_header.csv": (6, {}),
+    "04_bluehill_200kPa.csv": (5, {"constants": {"pressure": "200 kPa"}}),
+    "04b_bluehill_raw_only_200kPa.csv": (5, {"name_pattern": "{pressure}kPa"}),
+    "05_labview.lvm": (5, {}), "06_timestamps.csv": (5, {}),
+    "07_hanging_mass.csv": (8, {"units": {"force": "gf"}}),
+    "07b_mass_kg.csv": (8, {"units": {"force": "kgf"}}), "08_arduino_monitor.txt": (4, {}),
+    "09_whitespace.dat": (4, {}), "12b_zero_offset.csv": (4, {"zeros": {"pressure": "8.2 kPa"}}),
+    "13_isometric_two_branches.csv": (480, {}),
+    "20_short_zero_sweep_german.csv": (540, {"rest_length": 0.2}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", READ)
+def test_every_file_is_read(name):
+    readings, options = READ[name]
+    record = load(measured(f"field-cases/{name}"), **LENGTH | options)
+    assert len(record) == readings
+    assert 1e5 <= record.pressure.max() < 1e6 and record.force.max() > 1
+    assert all(run.kind != "mixed" for run in runs(record))
+
+
+@pytest.mark.parametrize(
+    ("name", "choice"),
+    [
+        ("01_headerless.csv", ("columns", "")),
+        ("04_bluehill_200kPa.csv", ("constants", "pressure")),
+        ("07_hanging_mass.csv", ("units", "force")), ("07b_mass_kg.csv", ("units", "force")),
+    ],
+)  # fmt: skip
+def test_what_a_file_lacks_is_offered(name, choice):
+    with pytest.raises(MissingMetadataError) as missing:
+        load(measured(f"field-cases/{name}"), **LENGTH)
+    assert (missing.value.argument, missing.value.role) == choice
+
+
+def test_a_rigs_clock_gives_the_time():
+    record = load(measured("field-cases/06_timestamps.csv"), **LENGTH)
+    assert record.time == pytest.approx([0, 0.1, 0.2, 0.3, 0.4])
 
 
 @pytest.mark.parametrize(

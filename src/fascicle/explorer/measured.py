@@ -12,8 +12,8 @@ from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain, strain_domain
 from ..records import loads
 from ..records.columns import MissingMetadataError
-from ..records.csv_table import open_table
 from ..records.record import Record
+from ..records.tables import open_table
 from ..units import pretty
 
 
@@ -25,6 +25,7 @@ MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
 AUTOMATIC, TUNING = "automatic", "tuning"  # instead of names of constants to fit
+_FIELDS = ("columns", "units")  # arguments of `records.load` that the page has
 _POINTS = 121  # along a curve
 _PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
 _HEADER_BYTES = 200_000  # that hold the header
@@ -68,6 +69,11 @@ def read_record(
     try:
         record = loads(text, source=name, **arguments)
     except MissingMetadataError as error:
+        if error.argument != "rest_length" and not (error.role and error.argument in _FIELDS):
+            problem = error.before.rpartition(": ")[0]
+            raise ValueError(
+                f"{problem}: add that to the file, or use `fascicle calibrate`."
+            ) from None
         if error.argument != "rest_length":
             # in the words of the fields on the page
             what = "" if error.argument == "columns" else "its unit in "

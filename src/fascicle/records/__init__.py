@@ -41,7 +41,7 @@ _HOMES = {
     "MissingMetadataError": "columns",
 }
 _MOVED = {
-    "asking": "records.columns", "averaging": "records.hysteresis",
+    "asking": "records.columns", "csv_table": "records.tables", "averaging": "records.hysteresis",
     "fabrication": "records.dynamometer", "loops": "records.hysteresis",
     "pairs": "records.dynamometer", "splitting": "records.segmentation",
     "writing": "records.record",

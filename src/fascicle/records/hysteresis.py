@@ -83,13 +83,12 @@ def averaged(record: Record, points: int = 50) -> Averaged:
     for level in _group_by_level(record, segments):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
-        if loop is None:
-            piece = record.only(np.concatenate([run.points for run in level]))
-            loop = piece, np.full(len(piece), np.nan)
-        else:
-            loops += 1
-        pieces.append(loop[0])
-        widths.append(loop[1])
+        loops += loop is not None
+        piece = loop[0] if loop else record.only(np.concatenate([run.points for run in level]))
+        # a load that hangs leaves the loop to the strains
+        is_wide = loop and level[0].kind != "force"
+        pieces.append(piece)
+        widths.append(loop[1] if loop and is_wide else np.full(len(piece), np.nan))
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
     half_way = replace(record, **columns, time=None, notes=(*record.notes, note))
@@ -134,7 +133,8 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
 def _group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
     """Runs of one kind at one level, together."""
     levels: list[list[Run]] = []
-    scales = {"pressure": np.max(np.abs(record.pressure)), "strain": np.ptp(record.strain)}
+    scales = {kind: np.max(np.abs(getattr(record, kind))) for kind in ("pressure", "force")}
+    scales["strain"] = np.ptp(record.strain)
     for run in sorted(segments, key=lambda run: (run.kind, run.level)):
         last = levels[-1][-1] if levels else None
         reach = _LEVEL_WIDTH * scales[run.kind]

@@ -1,46 +1,25 @@
-"""From a dynamometer's file, and the TOML file beside it, to a checked `Record`.
+"""From a dynamometer's file, and the sidecar beside it, to a checked `Record`."""
 
-The TOML file, or `sidecar`, holds what the table's header can't:
-
-```toml
-rest_length = "300 mm"
-clipped_at_zero = true                # readings of exactly zero are clipped
-displacement_at_rest = "12.5 mm"      # the displacement's reading at the rest length
-source = "who measured it, and when"
-notes = ["what was measured, and how"]
-synthetic = false
-
-[columns]                             # a header that isn't recognized
-force = "Load cell 2"
-
-[units]                               # a unit that no header has
-force = "N"
-
-[signs]
-force = "pushing positive"            # or "pulling positive"
-strain = "extension positive"         # or "contraction positive"; displacement likewise
-```
-"""
-
+import glob
 import hashlib
 import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, get_args
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, StrictStr, ValidationError
 
 from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
-from ..io.toml import parse_toml
-from ..table_model import Quantity, TableModel, validation_message
 from ..units import parse, pretty
-from .columns import OPTIONAL, MissingMetadataError, check_roles, choose_columns
-from .csv_table import Cells, Table, open_table
+from .columns import MissingMetadataError, check_roles, choose_columns, split_names
+from .formats import unpack
+from .headers import DIMENSIONS
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
+from .sidecar import CONSTANTS, ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
+from .tables import MAX_ROWS, Cells, Table, open_table
 from .units import (
     POSITIONS,
     CellError,
@@ -53,7 +32,6 @@ from .units import (
 
 
 LARGEST_FILE = 1_000_000_000  # bytes
-_MAX_SIDECAR_SIZE = 1_000_000  # bytes
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 
 _BRANCHES = {
@@ -70,68 +48,27 @@ _FLAGS = {
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
 }
 _TEXT_ROLES = ("branch", "clipped")
-_NUMBER = re.compile(r"[+−-]?\d+(?:\.\d*)?", re.ASCII)
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
-_NEGATIVE = ("pushing positive", "extension positive")
-
-
-def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
-    check_roles(table, str(info.field_name))
-    return table
-
-
-Contraction = Literal["contraction positive", "extension positive"]
-Notes = Annotated[
-    list[StrictStr], BeforeValidator(lambda note: [note] if isinstance(note, str) else note)
-]
-TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
-
-
-class Signs(TableModel):
-    """`[signs]`: the direction in which the file counts."""
-
-    force: Literal["pulling positive", "pushing positive"] | None = None
-    strain: Contraction | None = None
-    displacement: Contraction | None = None
-
-    def sign(self, role: str) -> int | None:
-        """1 or −1 for a role, or `None`."""
-        direction = getattr(self, role, None)
-        return None if direction is None else -1 if direction in _NEGATIVE else 1
-
-
-class Sidecar(TableModel):
-    """Information about a table that its header doesn't hold.
-
-    - `rest_length`: reference length of the strains [m].
-    - `displacement_at_rest`: the displacement's reading there [m].
-    - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
-    - `columns`, `units`: headers and units by role.
-    - `signs`: directions of force, strain and displacement.
-    - `synthetic`: true for readings of a model.
-    - `source`, `notes`: remarks.
-    """
-
-    rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
-    displacement_at_rest: Annotated[float, Quantity("length")] | None = None
-    clipped_at_zero: StrictBool | None = None
-    columns: TextsByRole = Field(default_factory=dict)
-    units: TextsByRole = Field(default_factory=dict)
-    signs: Signs = Signs()
-    synthetic: StrictBool = False
-    source: StrictStr | None = None
-    notes: Notes = Field(default_factory=list)
+_SI_UNITS = {"pressure": "Pa", "force": "N", "length": "m", "displacement": "m", "strain": "-"}
+_PATTERN_NAMES = (*CONSTANTS, "rest_length")
 
 
 def load(
     path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
-    columns: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | Sequence[str] | str | None = None,
     units: Mapping[str, str] | None = None,
     rest_length: Any = None,
     clipped_at_zero: bool | None = None,
     header: int | None = None,
     sidecar: str | os.PathLike[str] | None = None,
+    constants: Mapping[str, Any] | None = None,
+    name_pattern: str | None = None,
+    zeros: Mapping[str, Any] | None = None,
+    signs: Mapping[str, str] | None = None,
+    atmosphere: Any = None,
+    rows: str | None = None,
+    table: str | None = None,
 ) -> Record:
     """Read a dynamometer's file.
 
@@ -139,36 +76,47 @@ def load(
 
     **Arguments:**
 
-    - `path`: the CSV file, or several of one muscle.
+    - `path`: the file (text, .xlsx, .mat or .tdms), or several of one muscle; patterns such as
+      `"runs/*.csv"` stand for all files that fit.
     - `columns`: headers of columns that aren't recognized, by role: pressure, force, strain,
-      length, displacement, time, branch, clipped.
+      length, displacement, time, branch, clipped. Or all columns in their order, such as
+      `"force[N],pressure[kPa],-,length[mm]"`, with `-` for one to skip: for files without header.
     - `units`: units of columns whose header has none, by role.
     - `rest_length`: reference length of the strains [m]; lengths and displacements need it.
     - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
     - `header`: line of the columns' names, counted from 1; default: it is inferred.
     - `sidecar`: the TOML file; default: the one of the table's name, if there is one.
+    - `constants`: pressure, force, strain, length or displacement of all readings [SI].
+    - `name_pattern`: constants in the file's name, such as `"{length}cm_{pressure}kPa"`.
+    - `zeros`: readings of pressure, force and displacement at zero, or at rest [SI].
+    - `signs`: directions by role: "pushing positive", "extension positive" and their opposites.
+    - `atmosphere`: to subtract from absolute pressures [Pa].
+    - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
+    - `table`: sheet, structure or group of a file with several.
 
     **Returns:** the record.
 
     **Raises:** `OSError` if a file can't be read; `ValueError`, in one line with file, line and
     column, for contents that aren't valid.
     """
-    if not isinstance(path, str | os.PathLike):
-        if not path:
-            raise InvalidInputError("path", "must name at least one file", None, shown="none")
-        options: Any = {
-            "columns": columns, "units": units, "rest_length": rest_length,
-            "clipped_at_zero": clipped_at_zero, "header": header, "sidecar": sidecar,
-        }  # fmt: skip
-        return join([load(file, **options) for file in path])
-    path = Path(path)
-    raw = read_bytes(path, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
-    if sidecar is None:
-        info, notes = _sidecar_beside(path)
-    else:
-        info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
-    info = _overrule(info, columns, units, rest_length, clipped_at_zero)
-    return _read_record(raw, str(path), path.name, info, notes, header)
+    options: dict[str, Any] = {
+        "columns": columns, "units": units, "rest_length": rest_length,
+        "clipped_at_zero": clipped_at_zero, "header": header, "constants": constants,
+        "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "rows": rows, "table": table,
+    }  # fmt: skip
+    records = []
+    for file in find_files(path):
+        raw = read_bytes(file, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
+        if sidecar is None:
+            info, notes = sidecar_beside(file)
+        else:
+            info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
+        if name_pattern is not None:
+            changes = _read_name(file, name_pattern)
+            info = info.model_copy(update=changes)
+            notes += (f"its name gives {_listed_values(changes)}",)
+        records.append(_read_record(raw, str(file), file.name, _overrule(info, **options), notes))
+    return records[0] if len(records) == 1 else join(records)
 
 
 def loads(text: str, source: str = "<text>", **options: Any) -> Record:
@@ -178,105 +126,164 @@ def loads(text: str, source: str = "<text>", **options: Any) -> Record:
 
     - `text`: the table.
     - `source`: its name in errors.
-    - `options`: `columns`, `units`, `rest_length`, `clipped_at_zero`, `header` of `load`.
+    - `options`: of `load`, but for `sidecar` and `name_pattern`.
 
     **Returns:** the record.
 
     **Raises:** `ValueError` as `load`.
     """
-    header = options.pop("header", None)
-    return _read_record(text.encode(), source, source, _overrule(Sidecar(), **options), (), header)
+    return _read_record(text.encode(), source, source, _overrule(Sidecar(), **options), ())
 
 
-def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
-    """Read a sidecar file; `ValueError` names file and key of an invalid value."""
-    return _validate_sidecar(_sidecar_tables(Path(path)), str(path))
+def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[Path]:
+    """Files of a path or several, with patterns such as `"runs/*.csv"` replaced by what fits them.
 
-
-def _sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
-    """The sidecar of a table's own name, empty if there is none, and a note of it."""
-    toml = path.with_suffix(".toml")
-    if toml == path or not toml.is_file():
-        return Sidecar(), ()
-    data = _sidecar_tables(toml)
-    if {"muscle", "bundle"} & set(data):
-        # a calibrated muscle's file may have its record's name
-        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
-    return _validate_sidecar(data, str(toml)), (f"{toml.name} beside it read",)
-
-
-def _sidecar_tables(path: Path) -> dict[str, Any]:
-    raw = read_bytes(path, _MAX_SIDECAR_SIZE, "record's TOML")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
-    return parse_toml(text, str(path))
-
-
-def _validate_sidecar(data: dict[str, Any], source: str) -> Sidecar:
-    try:
-        return Sidecar.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(validation_message(error, source, data, Sidecar)) from None
+    **Raises:** `FileNotFoundError` for a pattern that fits no file.
+    """
+    paths = [path] if isinstance(path, str | os.PathLike) else list(path)
+    if not paths:
+        raise InvalidInputError("path", "must name at least one file", None, shown="none")
+    files: list[Path] = []
+    for text in map(str, paths):
+        if not glob.has_magic(text) or "\0" in text or os.path.lexists(text):
+            files.append(Path(text))
+            continue
+        # a pattern may fit the sidecars, too
+        names = sorted(glob.glob(text, recursive=True))  # noqa: PTH207 absolute patterns, too
+        names = [name for name in names if not name.endswith(".toml")]
+        if not names:
+            raise FileNotFoundError(f"{text}: no file fits this pattern.")
+        files += map(Path, names)
+    return list(dict.fromkeys(files))
 
 
 def _overrule(
-    info: Sidecar,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    rest_length: Any = None,
-    clipped_at_zero: bool | None = None,
+    info: Sidecar, columns: Any = None, units: Mapping[str, str] | None = None, **options: Any
 ) -> Sidecar:
-    """The sidecar's information, overruled by the caller's."""
-    for argument, mapping in (("columns", columns or {}), ("units", units or {})):
+    """The sidecar's information, overruled by the caller's arguments of `load`."""
+    constants, zeros = options.pop("constants", None) or {}, options.pop("zeros", None) or {}
+    changes: dict[str, Any] = {k: v for k, v in options.items() if v is not None and k != "signs"}
+    if columns is not None and not isinstance(columns, Mapping):
+        changes["names"], columns = split_names(columns), None
+    tables = [("columns", columns or {}), ("units", units or {})]
+    for argument, mapping in tables:
         check_roles(mapping, argument)
-    changes: dict[str, Any] = {
-        "columns": {**info.columns, **(columns or {})},
-        "units": {**info.units, **(units or {})},
-    }
-    rest_length = to_si(rest_length, "rest_length", "m")
-    if rest_length is not None:
-        if not (np.isfinite(rest_length) and rest_length > 0):
-            rule, text = "must be positive and finite", f"{rest_length} m"
-            raise InvalidInputError("rest_length", rule, rest_length, shown=text)
-        changes["rest_length"] = float(rest_length)
-    if clipped_at_zero is not None:
-        changes["clipped_at_zero"] = clipped_at_zero
+        changes[argument] = {**getattr(info, argument), **mapping}
+    check_roles(constants, "constants", CONSTANTS)
+    check_roles(zeros, "zeros", ZEROS)
+    values = {
+        **constants, **{f"{role}_at_rest": value for role, value in zeros.items()},
+        **{key: changes.pop(key) for key in ("rest_length", "atmosphere") if key in changes},
+    }  # fmt: skip
+    for name, value in values.items():
+        unit = {"rest_length": "m", "atmosphere": "Pa"}.get(name) or _SI_UNITS[name.split("_")[0]]
+        number = to_si(value, name, unit)
+        if not np.isfinite(number) or (name == "rest_length" and number <= 0):
+            rule = f"must be {'positive and ' if name == 'rest_length' else ''}finite"
+            raise InvalidInputError(name, rule, number, shown=f"{number} {unit}")
+        changes[name] = float(number)
+    if signs := options.get("signs"):
+        changes["signs"] = info.signs.model_copy(update=_check_signs(signs))
     return info.model_copy(update=changes)
 
 
+def _check_signs(signs: Mapping[str, str]) -> dict[str, str]:
+    """Directions by role, in full: "pushing" is "pushing positive"."""
+    full = {}
+    check_roles(signs, "signs", tuple(Signs.model_fields))
+    for role, text in signs.items():
+        choices = get_args(get_args(Signs.model_fields[role].annotation)[0])
+        full[role] = f"{text.removesuffix('positive').strip()} positive"
+        if full[role] not in choices:
+            rule = f"of {role} must be {' or '.join(choices)}"
+            raise InvalidInputError("signs", rule, text)
+    return full
+
+
+def _read_name(path: Path, pattern: str) -> dict[str, float]:
+    """Constants [SI] that the file's name holds where the `pattern` has their names in braces.
+
+    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`.
+    """
+    # text, and after each piece of it a name, its unit in the braces, and the unit behind them
+    *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
+    expression, fields = "", []
+    for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
+        expression += _literal(text) + r"([+-]?\d+(?:[.,]\d+)?)"
+        fields.append((name, inside or behind))
+        if name not in _PATTERN_NAMES:
+            hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
+            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
+    if not fields:
+        hint = 'write such as "{length}cm_{pressure}kPa"'
+        raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
+    match = re.search(expression + _literal(end), path.stem)
+    if match is None:
+        raise ValueError(f"{path}: the file's name doesn't fit the pattern {pattern!r}.")
+    values = {}
+    for (name, unit), text in zip(fields, match.groups(), strict=True):
+        values[name] = parse(f"{text.replace(',', '.')} {unit}", _dimension(name), name)
+    return values
+
+
+def _literal(text: str) -> str:
+    return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
+
+
+def _listed_values(values: Mapping[str, float]) -> str:
+    return ", ".join(f"{role} {pretty(value, _dimension(role))}" for role, value in values.items())
+
+
+def _dimension(role: str) -> str:
+    return "length" if role == "rest_length" else DIMENSIONS.get(role, role)
+
+
 def _read_record(
-    raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...], header: int | None
+    raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...]
 ) -> Record:
-    table = open_table(raw, source, header)
-    columns, column_notes = choose_columns(table, info.columns, info.units)
+    text = unpack(raw, source, info.table)
+    table = open_table(text, source, info.header, info.names)
+    constants = info.constants
+    columns, column_notes = choose_columns(
+        table, info.columns, info.units, constants,
+        names=info.names, atmosphere=info.atmosphere is not None,
+    )  # fmt: skip
+    columns = {role: column for role, column in columns.items() if role not in constants}
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     rest_length, rest_notes = _rest_length(table, info, dict(remarks))
-    position = columns[next(role for role in POSITIONS if role in columns)]
-    if rest_length is None and position.role != "strain":
-        where = f"{table.where}, column `{position.header}`"
-        before = f"{where}: a {position.role} needs the rest length: give "
-        toml = f"{Path(name).stem or 'its'}.toml"
-        after = f', or write rest_length = "300 mm" in {toml} beside it.'
-        raise MissingMetadataError(before, "rest_length", after=after)
     cells, misread = _read_cells(table, columns, info)
     for column in misread:
         del columns[column.role]
         note = f"column `{column.header}` not read as {column.role}: it holds something else"
         column_notes = (*(text for text in column_notes if text != column.note()), note)
+    raws = {r: cells.numbers[c.index] for r, c in columns.items() if r not in _TEXT_ROLES}
+    if constants:
+        raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
+        columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
+        rest_notes += (f"all readings at {_listed_values(constants)}",)
+    position = columns[next(role for role in POSITIONS if role in columns)]
+    if rest_length is None and position.role != "strain":
+        before = (
+            f"{table.where}, column `{position.header}`: a {position.role} needs the rest length:"
+            " give "
+        )
+        toml = f"{Path(name).stem or 'its'}.toml"
+        after = f', or write rest_length = "300 mm" in {toml} beside it'
+        raise MissingMetadataError(before, ("rest_length", "", "", after))
 
     def cell_error(row: int, column: Column, rule: str) -> ValueError:
+        if column.index < 0:
+            return ValueError(f"{source}: constant {column.role}: {rule}")
         return table.cell_error(int(cells.lines[row]), column.index, rule)
 
-    raws = {
-        role: cells.numbers[column.index]
-        for role, column in columns.items()
-        if role not in _TEXT_ROLES
-    }
-    force = to_si_units(raws["force"], columns["force"].factor) * (info.signs.sign("force") or 1)
-    pressure, warnings = check_pressures(columns["pressure"], raws["pressure"], force, cell_error)
+    force = to_si_units(raws["force"], columns["force"].factor) - (info.force_at_rest or 0.0)
+    force = force * (info.signs.sign("force") or 1)
+    atmosphere = info.atmosphere if columns["pressure"].absolute else None
+    zero = (info.pressure_at_rest or 0.0) + (atmosphere or 0.0)
+    pressure, warnings = check_pressures(
+        columns["pressure"], raws["pressure"], force, zero, cell_error
+    )
     top = float(np.max(pressure))
     warnings += check_forces(columns["force"], raws["force"], force, top, cell_error)
     strain, strain_notes = _strain(
@@ -294,8 +301,8 @@ def _read_record(
             warnings += (f"time goes back in line {cells.lines[back[0] + 1]}",)
     texts = [] if info.source is None else [f"source: {info.source}"]
     all_notes = (
-        *notes, *_title_note(table), *column_notes, *rest_notes, *strain_notes, *clip_notes,
-        *warnings, *(" ".join(text.split()) for text in [*texts, *info.notes]),
+        *notes, *_title_note(table), *column_notes, *cells.notes, *rest_notes, *strain_notes,
+        *clip_notes, *warnings, *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
     return Record(
@@ -310,28 +317,33 @@ def _read_cells(
     table: Table, columns: Mapping[str, Column], info: Sidecar
 ) -> tuple[Cells, list[Column]]:
     """The columns' cells, and inferred optional columns that hold something else."""
+    named = set(columns) if info.names else {*info.columns, *info.units}
+    texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
+    numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
+    rows, misread = _row_range(info.rows), []
+    time = columns.get("time")
+    cells = table.read(numbers, texts, None if time is None else time.index, rows)
+    if time is not None and time.index not in cells.numbers:
+        if "time" in named:  # the error of its first bad cell
+            cells = table.read([*numbers, time.index], texts, None, rows)
+        else:
+            misread.append(time)
+    if (branch := columns.get("branch")) is not None and "branch" not in named:
+        values = {text.strip().lower() for text in cells.texts[branch.index].categories}
+        misread += [] if values <= set(_BRANCHES) else [branch]
+    return cells, misread
 
-    def read(roles: Sequence[str]) -> Cells:
-        texts = [columns[role].index for role in roles if role in _TEXT_ROLES]
-        return table.read([columns[r].index for r in roles if r not in _TEXT_ROLES], texts)
 
-    named = {*info.columns, *info.units}
-    inferred = [role for role in OPTIONAL if role in columns and role not in named]
-    misread = []
-    if "branch" in inferred:
-        column = columns["branch"]
-        texts = read(["branch"]).texts[column.index].categories
-        # numbers other than those of branches count the sweeps
-        if all(map(_NUMBER.fullmatch, texts)) and not set(texts) <= set(_BRANCHES):
-            misread.append(column)
-    roles = [role for role, column in columns.items() if column not in misread]
-    try:
-        return read(roles), misread
-    except ValueError:
-        if "time" not in inferred:
-            raise
-    misread.append(columns["time"])
-    return read([role for role in roles if role != "time"]), misread
+def _row_range(text: str | None) -> tuple[int, int]:
+    """First and last row of a range such as "40:200", "40:" or ":200"."""
+    if text is None:
+        return 1, MAX_ROWS
+    match = re.fullmatch(r"\s*(\d*)\s*:\s*(\d*)\s*", text, re.ASCII)
+    first, last = (int(match[1] or 1), int(match[2] or MAX_ROWS)) if match else (0, 0)
+    if not 1 <= first <= last:
+        rule = "must be the first and the last row, from 1, with a colon"
+        raise InvalidInputError("rows", rule, text, 'write such as "40:" or "40:200"')
+    return first, last
 
 
 def _title_note(table: Table) -> tuple[str, ...]:
@@ -375,6 +387,13 @@ def _strain(
         strain = values * sign
     elif column.role == "displacement":
         strain = (values - (info.displacement_at_rest or 0.0)) * sign / rest
+        is_known = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign < 0
+        if not is_known and np.min(strain) < _STRETCHED and np.max(strain) < -_STRETCHED:
+            message = str(cell_error(int(np.argmin(strain)), column, ""))
+            raise MissingMetadataError(
+                f"{message}all displacements stretch the muscle: if they grow with it, give ",
+                ("signs", "displacement", "extension positive", ", else contraction positive"),
+            )
     else:
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:

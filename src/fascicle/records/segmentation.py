@@ -1,10 +1,10 @@
-"""Segmentation of a record into runs: sweeps at one pressure, or at one length.
+"""Segmentation of a record into runs: sweeps at one pressure, at one length, or under one load.
 
 A record comes as samples in time, with constant setpoints and ramps between them, or as a table
 with rows in any order. First the levels of pressure and strain are found, exact ones before noisy
 ones. A run is then a stretch of readings at one level in which the other quantity moves; in a table
 without order, a run is all readings at a level. The quantity that explains more of the record,
-pressure or strain, is the constant one.
+pressure or strain, is the constant one; a record that neither explains may have constant forces.
 """
 
 from collections.abc import Sequence
@@ -35,20 +35,22 @@ _BINS = 8192  # of the histogram of levels: finer than the noise of transducers
 _LEVEL_SHARE = 2e-3  # of the record's readings, that a level has at least
 _MAX_LEVELS = 1000  # more are ramps
 
-Kind = Literal["pressure", "strain"]
+Kind = Literal["pressure", "strain", "force"]
+_SWEPT: dict[Kind, Kind] = {"pressure": "strain", "strain": "pressure", "force": "pressure"}
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """Readings of a record that belong to one sweep.
 
-    - `kind`: the constant quantity, "pressure" or "strain", or "mixed" for ramps and the like.
-    - `level`: median of the constant quantity [Pa] or [-]; NaN for mixed runs.
+    - `kind`: the constant quantity, "pressure", "strain" or "force", or "mixed" for ramps and the
+      like.
+    - `level`: median of the constant quantity [SI]; NaN for mixed runs.
     - `points`: the readings' indices in the record, in its order.
     - `branch`: 1 contracting or inflating, −1 back, 0 unknown.
     """
 
-    kind: Literal["pressure", "strain", "mixed"]
+    kind: Literal["pressure", "strain", "force", "mixed"]
     level: float
     points: np.ndarray
     branch: int
@@ -64,7 +66,8 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
     **Arguments:**
 
     - `record`: readings of one muscle.
-    - `by`: the constant quantity, "pressure" or "strain"; "auto": the one that explains more.
+    - `by`: the constant quantity, "pressure", "strain" or "force"; "auto": pressure or strain,
+      whichever explains more, or force where neither does.
 
     **Returns:** the runs, each reading in exactly one of them, in the order of their first reading.
 
@@ -72,12 +75,17 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
     """
     kinds: dict[str, tuple[Kind, ...]] = {
         "auto": ("pressure", "strain"), "pressure": ("pressure",), "strain": ("strain",),
+        "force": ("force",),
     }  # fmt: skip
     if by not in kinds:
-        raise InvalidInputError("by", 'must be "auto", "pressure" or "strain"', by)
+        raise InvalidInputError("by", 'must be "auto", "pressure", "strain" or "force"', by)
     if not len(record):
         return ()
     stretches, ordered = _find_stretches(record, kinds[by])
+    if by == "auto" and _count_readings(stretches) < _ORDERED * len(record):
+        isotonic, in_order = _find_stretches(record, ("force",))
+        if _count_readings(isotonic) >= _SORTED * len(record):
+            stretches, ordered = isotonic, in_order
     segments = [branch for run in stretches for branch in _split_branches(record, run, ordered)]
     if len(record) >= _LONG_RECORD and segments:
         # ends of ramps near a level are shorter than the run of the middle reading
@@ -96,9 +104,9 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
 
 def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
     """Runs with both branches together, and a flag: the rows' order has a meaning."""
-    values: dict[Kind, np.ndarray] = {"pressure": record.pressure, "strain": record.strain}
-    opposite: dict[Kind, Kind] = {"pressure": "strain", "strain": "pressure"}
-    scales = {"pressure": float(np.max(np.abs(record.pressure))), "strain": np.ptp(record.strain)}
+    values: dict[Kind, np.ndarray] = {kind: getattr(record, kind) for kind in _SWEPT}
+    scales = {kind: float(np.max(np.abs(x))) for kind, x in values.items()}
+    scales["strain"] = float(np.ptp(record.strain))
     width = _WINDOW if len(record) >= _LONG_RECORD else 1
     smooth = {kind: _running_median(x, width) for kind, x in values.items()}
     noise_share = 0.45 if width > 1 else 1.0  # a median of nine leaves 0.42 of the noise
@@ -110,16 +118,20 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
         {kind: find_levels(values[kind], _EXACT * scales[kind]) for kind in kinds},
         {kind: find_levels(smooth[kind], float(noisy[kind])) for kind in kinds},
     ]
+    narrow = [kind for kind in kinds if np.ptp(values[kind]) <= 2 * _NOISY[0] * scales[kind]]
+    for kind in narrow:  # one level, unless each reading has an exact one
+        if np.any(labelings[0][kind] < 0):
+            labelings[0][kind] = np.zeros(len(record), dtype=int)
     best: list[Run] = []
     for labels in labelings:
         stretches = {
-            kind: _ordered_runs(kind, labels[kind], values[kind], smooth[opposite[kind]])
+            kind: _ordered_runs(kind, labels[kind], values[kind], smooth[_SWEPT[kind]])
             for kind in kinds
         }
         first = max(kinds, key=lambda kind: _count_readings(stretches[kind]))
         stretch = stretches[first]
         if len(kinds) > 1:
-            second = _outside(record, stretch, stretches[opposite[first]])
+            second = _outside(record, stretch, stretches[_SWEPT[first]])
             if _count_readings(second) >= _MIN_SECOND * len(record):
                 stretch = stretch + second
         if _count_readings(stretch) >= _ORDERED * len(record):
@@ -137,7 +149,7 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
             order = np.argsort(labels[kind], kind="stable")
             groups = np.split(order, np.flatnonzero(np.diff(labels[kind][order])) + 1)
             groups = [points for points in groups if labels[kind][points[0]] >= 0]
-            sweeps = _runs_of(kind, groups, values[kind], values[opposite[kind]], _MIN_MOTION)
+            sweeps = _runs_of(kind, groups, values[kind], values[_SWEPT[kind]], _MIN_MOTION)
             if _count_readings(sweeps) >= _SORTED * len(record):
                 return sweeps, False
     return best, True

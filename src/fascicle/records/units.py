@@ -31,16 +31,19 @@ _MIN_FORCE = 1.0  # N: less is too little to infer a unit from
 _TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 _DIMENSIONLESS = {"", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio", "dimensionless"}
 # other spellings, in lower case, of the units that `fascicle.units` or `_TIME` know
-_SPELLINGS = {
+SPELLINGS = {
     "pressure": {
         "pa": "Pa", "pascal": "Pa", "pascals": "Pa", "hpa": "hPa", "kpa": "kPa",
         "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
         "psi": "psi", "lbf/in2": "psi", "atm": "atm", "n/mm2": "MPa", "n/mm²": "MPa",
-        "n/mm^2": "MPa", "n/m2": "Pa", "n/m²": "Pa", "n/m^2": "Pa",
+        "n/mm^2": "MPa", "n/m2": "Pa", "n/m²": "Pa", "n/m^2": "Pa", "barü": "bar", "bar(ü)": "bar",
+        "kgf/cm2": "kgf/cm^2", "kgf/cm²": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "kg/cm²": "kgf/cm^2",
+        "mmhg": "mmHg",
     },
     "force": {
         "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
-        "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "gf": "gf",
+        "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "kp": "kgf", "gf": "gf", "dan": "daN",
+        "cn": "cN",
     },
     "length": {
         "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
@@ -55,7 +58,7 @@ _SPELLINGS = {
     },
 }  # fmt: skip
 _GAUGE = re.compile(r"(?:\s*\(g\)|[\s_]+g(?:auge)?|(?<=[a-z])g)$", re.IGNORECASE)
-_ABSOLUTE = re.compile(r"^(?:psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
+_ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
 # of masses that hang from a muscle, the unit of their weight
 _WEIGHTS = {
     **dict.fromkeys(("g", "gram", "grams", "gramm", "gr"), "gf"),
@@ -76,6 +79,7 @@ class Column:
     - `unit`: as written; `factor`: SI units in it.
     - `sign`: −1 if the file counts the other way.
     - `replaced_unit`: the header's unit, if the caller gave another one.
+    - `absolute`: true for pressures that count from vacuum.
     """
 
     role: str
@@ -85,6 +89,7 @@ class Column:
     factor: float = 1.0
     sign: int = 1
     replaced_unit: str = ""
+    absolute: bool = False
 
     def note(self) -> str:
         """Description of how the column is read."""
@@ -92,7 +97,8 @@ class Column:
         unit = f" in {self.unit or 'fractions'}" if has_unit else ""
         replaced = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
         sign = ", its sign turned" if self.sign < 0 else ""
-        return f"column `{self.header}` read as {self.role}{unit}{replaced}{sign}"
+        absolute = ", less the atmosphere" if self.absolute else ""
+        return f"column `{self.header}` read as {self.role}{unit}{replaced}{sign}{absolute}"
 
 
 CellError = Callable[[int, Column, str], ValueError]  # row, its column, the rule
@@ -105,7 +111,13 @@ def weight_unit(unit: str, dimension: str) -> str:
 
 def is_absolute(unit: str) -> bool:
     """True for a unit of absolute pressure, such as "psia"."""
-    return _ABSOLUTE.match(unit.strip().lower()) is not None
+    return bool(absolute_unit(unit))
+
+
+def absolute_unit(unit: str) -> str:
+    """Plain unit of a unit of absolute pressure, such as "psi" of "psia"; empty for other units."""
+    match = _ABSOLUTE.match(unit.strip().lower())
+    return match[1] if match else ""
 
 
 def unit_factor(unit: str, dimension: str) -> float:
@@ -118,14 +130,14 @@ def unit_factor(unit: str, dimension: str) -> float:
     if dimension == "pressure":
         if is_absolute(text):
             raise ValueError(f"{unit!r} is absolute")
-        text = _GAUGE.sub("", text) if text.lower() not in _SPELLINGS["pressure"] else text
+        text = _GAUGE.sub("", text) if text.lower() not in SPELLINGS["pressure"] else text
     if dimension == "strain" and text.lower() in _DIMENSIONLESS:
         return 1.0
     if dimension == "strain" and text.lower() == "mm/m":
         return 1e-3
     exact = DIMENSIONS[dimension].factors if dimension in DIMENSIONS else _TIME
     # the case counts where it can: mN and MN
-    name = text if text in exact else _SPELLINGS[dimension].get(text.lower(), "")
+    name = text if text in exact else SPELLINGS[dimension].get(text.lower(), "")
     if dimension == "time" and name:
         return _TIME[name]
     if not name and not (dimension == "force" and text == "mN"):
@@ -133,7 +145,7 @@ def unit_factor(unit: str, dimension: str) -> float:
     return parse(f"1 {name or text}", dimension)
 
 
-def is_unit(text: str, dimensions: tuple[str, ...] = tuple(_SPELLINGS)) -> bool:
+def is_unit(text: str, dimensions: tuple[str, ...] = tuple(SPELLINGS)) -> bool:
     """True if `text`, in brackets or not, is a unit of one of the `dimensions`."""
     for dimension in dimensions:
         try:
@@ -145,10 +157,11 @@ def is_unit(text: str, dimensions: tuple[str, ...] = tuple(_SPELLINGS)) -> bool:
 
 
 def strip_brackets(text: str) -> str:
-    """Remove the brackets around a unit."""
+    """Remove the brackets around a unit, and the "in" of `Force (in N)`."""
     text = text.strip()
     pairs = ("[]", "()", "{}", "<>")
-    return text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in pairs else text
+    text = text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in pairs else text
+    return re.sub(r"^in\s+(?=\S)", "", text)
 
 
 def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
@@ -164,14 +177,14 @@ def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
 
 
 def check_pressures(
-    column: Column, raw: np.ndarray, force: np.ndarray, cell_error: CellError
+    column: Column, raw: np.ndarray, force: np.ndarray, zero: float, cell_error: CellError
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     """Gauge pressures [Pa] of raw readings, checked against the `force` [N], and notes.
 
-    Noise below zero is set to zero. Raises what `cell_error` returns for a unit that can't be
-    right, and for pressures below zero.
+    `zero`: reading without gauge pressure [Pa]. Noise below zero is set to zero. Raises what
+    `cell_error` returns for a unit that can't be right, and for pressures below zero.
     """
-    pressure = to_si_units(raw, column.factor)
+    pressure = to_si_units(raw, column.factor) - zero
     row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
     top, strongest = float(pressure[row]), float(np.max(np.abs(force)))
     highest, rule = _with_unit(raw[row], column), ""
@@ -183,7 +196,7 @@ def check_pressures(
         raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
     if pressure[lowest] < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
         rule = f"{_with_unit(raw[lowest], column)} is below zero by more than noise:"
-        remedy = "write gauge pressures, without the transducer's offset."
+        remedy = "give the transducer's reading at zero as pressure_at_rest (--zero pressure=…)."
         raise cell_error(lowest, column, f"{rule} {remedy}")
     notes = []
     below = int(np.count_nonzero(pressure < 0))

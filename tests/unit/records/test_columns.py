@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fascicle.records.columns import choose_columns
-from fascicle.records.csv_table import open_table
+from fascicle.records.tables import open_table
 from fascicle.records.units import is_unit, to_si_units, unit_factor
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from fascicle.records import Record, csv_table, load, loads
+from fascicle.records import Record, load, loads, tables
 from fascicle.records.columns import MissingMetadataError
 
 
@@ -99,9 +99,6 @@ def test_encodings(tmp_path, encoding):
     ("old", "new", "fragments"),
     [
         # cells
-        ("20.25", "", ["line 3, column `force [N]`", "no value", "hole"]),
-        ("20.25", "NaN", ["line 3, column `force [N]`", "NaN is no reading"]),
-        ("20.25", "-inf", ["line 3, column `force [N]`", "-inf is no reading"]),
         ("20.25", "1e999", ["line 3, column `force [N]`", "'1e999' is no finite number"]),
         ("20.25", "20.25 N", ["line 3, column `force [N]`", "'20.25 N' is no finite number"]),
         ("20.25", "2_0", ["line 3, column `force [N]`", "'2_0' is no finite number"]),
@@ -109,7 +106,6 @@ def test_encodings(tmp_path, encoding):
         ("20.25", "٢", ["line 3, column `force [N]`", "is no finite number"]),
         ("20.25", '"20,25"', ["line 3, column `force [N]`", "write the decimals after a point"]),
         ("100,300,50.5", "100,three,50.5", ["line 2, column `length [mm]`", "'three'"]),
-        ("200,300,120", "200,300", ["line 4: 2 cells", "header has 3"]),
         ("20.25", "20,25", ["line 3: 4 cells", "header has 3"]),
         ("\n200", "\n\n\n200x", ["line 6, column `pressure [kPa]`", "'200x'"]),
         ("\n200", "\n# remark\n200x", ["line 5, column `pressure [kPa]`", "'200x'"]),
@@ -223,7 +219,9 @@ def test_branches_times_and_clipped_readings():
     assert_array_equal(record.time, [0, 0.5, 1, 1.5])
     assert_array_equal(record.branch, [1, 1, -1, 0])
     assert_array_equal(record.censored, [False, True, False, False])
-    message = refusal(text.replace("UP", "sideways"))
+    strange = text.replace("UP", "sideways")
+    assert not loads(strange).branch.any()
+    message = refusal(strange, columns={"branch": "branch"})
     assert "line 3, column `branch`: 'sideways' isn't known: write up or down" in message
     assert "column `clipped`: 'maybe'" in refusal(text.replace("Yes", "maybe"))
     back = loads(text.replace("1000", "400"))
@@ -297,7 +295,7 @@ def test_files_that_cannot_be_read(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="larger than"):
         load(tmp_path / "m.csv")
     monkeypatch.undo()
-    monkeypatch.setattr(csv_table, "MAX_ROWS", 2)
+    monkeypatch.setattr(tables, "MAX_ROWS", 2)
     with pytest.raises(ValueError, match="more than 2 rows"):
         load(tmp_path / "m.csv")
 
@@ -402,7 +400,6 @@ OFFERS = [
     ("force [N]", "Load (g)", "gf"), ("force [N]", "Load (kg)", "kgf"),
     ("force [N]", "load [grams]", "gf"), ("force [N]", "Force [V]", None),
     ("force [N]", "Load [oz]", None), ("force [N]", "force [mm]", None),
-    ("pressure [kPa]", "P (bar abs)", None), ("pressure [kPa]", "pressure [psia]", None),
     ("pressure [kPa]", "pressure [V]", None),
 ]  # fmt: skip
 
@@ -418,8 +415,6 @@ def test_a_unit_is_only_offered_where_the_numbers_are_in_it(old, new, unit):
         record = loads(GOOD.replace(old, new), rest_length=0.3, units={"force": unit})
         assert record.force[0] == pytest.approx(50.5 * {"gf": 9.80665e-3, "kgf": 9.80665}[unit])
         assert not any("not in" in note for note in record.notes)
-    if "abs" in new or "psia" in new:
-        assert "kPa" not in str(caught.value) and "subtract" in str(caught.value)
 
 
 def test_a_unit_that_contradicts_the_header_is_noted():

@@ -122,7 +122,7 @@ def test_a_table_by_length_is_read_by_length_unless_asked():
     by = runs(record, by="pressure")
     assert [(run.kind, run.points.size) for run in by] == [("pressure", 3)] * 7
     with pytest.raises(ValueError, match='`by` must be "auto"'):
-        runs(record, by="force")
+        runs(record, by="time")
 
 
 def test_branches_told_by_the_record_are_kept():

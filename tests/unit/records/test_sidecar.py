@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.records import load
-from fascicle.records.reading import read_sidecar
+from fascicle.records.sidecar import read_sidecar
 
 
 TABLE = "A,position [mm],pressure [kPa]\n-50,12.5,100\n0,-17.5,100\n"

@@ -3,21 +3,21 @@
 import datetime as dt
 import json
 import math
+import re
 import shutil
 import sys
 import textwrap
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...core.errors import InvalidInputError, require
 from ...io.sanitize import dump_json, sanitize_line
 from ...units import parse, pretty
-from .. import options
+from .. import options, reading
 from ..errors import UserError, user_errors
 from ..inputs import load_laws, read_muscle, read_quantity
-from ..options import Command, argument, complete_target, flag, option
+from ..options import Command, complete_target, flag, option
 from ..outputs import print_line, print_table, result_folder, status, write_folder
 
 
@@ -53,11 +53,7 @@ _CRITERIA = (
 
 
 def run(
-    data: list[str] = argument(
-        "DATA.csv...",
-        "CSV files of a dynamometer, all of one muscle: pressure, force, and strain, length or"
-        " displacement.",
-    ),
+    data: list[str] = reading.DATA,
     muscle: str | None = option(
         "Muscle file to begin with, or a named example.",
         "--muscle -m",
@@ -69,23 +65,21 @@ def run(
     wall_thickness: str | None = option("Wall thickness of the bladder at rest.", metavar="LENGTH"),
     braid_angle: str | None = option("Angle of a fiber from the axis at rest.", metavar="ANGLE"),
     material: str | None = option("Material of the bladder: latex.", metavar="NAME"),
-    rest_length: str | None = option(
-        "Length that strains and displacements refer to; default: the file's, else the muscle's.",
-        metavar="LENGTH",
-    ),
-    unit: list[str] | None = option(
-        "Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT"
-    ),
-    column: list[str] | None = option(
-        "Header of an unrecognized column: force='Load cell 2'; repeatable.", metavar="ROLE=HEADER"
-    ),
-    header: int | None = option(
-        "Line of the columns' names, below any titles; default: detected.", metavar="LINE", min=1
-    ),
-    clipped_at_zero: bool = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero"),
-    push_positive: bool = flag(
-        "Sign of the file's forces: positive for a push.", "--push-positive"
-    ),
+    rest_length: str | None = reading.REST_LENGTH,
+    unit: list[str] | None = reading.UNIT,
+    column: list[str] | None = reading.COLUMN,
+    columns: str | None = reading.COLUMNS,
+    header: int | None = reading.HEADER,
+    rows: str | None = reading.ROWS,
+    table: str | None = reading.TABLE,
+    pressure: str | None = reading.PRESSURE,
+    constant: list[str] | None = reading.CONSTANT,
+    name_pattern: str | None = reading.NAME_PATTERN,
+    zero: list[str] | None = reading.ZERO,
+    sign: list[str] | None = reading.SIGN,
+    atmosphere: str | None = reading.ATMOSPHERE,
+    clipped_at_zero: bool = reading.CLIPPED_AT_ZERO,
+    push_positive: bool = reading.PUSH_POSITIVE,
     fit: str | None = option(
         "Free parameters from the names below, such as c10,braid_angle, or tuning, the paper's"
         " method; default: selected by leave-one-pressure-out cross-validation.",
@@ -127,22 +121,20 @@ def run(
 ) -> None:
     """Fit a muscle to dynamometer data, with uncertainties."""
     names = None if fit is None else [name.strip() for name in fit.split(",")]
-    prior_texts = _pairs(prior, "--prior")
-    reading: dict[str, Any] = {
-        "units": _pairs(unit, "--unit"),
-        "columns": _pairs(column, "--column"),
-        "clipped_at_zero": True if clipped_at_zero else None,
-        "header": header,
-    }
-    folder = result_folder(out, f"calibrated-{Path(data[0]).stem}", as_json, overwrite)
+    prior_texts = reading.read_pairs(prior, "--prior")
+    options_of_reading = reading.read_options(
+        rest_length, unit, column, columns, pressure, constant, zero, sign, atmosphere,
+        header=header, rows=rows, table=table, name_pattern=name_pattern,
+        clipped_at_zero=clipped_at_zero, push_positive=push_positive,
+    )  # fmt: skip
+    stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
+    folder = result_folder(out, f"calibrated-{stem or 'record'}", as_json, overwrite)
     start = read_start(muscle, {
         "length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
         "braid_angle": braid_angle, "material": material, "tension": tension,
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
     })  # fmt: skip
-    if rest_length is not None:
-        reading["rest_length"] = read_quantity(rest_length, "length", "--rest-length")
-    record, remarks = _read_record(data, reading, float(start.length), push_positive)
+    record, remarks = reading.read_record(data, options_of_reading, float(start.length))
     _check(names, loss, intervals, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
@@ -200,19 +192,6 @@ class Result(NamedTuple):
     comparison: tuple[Any, ...] = ()
 
 
-def _pairs(texts: list[str] | None, name: str) -> dict[str, str]:
-    """Values by name of an option's `NAME=VALUE`s."""
-    pairs: dict[str, str] = {}
-    for text in texts or []:
-        key, _, value = map(str.strip, text.partition("="))
-        if not key or not value:
-            raise UserError(f"{name} {text!r}: write NAME=VALUE.")
-        if key in pairs:
-            raise UserError(f"{name} {text!r}: {key} was given twice: give it once.")
-        pairs[key] = value
-    return pairs
-
-
 def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
     """Read the muscle that a fit begins with.
 
@@ -241,45 +220,6 @@ def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
 
     with user_errors():
         return Muscle.from_dimensions(**changes)
-
-
-def _read_record(
-    paths: list[str], reading: dict[str, Any], length: float, push_positive: bool
-) -> tuple["Record", tuple[str, ...]]:
-    """Read the record; also remarks on what was assumed."""
-    from ...records import join, load
-    from ...records.columns import MissingMetadataError
-
-    records, assumed = [], False
-    with user_errors():
-        try:
-            for path in paths:
-                try:
-                    records.append(load(path, **reading))
-                except MissingMetadataError as error:
-                    if error.argument != "rest_length":
-                        raise
-                    # a length or displacement in a file that names no rest length
-                    records.append(load(path, **dict(reading, rest_length=length)))
-                    assumed = True
-            record = join(records)
-        except MissingMetadataError as error:
-            flag = {"columns": "--column", "units": "--unit"}.get(error.argument, "--rest-length")
-            value = f" {error.role}='{error.value}'" if error.role else ""
-            raise ValueError(f"{error.before}{flag}{value}{error.after}") from None
-    notes = [
-        note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
-        for note in record.notes
-    ]
-    if push_positive:
-        notes.append("forces read with the other sign (--push-positive)")
-        record = replace(record, force=-record.force)
-    if record.rest_length is None:
-        record, assumed = replace(record, rest_length=length), True
-    remark = (
-        f"rest length not given: strains refer to the muscle's length, {pretty(length, 'length')}"
-    )
-    return replace(record, notes=tuple(notes)), (remark,) if assumed else ()
 
 
 def _check(names: list[str] | None, loss: str, intervals: str, posterior: bool) -> None:

@@ -1,0 +1,175 @@
+"""Options with which commands read measured records, and the reading."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from ..units import pretty
+from .errors import UserError, user_errors
+from .inputs import read_quantity
+from .options import argument, flag, option
+
+
+if TYPE_CHECKING:
+    from ..records.record import Record
+
+
+DATA = argument(
+    "DATA...",
+    "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx, .mat"
+    " or .tdms with pressure, force, and strain, length or displacement.",
+)
+REST_LENGTH = option(
+    "Length that strains and displacements refer to; default: the file's, else the muscle's.",
+    metavar="LENGTH",
+)
+UNIT = option("Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT")
+COLUMN = option(
+    "Header of an unrecognized column: force='Load cell 2'; repeatable.", metavar="ROLE=HEADER"
+)
+COLUMNS = option(
+    "Columns in their order, of files without header: force[N],pressure[kPa],-,length[mm]; - skips"
+    " one; also strain, displacement, time, branch, clipped.",
+    metavar="NAMES",
+)
+HEADER = option(
+    "Line of the columns' names, below any titles; default: detected.", metavar="LINE", min=1
+)
+ROWS = option("Rows to read below the header, from 1: 40: or 40:200.", metavar="FIRST:LAST")
+TABLE = option("Sheet, structure or group of a file with several.", metavar="NAME")
+PRESSURE = option("Pressure of all readings of the files.", metavar="PRESSURE")
+CONSTANT = option(
+    "Constant of all readings: length=167mm, force=2kgf; repeatable.", metavar="ROLE=VALUE"
+)
+NAME_PATTERN = option(
+    "Constants in the files' names: {length}cm_{pressure}kPa, * for other text.", metavar="PATTERN"
+)
+ZERO = option(
+    "Reading of a gauge at zero or at rest: force=8N, pressure=1.5kPa, displacement=2mm;"
+    " repeatable.",
+    metavar="ROLE=VALUE",
+)
+SIGN = option(
+    "Direction in which a column counts: displacement=extension; repeatable.",
+    metavar="ROLE=DIRECTION",
+)
+ATMOSPHERE = option("Atmosphere to subtract from absolute pressures.", metavar="PRESSURE")
+CLIPPED_AT_ZERO = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero")
+PUSH_POSITIVE = flag("Sign of the file's forces: positive for a push.", "--push-positive")
+
+_DIMENSIONS = {"displacement": "length"}  # of roles that aren't dimensions themselves
+
+
+def read_pairs(texts: list[str] | None, name: str) -> dict[str, str]:
+    """Read values by name of an option's `NAME=VALUE`s."""
+    pairs: dict[str, str] = {}
+    for text in texts or []:
+        key, _, value = map(str.strip, text.partition("="))
+        if not key or not value:
+            raise UserError(f"{name} {text!r}: write NAME=VALUE.")
+        if key in pairs:
+            raise UserError(f"{name} {text!r}: {key} was given twice: give it once.")
+        pairs[key] = value
+    return pairs
+
+
+def read_options(
+    rest_length: str | None = None,
+    unit: list[str] | None = None,
+    column: list[str] | None = None,
+    columns: str | None = None,
+    pressure: str | None = None,
+    constant: list[str] | None = None,
+    zero: list[str] | None = None,
+    sign: list[str] | None = None,
+    atmosphere: str | None = None,
+    *,
+    clipped_at_zero: bool = False,
+    push_positive: bool = False,
+    **settings: Any,
+) -> dict[str, Any]:
+    """Arguments of `records.load` from the texts of the options of this module."""
+    headers, signs = read_pairs(column, "--column"), read_pairs(sign, "--sign")
+    if columns is not None and headers:
+        raise UserError("--columns names all columns: leave out --column.")
+    constants = {
+        role: read_quantity(text, _DIMENSIONS.get(role, role), f"--constant {role}")
+        for role, text in read_pairs(constant, "--constant").items()
+        if _check_role("--constant", role, "pressure, force, strain, length, displacement")
+    }
+    zeros = {
+        role: read_quantity(text, _DIMENSIONS.get(role, role), f"--zero {role}")
+        for role, text in read_pairs(zero, "--zero").items()
+        if _check_role("--zero", role, "pressure, force, displacement")
+    }
+    if pressure is not None:
+        constants["pressure"] = read_quantity(pressure, "pressure", "--pressure")
+    if push_positive:
+        signs["force"] = "pushing positive"
+    quantities = {"rest_length": (rest_length, "length"), "atmosphere": (atmosphere, "pressure")}
+    for name, (text, dimension) in quantities.items():
+        if text is not None:
+            settings[name] = read_quantity(text, dimension, f"--{name.replace('_', '-')}")
+    return settings | {
+        "units": read_pairs(unit, "--unit"), "columns": headers if columns is None else columns,
+        "constants": constants, "zeros": zeros, "signs": signs,
+        "clipped_at_zero": clipped_at_zero or None,
+    }  # fmt: skip
+
+
+def read_record(
+    paths: list[str], options: dict[str, Any], length: float
+) -> tuple["Record", tuple[str, ...]]:
+    """Read one record from files; also remarks on what was assumed.
+
+    **Arguments:**
+
+    - `paths`: files and patterns.
+    - `options`: arguments of `records.load`.
+    - `length`: of the muscle at rest [m], for files that name no rest length.
+    """
+    from ..records import join, load
+    from ..records.columns import MissingMetadataError
+    from ..records.reading import find_files
+
+    records, assumed = [], False
+    with user_errors():
+        try:
+            for path in find_files(paths):
+                try:
+                    records.append(load(path, **options))
+                except MissingMetadataError as error:
+                    if error.argument != "rest_length":
+                        raise
+                    # a length or displacement in a file that names no rest length
+                    records.append(load(path, **{**options, "rest_length": length}))
+                    assumed = True
+            record = join(records)
+        except MissingMetadataError as error:
+            raise ValueError(error.message(_option)) from None
+    notes = tuple(
+        note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
+        for note in record.notes
+    )
+    record = replace(record, notes=notes)
+    if record.rest_length is None:
+        record, assumed = replace(record, rest_length=length), True
+    remark = (
+        f"rest length not given: strains refer to the muscle's length, {pretty(length, 'length')}"
+    )
+    return record, (remark,) if assumed else ()
+
+
+def _check_role(name: str, role: str, roles: str) -> bool:
+    if role not in roles.split(", "):
+        raise UserError(f"{name} {role}: no such quantity: choose of {roles}.")
+    return True
+
+
+def _option(argument: str, role: str, value: str) -> str:
+    """An argument of `records.load` as options of the command line."""
+    if argument == "constants" and role == "pressure":
+        return f"--pressure '{value}'"
+    name = argument.removesuffix("s") if role else argument
+    text = value.removesuffix(" positive") if argument == "signs" else value
+    setting = f" {role}='{text}'" if role else f" '{text}'" if text else ""
+    return f"--{name.replace('_', '-')}{setting}"

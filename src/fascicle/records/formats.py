@@ -1,0 +1,187 @@
+"""Spreadsheets and binary files of instruments as text tables: .xlsx, .mat, .tdms.
+
+openpyxl, SciPy and npTDMS parse; here their columns get names and units. A file with several tables
+(sheets, structures, groups) is refused unless one is named or only one has readings.
+"""
+
+import io
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..core.errors import require
+from .headers import MissingMetadataError
+from .tables import has_readings
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# first bytes of files that can't be read, and what to do
+_REMEDIES = {
+    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": "an Excel file of before 2007: save it as .xlsx or CSV",
+    b"\x89HDF\r\n\x1a\n": "an HDF5 file; if MATLAB wrote it, save it with save(…, '-v7')",
+    b"\x1f\x8b": "a compressed file: unpack it, or export its readings as CSV",
+    b"%PDF": "a PDF: export the readings as CSV",
+}
+_CHANNEL_DATA = ("data", "values", "value", "y")  # keys of a structure that is one channel
+_LABELS = ("colheaders", "names", "labels", "columns", "header", "headers", "channels")
+
+
+def unpack(raw: bytes, source: str, table: str | None = None) -> bytes:
+    """Text of a file's table; a text file is returned as it is.
+
+    **Arguments:**
+
+    - `raw`: the file's bytes; `source`: its name in errors.
+    - `table`: name of the sheet, structure or group; default: the one with readings.
+
+    **Raises:** `ValueError` for a file that can't be read; `MissingExtraError` if its library isn't
+    installed.
+    """
+    for start, remedy in _REMEDIES.items():
+        if raw.startswith(start):
+            raise ValueError(f"{source}: {remedy}.")
+    if raw.startswith(b"PK\3\4"):
+        tables = _sheets(raw, source)
+    elif raw.startswith(b"TDSm"):
+        tables = _groups(raw, source)
+    elif raw.startswith(b"MATLAB") or (source.lower().endswith(".mat") and b"\0" in raw):
+        tables = _structures(raw, source)
+    elif table is not None:
+        raise ValueError(
+            f"{source}: no table `{table}`: a text file holds one, leave the name out."
+        )
+    else:
+        return raw
+    if table is not None:
+        names = [name for name in tables if name.lower() == table.lower()]
+        if not names:
+            listed = ", ".join(f"`{name}`" for name in tables) or "none"
+            raise ValueError(f"{source}: no table `{table}`: there are {listed}.")
+    else:
+        names = [name for name, text in tables.items() if has_readings(text)]
+    if not names:
+        raise ValueError(f"{source}: no table of numbers in it: export the readings as CSV.")
+    if len(names) > 1:
+        listed = ", ".join(f"`{name}`" for name in names)
+        before = f"{source}: several tables, {listed}: choose one with "
+        raise MissingMetadataError(before, ("table", "", names[0], ""))
+    return tables[names[0]]
+
+
+def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
+    """Text of each sheet of an .xlsx file, by name."""
+    require("openpyxl")
+    from openpyxl import load_workbook
+
+    def text(value: Any) -> str:
+        return "" if value is None else " ".join(str(value).split()).replace('"', "")
+
+    try:
+        book = load_workbook(io.BytesIO(raw), data_only=True)
+    except Exception as error:  # noqa: BLE001 of several libraries
+        raise ValueError(f"{source}: can't be read as .xlsx: {_line(error)}") from None
+    return {
+        sheet.title: "".join(
+            "\t".join(map(text, row)) + "\n" for row in sheet.iter_rows(values_only=True)
+        ).encode()
+        for sheet in book.worksheets
+    }
+
+
+def _groups(raw: bytes, source: str) -> dict[str, bytes]:
+    """Text of each group of a .tdms file, by name."""
+    require("nptdms")
+    import pandas as pd
+    from nptdms import TdmsFile
+
+    try:
+        file = TdmsFile.read(io.BytesIO(raw))
+    except Exception as error:  # noqa: BLE001 of the library's own kinds
+        raise ValueError(f"{source}: can't be read as .tdms: {_line(error)}") from None
+    tables = {}
+    for group in file.groups():
+        columns = {}
+        for channel in group.channels():
+            step = channel.properties.get("wf_increment")
+            if step and len(channel) and "time [s]" not in columns:
+                columns["time [s]"] = pd.Series(channel.time_track())
+            unit = channel.properties.get("unit_string") or channel.properties.get("Unit")
+            columns[_with_unit(channel.name, unit)] = pd.Series(channel[:])
+        tables[group.name] = _text(pd.DataFrame(columns))
+    return tables
+
+
+def _structures(raw: bytes, source: str) -> dict[str, bytes]:
+    """Text of each structure with columns in a .mat file, by name."""
+    from scipy.io import loadmat
+
+    try:
+        content = loadmat(io.BytesIO(raw), simplify_cells=True)
+    except Exception as error:  # noqa: BLE001 of SciPy's own kinds
+        remedy = "save it with save(…, '-v7'), or export its readings as CSV"
+        raise ValueError(f"{source}: can't be read as .mat: {_line(error)}: {remedy}.") from None
+    tables: dict[str, bytes] = {}
+    _visit({k: v for k, v in content.items() if not k.startswith("__")}, "variables", tables)
+    return tables
+
+
+def _visit(content: Mapping[str, Any], name: str, tables: dict[str, bytes]) -> None:
+    """Add the tables of a structure, and of those in it, to the `tables`."""
+    import pandas as pd
+
+    by_name = {key.lower(): value for key, value in content.items()}
+    units = next((by_name[k] for k in ("units", "unit") if isinstance(by_name.get(k), dict)), {})
+    labels = next((by_name[key] for key in _LABELS if key in by_name), None)
+    columns: dict[str, np.ndarray] = {}
+    for label, entry in _entries(content):
+        unit, data = units.get(label), entry
+        if isinstance(entry, dict):
+            channel = {key.lower(): value for key, value in entry.items()}
+            data = next((channel[key] for key in _CHANNEL_DATA if key in channel), 0)
+            if np.ndim(data) != 1 or np.asarray(data).dtype.kind not in "fiu":
+                _visit(entry, label, tables)
+                continue
+            unit = channel.get("unit", channel.get("units", unit))
+        values = np.asarray(data)
+        values = values.astype(int) if values.dtype.kind == "b" else values
+        is_number = values.dtype.kind in "fiu"
+        if (values.ndim == 1 and values.size > 1) or (values.ndim == 0 and is_number):
+            columns[_with_unit(label, unit)] = values
+        elif values.ndim == 2 and is_number:
+            has_labels = labels is not None and np.shape(labels) == values.shape[1:]
+            frame = pd.DataFrame(values, columns=labels if has_labels else None)
+            tables[label] = _text(frame, header=has_labels)
+    sizes = [values.size for values in columns.values() if values.ndim]
+    if sizes:
+        size = max(set(sizes), key=lambda n: (sizes.count(n), n))
+        # a number beside columns holds for each of their rows
+        tables[name] = _text(pd.DataFrame({
+            key: np.broadcast_to(values, size)
+            for key, values in columns.items()
+            if values.ndim == 0 or values.size == size
+        }))  # fmt: skip
+
+
+def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Entries of a structure, those of an array of structures one by one."""
+    for key, value in content.items():
+        if isinstance(value, list | np.ndarray) and any(isinstance(x, dict) for x in value):
+            for i, part in enumerate(value):
+                yield str(part.get("Name", part.get("name", f"{key}({i + 1})"))), part
+        else:
+            yield key, value
+
+
+def _with_unit(name: str, unit: Any) -> str:
+    return f"{name} [{unit}]" if isinstance(unit, str) and unit else name
+
+
+def _text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
+    return frame.to_csv(sep="\t", index=False, header=header).encode()
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split()).rstrip(".")

@@ -1,0 +1,167 @@
+"""The TOML file beside a table, or `sidecar`: what the table's header can't say.
+
+```toml
+rest_length = "300 mm"
+clipped_at_zero = true                # readings of exactly zero are clipped
+pressure = "200 kPa"                  # of all readings; length, strain, displacement, force too
+displacement_at_rest = "12.5 mm"      # the displacement's reading at the rest length
+pressure_at_rest = "1.5 kPa"          # the gauges' readings at zero; force_at_rest too
+atmosphere = "1.013 bar"              # subtracted from absolute pressures
+columns = ["force [N]", "-", "pressure [kPa]"]   # in their order, of a table without header
+rows = "40:200"                       # the first and the last row to read, from 1
+header = 12                           # line of the columns' names
+table = "Sheet2"                      # of a file with several
+source = "who measured it, and when"
+notes = ["what was measured, and how"]
+synthetic = false
+
+[columns]                             # a header that isn't recognized
+force = "Load cell 2"
+
+[units]                               # a unit that no header has
+force = "N"
+
+[signs]
+force = "pushing positive"            # or "pulling positive"
+strain = "extension positive"         # or "contraction positive"; displacement likewise
+```
+"""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    model_validator,
+)
+
+from ..io.input_file import read_bytes
+from ..io.toml import parse_toml
+from ..table_model import Quantity, TableModel, validation_message
+from .columns import check_roles, split_names
+
+
+_MAX_SIZE = 1_000_000  # bytes
+_NEGATIVE = ("pushing positive", "extension positive")
+CONSTANTS = ("pressure", "force", "strain", "length", "displacement")  # that one file may share
+ZEROS = ("pressure", "force", "displacement")  # gauges that may be off by a constant
+
+
+def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
+    check_roles(table, str(info.field_name))
+    return table
+
+
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+Contraction = Literal["contraction positive", "extension positive"]
+TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
+Pressure = Annotated[float, Quantity("pressure")]
+Length = Annotated[float, Quantity("length")]
+Force = Annotated[float, Quantity("force")]
+
+
+class Signs(TableModel):
+    """`[signs]`: the direction in which the file counts."""
+
+    force: Literal["pulling positive", "pushing positive"] | None = None
+    strain: Contraction | None = None
+    displacement: Contraction | None = None
+
+    def sign(self, role: str) -> int | None:
+        """1 or −1 for a role, or `None`."""
+        direction = getattr(self, role, None)
+        return None if direction is None else -1 if direction in _NEGATIVE else 1
+
+
+class Sidecar(TableModel):
+    """Information about a table that its header doesn't hold.
+
+    - `rest_length`: reference length of the strains [m].
+    - `pressure`, `force`, `strain`, `length`, `displacement`: constants of the file [SI].
+    - `pressure_at_rest`, `force_at_rest`, `displacement_at_rest`: readings at zero [SI].
+    - `atmosphere`: to subtract from absolute pressures [Pa].
+    - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
+    - `columns`, `units`: headers and units by role; `names`: columns in their order.
+    - `signs`: directions of force, strain and displacement.
+    - `rows`, `header`, `table`: of the table in the file.
+    - `synthetic`: true for readings of a model.
+    - `source`, `notes`: remarks.
+    """
+
+    rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
+    pressure: Pressure | None = None
+    force: Force | None = None
+    strain: Annotated[float, Quantity("strain")] | None = None
+    length: Length | None = None
+    displacement: Length | None = None
+    pressure_at_rest: Pressure | None = None
+    force_at_rest: Force | None = None
+    displacement_at_rest: Length | None = None
+    atmosphere: Pressure | None = None
+    clipped_at_zero: StrictBool | None = None
+    columns: TextsByRole = Field(default_factory=dict)
+    names: Annotated[tuple[str, ...], BeforeValidator(split_names)] = ()
+    units: TextsByRole = Field(default_factory=dict)
+    signs: Signs = Signs()
+    rows: StrictStr | None = None
+    header: StrictInt | None = None
+    table: StrictStr | None = None
+    synthetic: StrictBool = False
+    source: StrictStr | None = None
+    notes: Annotated[list[StrictStr], BeforeValidator(_as_list)] = Field(default_factory=list)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_columns(cls, data: Any) -> Any:
+        if isinstance(columns := data.get("columns"), str | list):
+            return {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
+        return data
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Values that all readings of the file share [SI], by role."""
+        values = {role: getattr(self, role) for role in CONSTANTS}
+        return {role: value for role, value in values.items() if value is not None}
+
+
+def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
+    """Read a sidecar file; `ValueError` names file and key of an invalid value."""
+    return _validate(_tables(Path(path)), str(path))
+
+
+def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
+    """The sidecar of a table's own name, empty if there is none, and a note of it."""
+    toml = path.with_suffix(".toml")
+    if toml == path or not toml.is_file():
+        return Sidecar(), ()
+    data = _tables(toml)
+    if {"muscle", "bundle"} & set(data):
+        # a calibrated muscle's file may have its record's name
+        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
+    return _validate(data, str(toml)), (f"{toml.name} beside it read",)
+
+
+def _tables(path: Path) -> dict[str, Any]:
+    raw = read_bytes(path, _MAX_SIZE, "record's TOML")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
+    return parse_toml(text, str(path))
+
+
+def _validate(data: dict[str, Any], source: str) -> Sidecar:
+    try:
+        return Sidecar.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(validation_message(error, source, data, Sidecar)) from None

@@ -1,0 +1,424 @@
+"""Files in the manner of instruments and loggers, all with the same four readings."""
+
+import sys
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.core.errors import MissingExtraError
+from fascicle.records import load, loads, runs
+from fascicle.records.columns import MissingMetadataError
+
+
+TIME = [0.0, 0.1, 0.2, 0.3]
+PRESSURE = [200.1, 200.3, 199.9, 200.0]  # kPa
+FORCE = [118.4, 95.2, 70.8, 48.9]  # N
+LENGTH = [180.0, 176.0, 171.9, 168.0]  # mm
+REST = 0.18  # m
+CONTRACTION = [180 - x for x in LENGTH]  # mm
+ROWS = list(zip(TIME, PRESSURE, FORCE, LENGTH, strict=True))
+
+
+def table(separator, columns, header="", decimal="."):
+    rows = zip(*columns, strict=True)
+    lines = [separator.join(str(x).replace(".", decimal) for x in row) for row in rows]
+    return "\n".join([*([header] if header else []), *lines, ""])
+
+
+def check(record, *, pressure=True, time=True):
+    assert_allclose(record.force, FORCE, rtol=1e-9)
+    assert_allclose(record.strain, np.array(CONTRACTION) / 180, atol=1e-9)
+    if pressure:
+        assert_allclose(record.pressure, np.array(PRESSURE) * 1e3, rtol=1e-9)
+    if time:
+        assert_allclose(record.time, TIME, atol=1e-9)
+
+
+BLUEHILL = (
+    '"Results Table 1"\n"","Maximum Load\n[N]","Extension at Maximum Load\n[mm]"\n'
+    '"1",118.4,0.00\n\n"Specimen 1"\n"Time","Extension","Load"\n"(s)","(mm)","(N)"\n'
+    + table(",", [[f'"{x}"' for x in column] for column in (
+        TIME, [-x for x in CONTRACTION], FORCE)])
+)  # fmt: skip
+BLUEHILL_3 = (
+    "Test Type : Tension\nInstrument Name;5967\nDate;2024-03-05\n\n"
+    "Time (sec);Extension (mm);Load (kN);Air pressure (bar);Tensile stress (MPa)\n"
+    + table(";", [TIME, [-x for x in CONTRACTION], [x / 1e3 for x in FORCE],
+                  [x / 100 for x in PRESSURE], [1, 2, 3, 4]], decimal=",")
+)  # fmt: skip
+TESTXPERT = (
+    '"Prüfer";"K. Müller"\n"Vorkraft";2;"N"\n\n'
+    '"Prüfzeit";"Standardweg";"Standardkraft";"Druck"\n"s";"mm";"N";"bar"\n'
+    + table(";", [TIME, CONTRACTION, FORCE, [x / 100 for x in PRESSURE]], decimal=",")
+)
+MTS = (
+    "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\nData Header:\tTime: 12.3 Sec\nStation Name: 370.02\n\n"
+    "{}\n{}\nEnd of Test\tTime: 14.0 Sec\n"
+)
+MTS_HEAD = "Running Time\tAxial Length\tAxial Force\tAux Pressure\nSec\tmm\tN\tkPa\n"
+LVM = (
+    "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t{}\n"
+    "Multi_Headings\tNo\nX_Columns\t{}\nTime\t10:11:12,5\n***End_of_Header***\t\n\t\n"
+)
+LVM_ONE = (
+    LVM.format(",", "One")
+    + "Channels\t3\t\t\t\nSamples\t4\t4\t4\t\nY_Unit_Label\tbar\tN\tmm\t\nX_Dimension\tTime\tTime\t"
+    "Time\t\nX0\t0,0E+0\t0,0E+0\t0,0E+0\t\nDelta_X\t0,1\t0,1\t0,1\t\n***End_of_Header***\t\t\t\t\n"
+    "X_Value\tPressure\tForce\tLength\tComment\n"
+    + table("\t", [TIME, [x / 100 for x in PRESSURE], FORCE, LENGTH], decimal=",")
+)
+LVM_MULTI = (
+    LVM.format(".", "Multi")
+    + "Channels\t3\t\t\t\t\t\nSamples\t4\t\t4\t\t4\t\nY_Unit_Label\tkPa\t\tN\t\tmm\t\n"
+    "X_Dimension\tTime\t\tTime\t\tTime\t\nX0\t0.0E+0\t\t0.0E+0\t\t0.0E+0\t\n"
+    "***End_of_Header***\t\t\t\t\t\t\n"
+    "X_Value\tPressure\tX_Value\tForce\tX_Value\tLength\tComment\n"
+    + table("\t", [TIME, PRESSURE, TIME, FORCE, TIME, LENGTH])
+)
+CATMAN = (
+    "HBM catman Messdatei\nKanäle: 4\t\nSep: tab\n\n"
+    "Zeit  1 - Standardmessrate [s]\tKraft [N]\tDruck [kPa]\tLänge [mm]\n"
+    "MX840A_0 hardware time\tMX840A_0 CH 1\tMX840A_0 CH 2\tMX840A_0 CH 3\n"
+    + table("\t", [TIME, FORCE, PRESSURE, LENGTH])
+)
+SHIMADZU = '"Name","7_1_1",,\n"Time","Force","Length","Pressure"\n"sec","N","mm","kPa"\n' + table(
+    ",", [TIME, FORCE, LENGTH, PRESSURE]
+)
+MONITOR = "\n".join(f"12:00:0{3 + t:.3f} -> {f}, {p}, {x}" for t, p, f, x in ROWS)
+MONITOR = f"12:00:02.900 -> force_N, pressure_kPa, length_mm\n{MONITOR}\n"
+PLOTTER = "".join(f"t_s:{t},pressure_kPa:{p},force_N:{f},length_mm:{x}\n" for t, p, f, x in ROWS)
+SENTENCES = "".join(f"Force: {f} N  Pressure = {p} kPa; Length: {x} mm\n" for _, p, f, x in ROWS)
+NUMPY = "# time_s pressure_kPa force_N length_mm\n" + table(" ", [TIME, PRESSURE, FORCE, LENGTH])
+FIXED = "  t [s]  pressure [kPa]  force [N] length [mm]\n" + "".join(
+    f"{t:7.1f}{p:16.1f}{f:11.1f}{x:12.1f}\n" for t, p, f, x in ROWS
+)
+ORIGIN = "A,B,C,D\nTime,Pressure,Force,Length\ns,kPa,N,mm\n,,,run 3\n" + table(
+    ",", [TIME, PRESSURE, FORCE, LENGTH]
+)
+MATLAB = "t_s_,Pressure_kPa_,Force_N_,Length_mm_,Temperature__C_\n" + table(
+    ",", [TIME, PRESSURE, FORCE, LENGTH, [21.5] * 4]
+)
+EXCEL = "sep=;\nTime [s];Pressure [kPa];Force [N];Length [mm]\n" + table(
+    ";", [TIME, PRESSURE, FORCE, LENGTH], decimal=","
+)
+VERNIER = (
+    "Latest: Time (s),Latest: Force (N),Latest: Gas Pressure (kPa),Latest: Length (mm)\n"
+    + table(",", [TIME, FORCE, PRESSURE, LENGTH])
+)
+VOLTS = (
+    "Time (in s),Pressure (in V),Force (in V),Laser (in mm),Pressure (in kPa),Force (in N)\n"
+    + table(",", [TIME, [1, 2, 3, 4], [4, 3, 2, 1], CONTRACTION, PRESSURE, FORCE])
+)
+AM_PM = "Time,P [kPa],F [N],L [mm]\n" + table(
+    ",", [["3/5/2024 11:59:59.900 AM", "3/5/2024 12:00:00.000 PM", "3/5/2024 12:00:00.100 PM",
+           "3/5/2024 12:00:00.200 PM"], PRESSURE, FORCE, LENGTH]
+)  # fmt: skip
+QUOTED = "Time [s],Druck [kPa],Kraft [N],Länge [mm]\n" + table(
+    ",", [[f'"{x}"' for x in column] for column in (TIME, PRESSURE, FORCE, LENGTH)], decimal=","
+)  # fmt: skip
+BARS = "time|pressure|force|length\ns|kPa|N|mm\n----|----|----|----\n" + table(
+    "|", [TIME, PRESSURE, FORCE, LENGTH]
+)
+
+TEXTS = {
+    "Bluehill with results above": (BLUEHILL, {"constants": {"pressure": "200 kPa"}}),
+    "Bluehill, semicolons": (BLUEHILL_3, {}),
+    "testXpert": (TESTXPERT, {}),
+    "MTS": (MTS.format(MTS_HEAD, table("\t", [TIME, LENGTH, FORCE, PRESSURE])), {}),
+    "LabVIEW": (LVM_ONE, {}),
+    "LabVIEW, a time for each": (LVM_MULTI, {}),
+    "catman": (CATMAN, {}),
+    "Shimadzu": (SHIMADZU, {}),
+    "serial monitor": (MONITOR, {}),
+    "serial plotter": (PLOTTER, {}),
+    "sentences": (SENTENCES, {}),
+    "NumPy": (NUMPY, {}),
+    "fixed width": (FIXED, {}),
+    "Origin": (ORIGIN, {}),
+    "MATLAB": (MATLAB, {}),
+    "Excel": (EXCEL, {}),
+    "Vernier": (VERNIER, {}),
+    "volts beside units": (VOLTS, {}),
+    "noon": (AM_PM, {}),
+    "quoted decimal commas": (QUOTED, {}),
+    "bars": (BARS, {}),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_exports_of_instruments(tmp_path, name, encoding):
+    text, options = TEXTS[name]
+    path = tmp_path / "m.csv"
+    path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
+    record = load(path, rest_length=REST, **options)
+    check(record, pressure="constants" not in options, time=name != "sentences")
+
+
+def test_a_header_repeated_between_blocks_is_read_once():
+    first, second = (
+        table("\t", [column[part] for column in (TIME, LENGTH, FORCE, PRESSURE)])
+        for part in (slice(0, 2), slice(2, 4))
+    )
+    block = "Data Acquisition: Timed\nSamples\t4\t4\t4\n"
+    record = loads(MTS.format(MTS_HEAD + first + block + MTS_HEAD, second), rest_length=REST)
+    check(record)
+    assert any("3 rows of words left out" in note for note in record.notes)
+
+
+def test_rows_with_holes_are_left_out_and_counted():
+    text = (
+        "t [s],p [kPa],F [N],L [mm]\n0,100,50,180\n1,,49,179\n2,100,NaN,178\n3,100,40\n"
+        "4,100,30,170\n"
+    )
+    record = loads(text, rest_length=REST)
+    assert record.force.tolist() == [50, 30]
+    assert any("3 rows with holes left out, the first in line 3" in note for note in record.notes)
+    with pytest.raises(ValueError, match="no row has a number in each column"):
+        loads("p [kPa],F [N],L [mm]\n100,,180\n100,40,\n", rest_length=REST)
+
+
+def test_columns_by_place():
+    text = table(",", [FORCE, PRESSURE, TIME, [1] * 4, LENGTH])
+    with pytest.raises(MissingMetadataError, match="no header, but numbers in 5 columns") as error:
+        loads(text, rest_length=REST)
+    assert (error.value.argument, error.value.role) == ("columns", "")
+    names = "force[N],pressure[kPa],time,branch,length[mm]"
+    record = loads(text, columns=names, rest_length=REST)
+    check(record)
+    assert record.branch.tolist() == [1] * 4
+    units = {"force": "N", "pressure": "kPa", "length": "mm"}
+    given = ["force", "pressure", "-", "-", "length"]
+    check(loads(text, columns=given, units=units, rest_length=REST), time=False)
+    # of a file with a header, whose units stay
+    head = "load (N),P (kPa),t,up,grip (mm)\n"
+    check(loads(head + text, columns="force,pressure,time,-,length", rest_length=REST))
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        ("force[N],torque,-", "unknown name 'torque'"),
+        ("force[N],force,-", "names force twice"),
+        ("force[N],pressure[kPa],-,-,length[mm],time", "6 columns were named, but it has 5"),
+        ("force[N],pressure[kPa]", "no column of length"),
+    ],
+)
+def test_wrong_columns_by_place(names, message):
+    with pytest.raises(ValueError, match=message):
+        loads(table(",", [FORCE, PRESSURE, TIME, [1] * 4, LENGTH]), columns=names, rest_length=REST)
+
+
+def test_constants_come_from_options_sidecar_and_name(tmp_path):
+    text = "force [N],pressure [kPa]\n" + table(",", [FORCE, PRESSURE])
+    path = tmp_path / "run_16.7cm_up.csv"
+    path.write_text(text)
+    strain = (180 - 167) / 180
+    with pytest.raises(MissingMetadataError) as error:
+        load(path, rest_length=REST)
+    assert error.value.choices[-1][:3] == ("constants", "length", "16.7 cm")
+    for options in (
+        {"constants": {"length": 0.167}}, {"constants": {"length": "167 mm"}},
+        {"name_pattern": "{length}cm"}, {"name_pattern": "run_{length:cm}*up"},
+    ):  # fmt: skip
+        assert_allclose(load(path, rest_length=REST, **options).strain, strain)
+    path.with_suffix(".toml").write_text('rest_length = "180 mm"\nlength = "167 mm"\n')
+    assert_allclose(load(path).strain, strain)
+    path.with_suffix(".toml").write_text(
+        'columns = ["force [N]", "pressure [kPa]"]\nstrain = 0.1\nrows = "2:"\n'
+    )
+    path.write_text(text.partition("\n")[2])
+    record = load(path)
+    assert_allclose(record.strain, 0.1)
+    assert record.force.tolist() == FORCE[1:]
+    with pytest.raises(ValueError, match="doesn't fit the pattern"):
+        load(path, name_pattern="{pressure}kPa")
+    with pytest.raises(ValueError, match="unknown name 'mass'"):
+        load(path, name_pattern="{mass}kg")
+    with pytest.raises(ValueError, match="constant pressure: 3e\\+06 Pa is above 1 MPa"):
+        load(path, constants={"pressure": "3 MPa"})
+
+
+def test_files_by_pattern(tmp_path):
+    for length in (180, 170):
+        for pressure in (100, 200):
+            path = tmp_path / f"{length}mm_{pressure}kPa.csv"
+            path.write_text(table(",", [TIME, [f + length + pressure for f in FORCE]]))
+    record = load(
+        str(tmp_path / "*.csv"), columns="time,force[N]", name_pattern="{length}mm_{pressure}kPa",
+        rest_length=REST,
+    )  # fmt: skip
+    assert len(record) == 16 and len(record.sources) == 4
+    assert sorted(set(record.pressure)) == [100e3, 200e3]
+    assert_allclose(sorted(set(record.strain)), [0, 10 / 180])
+    with pytest.raises(FileNotFoundError, match="no file fits"):
+        load(str(tmp_path / "*.txt"))
+
+
+def test_rows_are_selected_before_they_are_read():
+    text = "p [kPa],F [N],L [mm]\n100,warming,180\n100,x,180\n" + table(
+        ",", [PRESSURE, FORCE, LENGTH]
+    )
+    check(loads(text, rows="3:", rest_length=REST), time=False)
+    record = loads(text, rows="4:5", rest_length=REST)
+    assert record.force.tolist() == FORCE[1:3]
+    for rows, message in (("9:", "no readings in those rows: it has 6"), ("3", "must be the first"),
+                          ("5:3", "must be the first")):  # fmt: skip
+        with pytest.raises(ValueError, match=message):
+            loads(text, rows=rows, rest_length=REST)
+
+
+def test_absolute_pressures_and_zeros_of_gauges():
+    absolute = [x + 101.3 for x in PRESSURE]
+    for header in ("P (kPa abs)", "pressure [kPaa]", "Absolute pressure [kPa]", "P_abs [kPa]"):
+        text = f"{header},F [N],L [mm]\n" + table(",", [absolute, FORCE, LENGTH])
+        with pytest.raises(MissingMetadataError) as error:
+            loads(text, rest_length=REST)
+        assert error.value.argument == "atmosphere"
+        check(loads(text, rest_length=REST, atmosphere="101.3 kPa"), time=False)
+    text = "P [kPa],F [N],x [mm]\n" + table(
+        ",", [[x + 1.5 for x in PRESSURE], [x + 8 for x in FORCE], [x + 2 for x in CONTRACTION]]
+    )
+    zeros = {"pressure": "1.5 kPa", "force": 8.0, "displacement": "2 mm"}
+    check(loads(text, rest_length=REST, zeros=zeros), time=False)
+    with pytest.raises(ValueError, match="`zeros` has the unknown key 'mass'"):
+        loads(text, rest_length=REST, zeros={"mass": 1})
+
+
+def test_directions():
+    text = "P [kPa],F [N],position [mm]\n" + table(
+        ",", [PRESSURE, [-x for x in FORCE], [-x for x in CONTRACTION]]
+    )
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=REST)
+    assert (error.value.argument, error.value.role) == ("signs", "displacement")
+    signs = {"displacement": "extension", "force": "pushing positive"}
+    check(loads(text, rest_length=REST, signs=signs), time=False)
+    with pytest.raises(ValueError, match="of force must be"):
+        loads(text, rest_length=REST, signs={"force": "up"})
+
+
+def test_a_missing_column_is_offered_only_what_could_be_it():
+    with pytest.raises(MissingMetadataError) as error:
+        loads("Cell [V],junk,T [°C],L [mm],p [kPa]\n1,2,3,180,100\n2,3,4,170,100\n")
+    assert [choice[2] for choice in error.value.choices] == ["junk", "20 N"]
+    with pytest.raises(ValueError, match="one column only"):
+        loads("pressure force length\n1\n2\n")
+
+
+@pytest.mark.parametrize("name", ["rec", "flat", "channels", "matrix"])
+def test_mat_files(tmp_path, name):
+    from scipy.io import savemat
+
+    columns = {"t": TIME, "pressure": PRESSURE, "force": FORCE, "length": LENGTH}
+    units = {"t": "s", "pressure": "kPa", "force": "N", "length": "mm"}
+    content = {
+        "rec": {"rec": columns | {"units": units}, "meta": {"operator": "x", "fs": 10.0}},
+        "flat": {f"{k}_{units[k]}": v for k, v in columns.items()},
+        "channels": {"log": {"Y": [{"Name": k, "Data": v, "Unit": units[k]}
+                                   for k, v in columns.items()]}},
+        "matrix": {"data": np.array(list(columns.values())).T, "operator": "x",
+                   "colheaders": np.array([f"{k} [{u}]" for k, u in units.items()], object)},
+    }[name]  # fmt: skip
+    path = tmp_path / "m.mat"
+    savemat(path, content)
+    check(load(path, rest_length=REST))
+
+
+def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
+    from scipy.io import savemat
+
+    path = tmp_path / "m.mat"
+    savemat(path, {"d": np.array([TIME, PRESSURE, FORCE, LENGTH]).T})
+    check(load(path, rest_length=REST, columns="time[s],pressure[kPa],force[N],length[mm]"))
+    savemat(path, {"force_N": FORCE, "pressure_kPa": PRESSURE, "length_mm": 171.0})
+    assert_allclose(load(path, rest_length=REST).strain, 0.05)
+    two = {"force_N": FORCE, "pressure_kPa": PRESSURE, "length_mm": LENGTH}
+    savemat(path, {"up": two, "down": two})
+    with pytest.raises(MissingMetadataError, match="several tables, `up`, `down`"):
+        load(path, rest_length=REST)
+    check(load(path, rest_length=REST, table="down"), time=False)
+    with pytest.raises(ValueError, match="no table `side`: there are `up`, `down`"):
+        load(path, rest_length=REST, table="side")
+
+
+def test_xlsx_files(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.title = "Info"
+    book.active.append(["made by", "a bench"])
+    sheet = book.create_sheet("Data")
+    for row in (["Tensile test"], [], ["Operator", "K. Müller"],
+                ["Time\n[s]", "Pressure", "Force", "Length", "Remark"], ["s", "kPa", "N", "mm"],
+                *ROWS, ["Mean", 200.1, 83.3, 174.0]):  # fmt: skip
+        sheet.append(list(row))
+    path = tmp_path / "m.xlsx"
+    book.save(path)
+    check(load(path, rest_length=REST))
+    book.copy_worksheet(sheet).title = "Data 2"
+    book.save(path)
+    with pytest.raises(MissingMetadataError) as error:
+        load(path, rest_length=REST)
+    assert (error.value.argument, error.value.value) == ("table", "Data")
+    check(load(path, rest_length=REST, table="data 2"))
+
+
+def test_tdms_files(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    channels = [
+        nptdms.ChannelObject("Log", name, np.array(values), {"unit_string": unit} | more)
+        for name, values, unit, more in (
+            ("Pressure", PRESSURE, "kPa", {"wf_increment": 0.1, "wf_start_offset": 0.0}),
+            ("Force", FORCE, "N", {}), ("Length", LENGTH, "mm", {}),
+        )
+    ]  # fmt: skip
+    path = tmp_path / "m.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment(channels)
+    check(load(path, rest_length=REST))
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "save it as .xlsx"),
+        (b"\x89HDF\r\n\x1a\n", "save it with save"),
+        (b"\x1f\x8b", "unpack it"), (b"%PDF-1.4", "export the readings"),
+        (b"PK\3\4broken", "can't be read as .xlsx"), (b"TDSmbroken", "can't be read as .tdms"),
+        (b"MATLAB 5.0 broken", "can't be read as .mat"),
+    ],
+)  # fmt: skip
+def test_binary_files_that_cannot_be_read(tmp_path, start, message):
+    path = tmp_path / "m.bin"
+    path.write_bytes(start + bytes(200))
+    with pytest.raises(ValueError, match=message) as error:
+        load(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("start", "library"), [(b"PK\3\4", "openpyxl"), (b"TDSm", "nptdms")])
+def test_a_missing_reader_is_named_with_its_command(tmp_path, monkeypatch, start, library):
+    path = tmp_path / "m.bin"
+    path.write_bytes(start + bytes(200))
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(MissingExtraError, match=f"{library} is not installed: pip install"):
+        load(path)
+
+
+def test_isometric_and_isotonic_records_have_runs():
+    P = np.r_[np.linspace(0, 400, 30), np.linspace(400, 0, 30)]
+    isometric = "".join(
+        f"{p + 0.1:.1f},{length},{0.3 * p * (length - 150) / 30:.2f}\n"
+        for length in (180, 170, 160) for p in P
+    )  # fmt: skip
+    record = loads("p [kPa],L [mm],F [N]\n" + isometric, rest_length=REST)
+    found = runs(record)
+    assert [(run.kind, run.branch) for run in found] == [("strain", 1), ("strain", -1)] * 3
+    isotonic = "".join(
+        f"{p},{mass},{180 - p / 8 + mass / 100:.3f}\n" for mass in (200, 500) for p in P
+    )
+    record = loads("p [kPa],load [gf],L [mm]\n" + isotonic, rest_length=REST)
+    found = runs(record)
+    assert [(run.kind, run.branch) for run in found] == [("force", 1), ("force", -1)] * 2
+    assert found[0].level == pytest.approx(0.2 * 9.80665)
