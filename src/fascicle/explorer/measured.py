@@ -79,7 +79,7 @@ def read_record(
             what = "" if error.argument == "columns" else "its unit in "
             fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
             then = f",{error.after}" if error.after.startswith(" ") else error.after
-            raise ValueError(f"{error.before}{fields}{then}") from None
+            raise ValueError(f"{error.before}{fields}{then}.") from None
         # lengths or displacements in a file that names no rest length
         try:
             record = loads(text, source=name, **{**arguments, "rest_length": length})
