@@ -12,15 +12,16 @@ if TYPE_CHECKING:
     from .calibration import Bootstrap, Calibration, Candidate, Estimate, Profile, Selection
     from .comparison import Row, compare, compare_tension
     from .fitting import Prior, fit
+    from .gauges import Gauge
     from .intervals import bootstrap, profiles
     from .model_selection import select_model
     from .plot_data import figures
     from .posterior import Posterior, sample
 
 __all__ = [
-    "Bootstrap", "Calibration", "Candidate", "Estimate", "Posterior", "Prior", "Profile", "Row",
-    "Selection", "bootstrap", "compare", "compare_tension", "figures", "fit", "profiles", "sample",
-    "select_model",
+    "Bootstrap", "Calibration", "Candidate", "Estimate", "Gauge", "Posterior", "Prior", "Profile",
+    "Row", "Selection", "bootstrap", "compare", "compare_tension", "figures", "fit", "profiles",
+    "sample", "select_model",
 ]  # fmt: skip
 
 _HOMES = {
@@ -29,6 +30,7 @@ _HOMES = {
     ),
     **dict.fromkeys(("Row", "compare", "compare_tension"), "comparison"),
     **dict.fromkeys(("Prior", "fit"), "fitting"),
+    "Gauge": "gauges",
     **dict.fromkeys(("bootstrap", "profiles"), "intervals"),
     "select_model": "model_selection",
     "figures": "plot_data",

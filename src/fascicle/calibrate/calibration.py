@@ -10,11 +10,11 @@ from ..core.lazy import import_late
 from ..records.hysteresis import Averaged, Loop, averaged, loop_of
 from ..records.record import Record
 from ..repr_table import ReprTable, with_table_repr
-from .data import clip_floor
 from .diagnostics import Diagnosis
 from .friction import Friction, fit_friction
+from .gauges import GAUGE_NAMES, Gauge, default_deviations
 from .least_squares import KNOWN, NORMAL, Fit, Problem
-from .parameters import WEAK, Parameter, put, values
+from .parameters import GAUGE_UNITS, WEAK, Parameter, put, values
 
 
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
@@ -183,7 +183,7 @@ class Calibration(Fit):
         both = np.isfinite(self.half_way.width) & ~self.half_way.record.censored
         readings, rest = self.half_way.record.only(both), self.record.rest_length
         strain = readings.strain * (1.0 if rest is None else rest / float(self.muscle.length))
-        force = np.asarray(self.muscle.force(readings.pressure, strain))
+        force = np.asarray(self.muscle.force(np.maximum(readings.pressure, 0.0), strain))
         return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 
     @cached_property
@@ -191,6 +191,11 @@ class Calibration(Fit):
         """Sliding springs fitted to the loops; they are no part of the fitted muscle."""
         length = self.record.rest_length
         return fit_friction(self.record, float(self.muscle.length) if length is None else length)
+
+    @property
+    def gauge(self) -> Gauge:
+        """Errors of the bench's gauges; `record` is corrected for them."""
+        return self.fit_data.gauge
 
     @property
     def points(self) -> int:
@@ -205,7 +210,7 @@ class Calibration(Fit):
     @property
     def floor(self) -> str:
         """Force at which readings are clipped."""
-        return clip_floor(self.record)
+        return self.fit_data.floor
 
     @property
     def rmse(self) -> float:
@@ -305,7 +310,7 @@ def estimates(
         return ()
     z, deviations = np.asarray(coordinates), np.sqrt(np.diag(covariance))
     fitted, start = value_of(problem, z), value_of(problem, problem.center)
-    rows = []
+    rows, prior = [], _default_deviations(problem)
     for i, (parameter, deviation) in enumerate(zip(problem.parameters, deviations, strict=True)):
         if parameter.linear:
             slope = slope_of(problem, z)[i]
@@ -314,7 +319,7 @@ def estimates(
         else:
             step = NORMAL * deviation * (np.arange(z.size) == i)
             low, high = (value_of(problem, z + side * step)[i] for side in (-1, 1))
-        identifiable = is_identifiable(parameter, deviation, problem.deviation[i])
+        identifiable = is_identifiable(parameter, deviation, prior[i])
         rows.append(
             Estimate(
                 parameter.name, parameter.dimension, parameter.about, float(fitted[i]),
@@ -322,6 +327,16 @@ def estimates(
             )
         )  # fmt: skip
     return tuple(rows)
+
+
+def _default_deviations(problem: Problem) -> np.ndarray:
+    """Deviations of the priors, of gauges' errors without what readings without pressure tell."""
+    grid, length = problem.grid, float(problem.muscle.length)
+    usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
+    pairs = zip(problem.parameters, problem.deviation, strict=True)
+    return np.array(
+        [usual[p.name] / GAUGE_UNITS[p.name] if p.name in usual else d for p, d in pairs]
+    )
 
 
 def _with_profile(estimate: Estimate, profile: Profile | None) -> Estimate:
@@ -345,7 +360,8 @@ def is_identifiable(parameter: Parameter, deviation: float, prior: float) -> boo
     `deviation`, `prior`: standard deviations of the coordinate and of its prior [-].
     """
     information = 1 / deviation**2 - 1 / prior**2
-    limit = KNOWN * parameter.deviation / WEAK
+    # an error of a gauge is known where the data tell three times more of it than is usual
+    limit = KNOWN * (prior if parameter.name in GAUGE_NAMES else parameter.deviation) / WEAK
     return bool(information > 1 / limit**2)
 
 

@@ -105,7 +105,7 @@ def compare(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    data, rows = select_fit_data(record), []
+    data, rows = select_fit_data(record, muscle), []
     kinds = ("buckling", "collapse", "post_collapse")
     for names in itertools.product(buckling, collapse, post_collapse):
         pairs = zip(kinds, names, strict=True)
@@ -142,7 +142,7 @@ def compare_tension(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    data = select_fit_data(record)
+    data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [row(label, calibration) for label, calibration in fits.items()]
     published = compare_published(next(iter(fits.values())))

@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..core.types import AnyArray, Bool, Float
+from ..muscle import Muscle
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import pretty
+from .channels import ChannelFault, channel_faults, readings_at_end
+from .gauges import PERFECT, Gauge, read_vented
 
 
 WEIGHTS = ("uniform", "level")
@@ -25,9 +28,6 @@ _MAX_WIDTH = 0.02  # of the largest pressure: a wider level is a sweep, cut fine
 _SMALL = 0.1  # of a level's largest force: upper limit of a gauge's noise at zero force
 _NOISE = 0.02  # of the record's largest force: the same limit at low pressures
 _IDLE = 0.01  # of the highest pressure: below it an unstretched muscle doesn't pull
-# the floor of a load cell: at least so many readings, such a share of all, and so many times as
-# many as at each of the values next above it
-_FLOOR_COUNT, _FLOOR_SHARE, _FLOOR_RATIO, _FLOOR_NEIGHBORS = 5, 0.02, 4, 10
 
 Table = Float[AnyArray, "level reading"]
 
@@ -39,7 +39,8 @@ class Grid:
     - `pressure`: of each level [Pa], as a column.
     - `strain`, `force`: of each entry [-], [N].
     - `count`: number of readings averaged in an entry; 0 for padding.
-    - `censored`: the entry only says "not above".
+    - `censored`: the entry only says "not above", or of those `at_least` "not below".
+    - `elapsed`: mean time of an entry since the record's start [s]; 0 without times.
     """
 
     pressure: Float[AnyArray, "level 1"]
@@ -47,6 +48,8 @@ class Grid:
     force: Table
     count: Table
     censored: Bool[AnyArray, "level reading"]
+    elapsed: Table | float = 0.0
+    at_least: Bool[AnyArray, "level reading"] | None = None
 
     @property
     def used(self) -> Bool[np.ndarray, "level reading"]:
@@ -83,6 +86,11 @@ class FitData:
     - `left_out`: number of readings that are not fitted, by reason.
     - `noise_clipped`: number of small forces among clipped ones that count as clipped.
     - `pushes_clipped`: number of readings without pull that count as clipped.
+    - `faults`: of the record's channels.
+    - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
+    - `gauge`: errors of the gauges that the readings were corrected for.
+    - `gauge_deviations`: standard deviations of those that readings without pressure determine
+      [SI unit of each], by name.
     """
 
     record: Record
@@ -95,11 +103,21 @@ class FitData:
     left_out: Mapping[str, int] = field(default_factory=dict)
     noise_clipped: int = 0
     pushes_clipped: int = 0
+    faults: tuple[ChannelFault, ...] = ()
+    at_ceiling: np.ndarray | None = None
+    gauge: Gauge = PERFECT
+    gauge_deviations: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def clipped(self) -> int:
-        """Number of clipped readings, which only limit the force from above."""
+        """Number of clipped readings, which only limit the force."""
         return int(np.sum(self.record.censored))
+
+    @property
+    def floor(self) -> str:
+        """Force at which readings are clipped from below: "zero", or the gauge's floor."""
+        floors = [fault.value for fault in self.faults if fault.kind == "floor"]
+        return pretty(floors[0], "force") if floors else "zero"
 
     @property
     def pushes(self) -> int:
@@ -145,12 +163,32 @@ class FitData:
             fitted = fitted + (record.strain - self.grid.strain[entry]) * slopes
         return np.where(record.censored, np.nan, record.force - fitted)
 
+    def corrected(self, gauge: Gauge, length: float) -> "FitData":
+        """Data corrected for another `gauge`; `length`: reference of strains without one [m]."""
+        length = self.record.rest_length or length
+        record = gauge.correct_further(self.record, self.gauge, length)
+        old, grid, t = self.gauge, self.grid, self.grid.elapsed
+        grid = replace(
+            grid,
+            pressure=grid.pressure - (gauge.pressure_zero - old.pressure_zero),
+            strain=grid.strain - (gauge.displacement_zero - old.displacement_zero) / length,
+            force=gauge.true_force(old.read_force(grid.force, t), t),
+        )
+        return replace(self, record=record, grid=grid, gauge=gauge)
 
-def select_fit_data(record: Record) -> FitData:
-    """Select the readings to fit: those of sweeps, without the ramps between them."""
+
+def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
+    """Select the readings to fit: those of sweeps, without the ramps between them.
+
+    `muscle`: predicts the push of readings without pressure, which then tell the gauges' zeros.
+    """
     # a clipped reading counts as zero, whatever number the file has for it
     force = np.where(record.censored, 0.0, record.force)
-    record = replace(record, force=force, censored=record.censored | _at_floor(record))
+    record = replace(record, force=force)
+    faults, measured = channel_faults(record), ~record.censored
+    at_ceiling = readings_at_end(force, True, measured)
+    at_floor = readings_at_end(force, False, measured)
+    record = replace(record, censored=record.censored | at_floor | at_ceiling)
     branch, ramp = record.branch.copy(), np.zeros(len(record), dtype=bool)
     has_branches = bool(np.any(branch != UNKNOWN))
     for run in runs(record):
@@ -161,8 +199,18 @@ def select_fit_data(record: Record) -> FitData:
     if record.time is not None and 0 < ramps < len(record) / 2:
         left_out = {"on ramps between sweeps": ramps}
         note = f"{ramps} readings of ramps between sweeps left out of the fit"
-        record, branch = record.only(~ramp, note), branch[~ramp]
-    return tabulate(replace(record, branch=branch), read=read, left_out=left_out)
+        record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
+    data = tabulate(
+        replace(record, branch=branch), read=read, left_out=left_out, faults=faults,
+        at_ceiling=at_ceiling if np.any(at_ceiling) else None,
+    )  # fmt: skip
+    if muscle is None:
+        return data
+    vented = read_vented(data.record, muscle)
+    data = replace(data, gauge_deviations=vented.deviations)
+    if vented.gauge.faults:
+        return data.corrected(vented.gauge, float(muscle.length))
+    return replace(data, gauge=vented.gauge)
 
 
 def pulling_only(data: FitData, max_readings: int = MAX_READINGS) -> FitData:
@@ -177,10 +225,14 @@ def pulling_only(data: FitData, max_readings: int = MAX_READINGS) -> FitData:
     if not np.any(below | noise) and max_readings == MAX_READINGS:
         return data
     clipped = record.censored | below | noise
-    record = replace(record, force=np.where(clipped, 0.0, record.force), censored=clipped)
+    above = False if data.at_ceiling is None else data.at_ceiling
+    force = np.where(clipped & ~np.asarray(above), 0.0, record.force)
+    record = replace(record, force=force, censored=clipped)
     return tabulate(
         record, max_readings, read=data.read, left_out=data.left_out,
         noise_clipped=int(np.sum(noise)), pushes_clipped=int(np.sum(below)),
+        faults=data.faults, at_ceiling=data.at_ceiling,
+        gauge=data.gauge, gauge_deviations=data.gauge_deviations,
     )  # fmt: skip
 
 
@@ -215,6 +267,11 @@ def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) ->
         censored=mean(record.censored) > 0.5,
     )
     time = np.full(shape, np.nan) if record.time is None else mean(record.time)
+    if record.time is not None:
+        start = counts["gauge"].start if "gauge" in counts else float(np.min(record.time))
+        grid = replace(grid, elapsed=np.where(count > 0, time - start, 0.0))
+    if counts.get("at_ceiling") is not None:
+        grid = replace(grid, at_least=mean(counts["at_ceiling"]) > 0.5)
     branch, time = np.round(mean(record.branch)).astype(int), np.where(count > 0, time, np.nan)
     return FitData(record, grid, level, column, branch, time, **{"read": len(record), **counts})
 
@@ -234,13 +291,6 @@ def assign_levels(pressure: np.ndarray) -> np.ndarray:
     return levels
 
 
-def clip_floor(record: Record) -> str:
-    """Force at which a `record` is clipped: "zero", or the gauge's floor with its unit."""
-    forces = np.unique(record.force[record.censored])
-    below = forces[forces != 0]
-    return pretty(float(below[0]), "force") if below.size else "zero"
-
-
 def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarray:
     """Columns of a level's readings: one for each, or one for each step of strain."""
     if points.size <= max_readings:
@@ -255,20 +305,6 @@ def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarra
     low, high = strain.min(), strain.max()
     step = np.minimum((steps * (strain - low) / max(high - low, 1e-12)).astype(int), steps - 1)
     return np.unique(kinds * step + kind, return_inverse=True)[1]
-
-
-def _at_floor(record: Record) -> np.ndarray:
-    """Mask of the readings at the floor of the load cell.
-
-    They have exactly the lowest value, and are far more than those of the values next above it,
-    which a coarse gauge would repeat as well.
-    """
-    values, counts = np.unique(record.force[~record.censored], return_counts=True)
-    if values.size < 2 or values[0] >= 0:  # the file has to declare that zeros are clipped
-        return np.zeros(len(record), dtype=bool)
-    neighbors = np.max(counts[1 : 1 + _FLOOR_NEIGHBORS])
-    enough = max(_FLOOR_COUNT, _FLOOR_SHARE * np.sum(counts), _FLOOR_RATIO * neighbors)
-    return (record.force == values[0]) & ~record.censored & bool(counts[0] >= enough)
 
 
 def _zero_plateau(data: FitData, clipped: np.ndarray) -> np.ndarray:

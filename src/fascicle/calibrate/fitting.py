@@ -23,6 +23,7 @@ from ..records.record import Record
 from .calibration import Calibration
 from .data import WEIGHTS, FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
+from .gauges import default_deviations
 from .least_squares import (
     LOSSES,
     Fit,
@@ -30,6 +31,7 @@ from .least_squares import (
     Problem,
     Solutions,
     first_noise,
+    minimum_at,
     search,
     starts_around,
 )
@@ -123,7 +125,7 @@ def fit(
     **Raises:** `InvalidInputError` for unknown names, and for fewer readings than parameters.
     """
     options = FitOptions(loss, weights, starts, seed, whole)
-    return fit_data(select_fit_data(record), muscle, parameters, priors, options)
+    return fit_data(select_fit_data(record, muscle), muscle, parameters, priors, options)
 
 
 def fit_data(
@@ -141,6 +143,7 @@ def fit_data(
         data = pulling_only(data)
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
     solution = solve_problem(problem, readings, options)
+    data, solution = _with_corrected_readings(data, solution)
     fields = _fields_of_fit(data, options, *solution)
     diagnosis = diagnose(Fit(**fields))
     return Calibration(**fields, diagnosis=diagnosis)
@@ -161,8 +164,10 @@ def set_up_problem(
     if tuning is None:
         tuning = bool(names) and all(name in FACTOR_NAMES for name in names)
     _check_data(data, free)
-    start = _with_priors(muscle, free, priors)
     pulls = data.pulls and not options.whole
+    gauges = gauge_priors(data, float(muscle.length))
+    priors = {name: prior for name, prior in gauges.items() if name in names} | dict(priors)
+    start = _with_priors(muscle, free, priors)
     fixed: tuple[Parameter, ...] = ()
     if options.held:
         fixed = select_parameters(options.held, start)
@@ -181,6 +186,7 @@ def set_up_problem(
         loss=options.loss,
         pulls=pulls,
         held=tuple(parameter for parameter in fixed if parameter.name not in names),
+        gauge=data.gauge,
     )
     if not tuning:
         return problem, None
@@ -193,6 +199,35 @@ def set_up_problem(
         remedy = "or name constants to fit instead, such as c10, c01"
         raise InvalidInputError("record", rule, None, remedy)
     return problem, readings
+
+
+def gauge_priors(data: FitData, length: float) -> dict[str, Prior]:
+    """Priors of the gauges' errors, by name; `length`: of the muscle [m].
+
+    Readings without pressure tell the zeros by their own scatter. In a fit, whose noise is mainly
+    that of readings with pressure, they hardly count once more.
+    """
+    grid, known = data.grid, data.gauge_deviations
+    usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
+    return {
+        name: Prior(float(getattr(data.gauge, name)), min(deviation, known.get(name, np.inf)))
+        for name, deviation in usual.items()
+    }
+
+
+def _with_corrected_readings(
+    data: FitData, solution: tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]
+) -> tuple[FitData, tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]]:
+    """Data and `solution` with readings corrected for the fitted gauge."""
+    problem, readings, ends, point, minimum = solution
+    gauge = problem.gauge_at(put(problem.parameters, problem.muscle, point))
+    if gauge == problem.gauge:
+        return data, solution
+    data = data.corrected(gauge, problem.rest_length or float(problem.muscle.length))
+    noise = problem.noise * float(problem.gauge.force_gain / gauge.force_gain)
+    problem = replace(problem, grid=data.grid, gauge=gauge, noise=noise)
+    minimum = minimum_at(problem, point, None)
+    return data, (problem, readings, ends, point, minimum)
 
 
 def on_length(data: FitData, muscle: Muscle) -> Grid:

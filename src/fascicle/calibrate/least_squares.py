@@ -4,7 +4,8 @@ A measured force $F$, the mean of $n$ readings that scatter by $\sigma$, leaves 
 
 $$r = \sqrt{n}\, \frac{F - \mu}{\sigma}, \tag{C1}$$
 
-a censored one, which only says that the force was not above $F$ (zero, or the gauge's floor),
+a censored one, which only says that the force was not above $F$ (zero, or the gauge's floor; with
+the other sign of $F - \mu$ not below it, the gauge's ceiling),
 
 $$r = \sqrt{-2 \ln \Phi((F - \mu)/\sigma)}, \tag{C2}$$
 
@@ -35,12 +36,13 @@ import numpy as np
 from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
-from ..core.array_namespace import where
+from ..core.array_namespace import maximum, where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Float
 from ..muscle import Muscle
 from ..records.record import Record
 from .data import FitData, Grid, Table
+from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
 from .parameters import FACTORS, Parameter, put
 from .readings import Readings, SmoothCurves, top_pressure
 
@@ -100,6 +102,7 @@ class Problem:
       muscle's own tuning holds.
     - `pulls`: whether the tension law is all that is needed, since nothing pushed.
     - `held`: parameters that aren't free, of which the data may tell something.
+    - `gauge`: errors of the gauges that the data are corrected for.
     """
 
     muscle: Muscle
@@ -114,6 +117,13 @@ class Problem:
     loss: str = "linear"
     pulls: bool = False
     held: tuple[Parameter, ...] = ()
+    gauge: Gauge = PERFECT
+
+    def gauge_at(self, muscle: Muscle) -> Gauge:
+        """Gauge with the free errors that ride beside a `muscle`; others are corrected for."""
+        free = [p.name for p in self.parameters if p.name in GAUGE_NAMES]
+        values = {name: getattr(gauge_of(muscle), name) for name in free}
+        return replace(self.gauge, **values) if values else self.gauge
 
     @cached_property
     def smooth_curves(self) -> SmoothCurves:
@@ -158,10 +168,17 @@ class Problem:
             # laws add axes ahead of the pressure's
             P = np.broadcast_to(P, (*point.shape[1:], *P.shape))
         strain = self.strain(muscle)
+        gauge, base = self.gauge_at(muscle), self.gauge
+        if gauge is not PERFECT:  # pressures below zero are a corrected transducer's noise
+            P = maximum(P - (gauge.pressure_zero - base.pressure_zero), 0.0)
+            strain = strain - (gauge.displacement_zero - base.displacement_zero) / muscle.length
         strain = strain.reshape(*strain.shape[:-2], -1)[..., place_indices]
         with np.errstate(all="ignore"):  # of branches that aren't taken
             rows = law.tension.force(P, strain) if self.pulls else law.at(P).force(strain)[0]
-        return where(self.grid.used, rows.reshape(*rows.shape[:-2], -1)[..., order], 0.0)
+        force = rows.reshape(*rows.shape[:-2], -1)[..., order]
+        if gauge is not base:
+            force = base.true_force(gauge.read_force(force, self.grid.elapsed), self.grid.elapsed)
+        return where(self.grid.used, force, 0.0)
 
     @cached_property
     def _rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -221,11 +238,12 @@ class Problem:
         missed = (grid.force - force) * scaled
         if not np.any(grid.censored):
             return self.weight * missed, -self.weight * scaled
-        limited = np.minimum(missed, _CERTAIN)
+        side = 1.0 if grid.at_least is None else np.where(grid.at_least, -1.0, 1.0)
+        limited = np.minimum(side * missed, _CERTAIN)
         not_above = np.sqrt(-2 * log_ndtr(limited))
         # what chance of a clipped reading is lost with each newton, over the residual
         mills = np.sqrt(2 / np.pi) / erfcx(-limited / np.sqrt(2))
-        rises = np.where(limited < _CERTAIN, scaled * mills / not_above, 0.0)
+        rises = side * np.where(limited < _CERTAIN, scaled * mills / not_above, 0.0)
         return (
             self.weight * np.where(grid.censored, not_above, missed),
             self.weight * np.where(grid.censored, rises, -scaled),

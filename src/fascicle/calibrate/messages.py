@@ -8,9 +8,10 @@ import numpy as np
 from ..repr_table import ReprTable
 from ..units import pretty
 from .calibration import Calibration, Candidate, Estimate, Selection, Trial
-from .data import MIN_PUSHES, FitData, clip_floor
+from .data import MIN_PUSHES, FitData
 from .diagnostics import Diagnosis
 from .friction import Friction
+from .gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from .least_squares import Solutions
 
 
@@ -30,6 +31,13 @@ _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transitio
 _SAME_MINIMUM = 0.02  # of the cost, a fifth of a standard deviation: no data tell two ends apart
 _STATUS = ("converged", "stopped after 200 steps before convergence",
            "stopped because the solver could not continue")  # fmt: skip
+_GAUGE_ERRORS = {
+    "force_zero": "The load cell does not read zero without force",
+    "force_gain": "The load cell's readings are not to scale",
+    "force_drift": "The load cell's zero drifts",
+    "pressure_zero": "The pressure transducer does not read zero without pressure",
+    "displacement_zero": "The contraction does not read zero at the rest length",
+}
 _CONSTANTS = {
     "dead_band": "a dead band", "active_length": "another active length",
     "end_compliance": "end compliance",
@@ -39,12 +47,41 @@ _CONSTANTS = {
 def calibration_warnings(calibration: Calibration) -> dict[str, tuple[str, ...]]:
     """Warnings to read before the fitted muscle is used, by topic."""
     topics = {
+        "gauges": gauge_warnings(calibration),
         "residuals": _residual_warnings(calibration),
         "not measured": _coverage_warnings(calibration),
         "not identifiable from these data": _parameter_warnings(calibration),
         "in use": _usage_warnings(calibration),
     }
     return {topic: tuple(lines) for topic, lines in topics.items() if lines}
+
+
+def gauge_warnings(calibration: Calibration) -> list[str]:
+    """Errors of the gauges that the readings were corrected for, and faults of the channels."""
+    lines, fitted = [], {estimate.name: estimate for estimate in calibration.parameters}
+    for name, value in calibration.gauge.faults.items():
+        dimension = GAUGE_DIMENSIONS[name]
+        interval = f" ({pretty(value, dimension, 3)})"
+        if name in fitted:
+            low, high = (pretty(x, dimension, 3) for x in (fitted[name].low, fitted[name].high))
+            interval = f" ({pretty(value, dimension, 3)}, 90 % {low} to {high})"
+        lines.append(f"{_GAUGE_ERRORS[name]}{interval}: the readings are corrected for it.")
+    for fault in calibration.fit_data.faults:
+        dimension = {"force": "force", "pressure": "pressure", "displacement": "strain"}
+        value = pretty(fault.value, "time" if fault.kind == "lag" else dimension[fault.channel], 3)
+        text = {
+            "floor": "",  # in the readings that are clipped
+            "ceiling": f"{fault.count} forces are exactly {value}, the load cell's ceiling: they"
+            " only say that the force was not below it.",
+            "saturation": f"{fault.count} readings of the {fault.channel} are exactly {value}, the"
+            " largest: the channel may be saturated. Check its range.",
+            "quantization": f"The forces are multiples of {value}: use a finer range of the load"
+            " cell.",
+            "lag": f"The force follows the {fault.channel} by {value}: check filters and"
+            " synchronization of the channels, or move slower.",
+        }[fault.kind]
+        lines += [text] if text else []
+    return lines
 
 
 def _residual_warnings(calibration: Calibration) -> list[str]:
@@ -305,8 +342,14 @@ def fit_data_lines(data: FitData) -> list[str]:
     if not data.left_out:
         lines[0] += ", none left out"
     if data.clipped:
-        floor = clip_floor(data.record)
-        lines.append(f"{data.clipped} clipped: they only say that the force was not above {floor}")
+        above = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
+        if data.clipped > above:
+            lines.append(
+                f"{data.clipped - above} clipped: they only say that the force was not above"
+                f" {data.floor}"
+            )
+        if above:
+            lines.append(f"{above} at the load cell's ceiling: the force was not below it")
     if data.noise_clipped:
         lines.append(
             f"{data.noise_clipped} of these are small forces at strains where the pressure's other"

@@ -90,7 +90,7 @@ def select_model(
 
     **Raises:** `InvalidInputError` as `fit`.
     """
-    data, priors = select_fit_data(record), dict(priors or {})
+    data, priors = select_fit_data(record, muscle), dict(priors or {})
     if 0 < data.pushes < MIN_PUSHES:
         data = pulling_only(data)
     options = FitOptions(loss, weights, starts, seed, whole=False)
@@ -309,7 +309,9 @@ def _pulling_trials(
     measured = int(np.sum(data.grid.measured))
     if not measured:
         return [], 0.0
-    required = [name for name in priors if name not in FACTOR_NAMES]
+    known = [name for name in priors if name not in FACTOR_NAMES]
+    # zeros that readings without pressure tell are fitted with every candidate
+    required = list(dict.fromkeys([*known, *data.gauge.faults]))
     trials: dict[frozenset[str], Trial] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
 
@@ -345,7 +347,7 @@ def _pulling_trials(
         )  # fmt: skip
     tried = [*trials.values()]
     # a tuning can't take prior knowledge of constants into account
-    tuning = [] if required else _try_tuning(data, muscle, options.loss)
+    tuning = [] if known else _try_tuning(data, muscle, options.loss)
     return [*tried[:1], *tuning, *tried[1:]], noise
 
 

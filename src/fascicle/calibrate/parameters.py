@@ -26,6 +26,7 @@ from ..core.validation import HIGHEST_PRESSURE, NEUTRAL_ANGLE, check_choice
 from ..muscle import Muscle
 from ..muscle.laws import LAWS, OMIT_IF_DEFAULT
 from ..muscle.materials import MooneyRivlin
+from .gauges import DIMENSIONS, GAUGE_NAMES, gauge_of, with_gauge
 
 
 RUBBER = ("c10", "c01")  # constants of a stretched wall's energy
@@ -179,6 +180,40 @@ CONSTANTS: tuple[Parameter, ...] = (
               "tuning.dead_band", start=_MIN_BAND),
 )  # fmt: skip
 
+# size of a unit of each gauge's coordinate: a usual error, so that steps of a search fit all
+GAUGE_UNITS = {"force_zero": 10.0, "force_gain": 0.02, "force_drift": 0.01, "pressure_zero": 1e3,
+               "displacement_zero": 1e-3}  # fmt: skip
+_ABOUT = {
+    "force_zero": "reading of the load cell without force, at the first reading",
+    "force_gain": "factor of the load cell's readings",
+    "force_drift": "change of the load cell's zero with time",
+    "pressure_zero": "reading of the pressure transducer without pressure",
+    "displacement_zero": "reading of the contraction at the rest length",
+}
+
+
+def _of_gauge(name: str) -> Parameter:
+    """An error of a gauge: it rides beside the muscle, whose laws don't see it."""
+    unit, scale = GAUGE_UNITS[name], name == "force_gain"
+
+    def coordinate(muscle: Muscle) -> Batch:
+        value = getattr(gauge_of(muscle), name)
+        return (log(value) if scale else value) / unit
+
+    def put(muscle: Muscle, z: Batch) -> Muscle:
+        value = exp(unit * z) if scale else unit * z
+        return with_gauge(muscle, replace(gauge_of(muscle), **{name: value}))
+
+    return Parameter(
+        name, DIMENSIONS[name], f"{_ABOUT[name]}, of the bench",
+        value=lambda muscle: getattr(gauge_of(muscle), name),
+        coordinate=coordinate, put=put, linear=not scale,
+    )  # fmt: skip
+
+
+# last, as changes of the muscle's fields drop what rides beside them
+GAUGES: tuple[Parameter, ...] = tuple(map(_of_gauge, GAUGE_NAMES))
+
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {parameter.name: parameter for parameter in (*FACTORS, *CONSTANTS)}
 )
@@ -188,12 +223,13 @@ FACTOR_NAMES = tuple(factor.name for factor in FACTORS)
 def parameters_of(muscle: Muscle) -> dict[str, Parameter]:
     """All parameters by name, with those of the laws of the `muscle`."""
     of_laws = (parameter for kind in LAWS for parameter in _law_parameters(kind, muscle))
-    return dict(PARAMETERS) | {parameter.name: parameter for parameter in of_laws}
+    gauges = {parameter.name: parameter for parameter in GAUGES}
+    return dict(PARAMETERS) | {parameter.name: parameter for parameter in of_laws} | gauges
 
 
 def parameter_descriptions() -> dict[str, str]:
     """Descriptions of all parameters by name: those of every muscle, then those of each law."""
-    descriptions, laws = {p.name: p.about for p in PARAMETERS.values()}, {}
+    descriptions, laws = {p.name: p.about for p in (*PARAMETERS.values(), *GAUGES)}, {}
     for law in (law for kind in LAWS.values() for law in kind.values()):
         for constant in law.constants():
             if constant.transform is not None:

@@ -154,7 +154,9 @@ class _Target:
         problem, grid = self.problem, self.problem.grid
         mu = problem.force(jnp.concatenate([z, coefficients])) + self.discrepancy @ errors
         square = problem.weight**2 * grid.count * ((grid.force - mu) / noise) ** 2
-        clipped = problem.weight**2 * log_ndtr((grid.force - mu) * jnp.sqrt(grid.count) / noise)
+        side = 1.0 if grid.at_least is None else jnp.where(grid.at_least, -1.0, 1.0)
+        below = side * (grid.force - mu) * jnp.sqrt(grid.count) / noise
+        clipped = problem.weight**2 * log_ndtr(below)
         likelihood = jnp.where(grid.censored, clipped, -0.5 * square)
         prior = jnp.sum(((z - problem.center) / problem.deviation) ** 2)
         prior = prior + jnp.sum(curves**2) + jnp.sum(errors**2)

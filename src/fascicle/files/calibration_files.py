@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..calibrate.calibration import Calibration, Estimate
+from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..core.module import tree_leaves, tree_replace
 from ..core.validation import HIGHEST_PRESSURE
@@ -122,6 +123,12 @@ def provenance_of(
         "readings": calibration.fit_data.counts(),
         "residuals": residuals,
     }
+    if faults := calibration.gauge.faults:
+        table["gauge"] = {
+            name: exact(value, GAUGE_DIMENSIONS[name]) for name, value in faults.items()
+        }
+    if channel_faults := calibration.fit_data.faults:
+        table["channel_fault"] = [vars(fault) for fault in channel_faults]
     if (loop := calibration.loop) is not None:
         table["hysteresis"] = {
             "pressure": [pretty(float(x), "pressure", _ERROR_DIGITS) for x in loop.pressure],

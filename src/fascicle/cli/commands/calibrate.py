@@ -410,6 +410,8 @@ def _summary(result: Result) -> dict[str, Any]:
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
         "causes": [vars(cause) for cause in fit.diagnosis.causes],
         "untold": list(fit.diagnosis.confounded),
+        "gauge": fit.gauge.faults,
+        "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
         "loop": None,
         "friction": None,
         "intervals": "quick" if fit.bootstrapped is None else "bootstrap",

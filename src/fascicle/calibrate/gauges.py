@@ -1,0 +1,210 @@
+r"""Errors of a bench's gauges, and what readings without pressure tell of them.
+
+A load cell with a zero $F_0$, a scale $s$ and a drift $d$, a transducer with a zero $P_0$ and a
+ruler with a zero $x_0$ read of a muscle that pulls with $F(P, x)$, at the time $t$,
+
+$$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_0. \tag{G1}$$
+
+A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
+A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
+then is their zero. Such readings are looked at first, and correct the record before the fit where
+the zero is beyond their scatter and beyond half of the push that the muscle's law predicts.
+
+**Assumes** that the lowest pressure of a record is a vented muscle if it is below 1 % of the
+highest. **Not resolved:** a scale of the force beside a free radius, and a zero of the pressure
+beside a free dead band: the priors alone separate them.
+"""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from ..core.module import to_numpy, with_fields
+from ..core.types import Batch
+from ..core.validation import LARGEST_STRAIN
+from ..muscle import Muscle
+from ..records.record import Record
+from ..units import pretty
+
+
+VENTED = 0.01  # of the highest pressure: below it a transducer shows its zero, not a setpoint
+_STRETCHED = -1e-3  # strain: a muscle pulled beyond this pulls back without pressure
+_CLEAR = 4.0  # deviations of a zero, as all records together shall have few false ones
+_PUSH_ERROR = 0.5  # of the predicted push: published laws of resisting muscles are no better
+_MIN_VENTED = 3  # readings: fewer show no scatter
+_APART = 0.3  # of the record's duration: vented readings over a shorter time show no drift
+# standard deviations of the priors: what is usual on benches in laboratories
+_FORCE_ZERO = 0.03  # of the largest force: a cell that was zeroed with a muscle or clamp on it
+_FORCE_GAIN = 0.02  # a cell used with its nominal sensitivity, or calibrated with one weight
+_FORCE_DRIFT = 0.01  # of the largest force, over the record: warming of cell and amplifier
+_PRESSURE_ZERO = 0.01  # of the highest pressure: class of an industrial transducer
+_DISPLACEMENT_ZERO = 0.005  # of the length: a ruler held against the fittings
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """Errors of a bench's gauges, (G1).
+
+    - `force_zero`: reading of the load cell without a force, at the time `start` [N].
+    - `force_gain`: change of its reading over the change of the force [-].
+    - `force_drift`: change of its zero with time [N/s].
+    - `pressure_zero`: reading of the pressure transducer without pressure [Pa].
+    - `displacement_zero`: reading of the contraction at the rest length [m].
+    - `start`: time of the record's first reading [s].
+    """
+
+    force_zero: Batch = 0.0
+    force_gain: Batch = 1.0
+    force_drift: Batch = 0.0
+    pressure_zero: Batch = 0.0
+    displacement_zero: Batch = 0.0
+    start: float = 0.0
+
+    @property
+    def faults(self) -> dict[str, float]:
+        """Values [SI unit of each] that differ from those of a perfect gauge, by name."""
+        values = {name: float(getattr(self, name)) for name in GAUGE_NAMES}
+        return {name: value for name, value in values.items() if value != getattr(PERFECT, name)}
+
+    def read_force(self, force: Batch, elapsed: Batch) -> Batch:
+        """Reading [N] of a pull of `force` [N], `elapsed` [s] after the start."""
+        return self.force_gain * force + self.force_zero + self.force_drift * elapsed
+
+    def true_force(self, reading: Batch, elapsed: Batch) -> Batch:
+        """Pull [N] that gives a `reading` [N], `elapsed` [s] after the start."""
+        return (reading - self.force_zero - self.force_drift * elapsed) / self.force_gain
+
+    def correct(self, record: Record, length: float | None = None) -> Record:
+        """Correct the readings of a `record`.
+
+        **Arguments:**
+
+        - `record`: readings as the gauges gave them.
+        - `length`: reference of the record's strains [m]; default: the record's rest length.
+
+        **Returns:** the readings of perfect gauges, with a note of what was corrected.
+        """
+        return self.correct_further(record, PERFECT, length)
+
+    def correct_further(
+        self, record: Record, previous: "Gauge", length: float | None = None
+    ) -> Record:
+        """Correct a `record` that a `previous` gauge has corrected; arguments as of `correct`."""
+        length = record.rest_length if length is None else length
+        elapsed = 0.0 if record.time is None else record.time - self.start
+        shift = self.displacement_zero - previous.displacement_zero
+        notes = tuple(note for note in record.notes if not note.startswith(_NOTE))
+        return replace(
+            record,
+            pressure=record.pressure - (self.pressure_zero - previous.pressure_zero),
+            strain=record.strain - (shift / length if length else 0.0),
+            force=self.true_force(previous.read_force(record.force, elapsed), elapsed),
+            notes=(*notes, f"{_NOTE} {fault_text(self)}") if self.faults else notes,
+        )
+
+
+GAUGE_NAMES = tuple(field.name for field in fields(Gauge) if field.name != "start")
+DIMENSIONS = {"force_zero": "force", "force_gain": "number", "force_drift": "force_rate",
+              "pressure_zero": "pressure", "displacement_zero": "length"}  # fmt: skip
+PERFECT = Gauge()
+_NOTE = "readings corrected for the gauges:"
+_KEY = "_gauge"
+
+
+def fault_text(gauge: Gauge) -> str:
+    """Errors of a `gauge` with their units, in a line."""
+    return ", ".join(
+        f"{name.replace('_', ' ')} {pretty(value, DIMENSIONS[name], 3)}"
+        for name, value in gauge.faults.items()
+    )
+
+
+def gauge_of(muscle: Muscle) -> Gauge:
+    """Gauge that a fit stores beside the fields of a `muscle`; a perfect one by default."""
+    gauge: Gauge = vars(muscle).get(_KEY, PERFECT)
+    return gauge
+
+
+def with_gauge(muscle: Muscle, gauge: Gauge) -> Muscle:
+    """A copy of the `muscle` with a `gauge` beside its fields: laws and files don't see it."""
+    copy = with_fields(muscle)
+    vars(copy)[_KEY] = gauge
+    return copy
+
+
+def default_deviations(
+    force: np.ndarray, pressure: np.ndarray, elapsed: Any, length: float
+) -> dict[str, float]:
+    """Standard deviations of the priors of a gauge's errors [SI unit of each], by name.
+
+    `force`, `pressure`, `elapsed`: readings [N], [Pa], [s]; `length`: of the muscle [m].
+    """
+    top = max(float(np.max(np.abs(force))), 1e-9)
+    duration = float(np.ptp(elapsed)) or 1.0
+    return {
+        "force_zero": _FORCE_ZERO * top,
+        "force_gain": _FORCE_GAIN,
+        "force_drift": _FORCE_DRIFT * top / duration,
+        "pressure_zero": _PRESSURE_ZERO * max(float(np.max(pressure)), 1.0),
+        "displacement_zero": _DISPLACEMENT_ZERO * length,
+    }
+
+
+@dataclass(frozen=True)
+class VentedReadings:
+    """What the readings without pressure tell of the gauges.
+
+    - `gauge`: zeros and drift that are beyond doubt; others are those of a perfect gauge.
+    - `deviations`: standard deviations of what the readings determine [SI unit of each].
+    - `count`: number of the readings.
+    """
+
+    gauge: Gauge
+    deviations: dict[str, float]
+    count: int
+
+
+def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
+    """Zeros of the gauges from a record's readings without pressure.
+
+    **Arguments:**
+
+    - `record`: readings as the gauges gave them.
+    - `muscle`: whose law predicts the push without pressure.
+    """
+    start = 0.0 if record.time is None else float(np.min(record.time))
+    top = float(np.max(record.pressure))
+    vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
+    count = int(np.sum(vented))
+    if count < _MIN_VENTED or top <= 0:
+        return VentedReadings(replace(PERFECT, start=start), {}, count)
+    found: dict[str, float] = {}
+    P, F, strain = record.pressure[vented], record.force[vented], record.strain[vented]
+    # a transducer that writes its noise without the negative half has a mean below its deviation
+    zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
+    deviations = {"pressure_zero": max(scatter / np.sqrt(count), 1e-5 * top)}
+    if abs(zero) > max(scatter, _CLEAR * deviations["pressure_zero"]):
+        found["pressure_zero"] = zero
+    scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
+    push = to_numpy(muscle).force(0.0, np.clip(strain * scale, 0.0, LARGEST_STRAIN))
+    zeros, elapsed = F - np.asarray(push), np.zeros(count)
+    if record.time is not None:
+        elapsed = record.time[vented] - start
+    basis = np.ones((count, 1))
+    duration = 0.0 if record.time is None else float(np.ptp(record.time))
+    if duration > 0 and np.ptp(elapsed) > _APART * duration:
+        basis = np.stack([np.ones(count), elapsed], axis=1)
+    inverse = np.linalg.inv(basis.T @ basis)
+    best = inverse @ basis.T @ zeros
+    noise = float(np.std(zeros - basis @ best, ddof=basis.shape[1]))
+    own = noise * np.sqrt(np.diag(inverse))
+    deviations["force_zero"] = float(np.hypot(own[0], _PUSH_ERROR * np.mean(np.abs(push))))
+    if best.size > 1:
+        deviations["force_drift"] = float(own[1])
+        if abs(best[1]) > _CLEAR * own[1]:
+            found["force_drift"] = float(best[1])
+    mean = float(best[0]) if "force_drift" in found or best.size == 1 else float(np.mean(zeros))
+    if abs(mean) > _CLEAR * deviations["force_zero"] or "force_drift" in found:
+        found["force_zero"] = mean
+    return VentedReadings(Gauge(**found, start=start), deviations, count)

@@ -1,0 +1,111 @@
+"""Errors of the gauges in a fit, and faults of a record's channels; all records are synthetic."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.calibrate import Gauge, Prior, fit
+from fascicle.calibrate.channels import channel_faults
+from fascicle.calibrate.gauges import PERFECT, read_vented
+from fascicle.files.calibration_files import calibrated_files, provenance_of
+from fascicle.records.record import Record
+from gauge_bench import MUSCLE, TRUTH, bench_record
+
+
+NAMES = ["c10", "c01", "force_zero", "force_gain", "force_drift", "pressure_zero"]
+
+
+def test_a_corrected_reading_is_the_readings_inverse():
+    gauge = Gauge(8.0, 1.03, 0.01, 1.5e3, 1e-3, start=10.0)
+    record = Record.of(
+        [2e5, 2e5], [0.0, 0.1], [100.0, 50.0], time=np.array([10.0, 30.0]), rest_length=0.2
+    )
+    read = replace(
+        record, pressure=record.pressure + 1.5e3, strain=record.strain + 1e-3 / 0.2,
+        force=1.03 * record.force + 8.0 + 0.01 * np.array([0.0, 20.0]),
+    )  # fmt: skip
+    corrected = gauge.correct(read)
+    for name in ("pressure", "strain", "force"):
+        assert_allclose(getattr(corrected, name), getattr(record, name), rtol=1e-12, atol=1e-12)
+    assert "force zero 8 N" in corrected.notes[-1]
+    assert PERFECT.correct(record).notes == ()
+
+
+def test_readings_without_pressure_tell_the_zeros():
+    vented = read_vented(bench_record(seed=1), MUSCLE)
+    for name in ("force_zero", "force_drift", "pressure_zero"):
+        error = getattr(vented.gauge, name) - getattr(TRUTH, name)
+        assert abs(error) < 4 * vented.deviations[name]
+    assert read_vented(bench_record(PERFECT, loop=0.0, seed=1), MUSCLE).gauge == PERFECT
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    return fit(bench_record(seed=2), MUSCLE, NAMES, whole=False)
+
+
+def test_a_fit_separates_the_gauges_from_the_rubber(fitted):
+    estimates = {estimate.name: estimate for estimate in fitted.parameters}
+    for name in NAMES[2:]:
+        truth = getattr(TRUTH, name)
+        assert estimates[name].low < truth < estimates[name].high
+        assert getattr(fitted.gauge, name) == pytest.approx(estimates[name].value)
+    known = ("force_zero", "force_drift", "pressure_zero")
+    assert all(estimates[name].identifiable for name in known)
+    # the record is the corrected one, and the gauge takes the file's readings to it
+    raw = bench_record(seed=2)
+    corrected = fitted.gauge.correct(raw)
+    assert_allclose(corrected.force, fitted.record.force, rtol=1e-9, atol=1e-9)
+    assert len(fitted.warnings_by_topic["gauges"]) >= 4
+
+
+def test_files_keep_the_gauge_beside_the_muscle(fitted):
+    texts = calibrated_files(fitted, "2026-01-01")
+    assert "force_zero" not in texts["muscle.toml"].split("[calibration]")[0]
+    assert provenance_of(fitted, "2026-01-01")["gauge"].keys() == fitted.gauge.faults.keys()
+
+
+def test_a_prior_holds_an_error_of_a_gauge():
+    record = bench_record(seed=2)
+    held = fit(record, MUSCLE, NAMES, {"force_gain": Prior(1.0, 1e-6)}, whole=False)
+    assert held.gauge.force_gain == pytest.approx(1.0, abs=1e-5)
+
+
+RNG = np.random.default_rng(0)
+SWEEP = 100 * np.concatenate([np.linspace(0, 1, 100), np.linspace(1, 0, 100)]) ** 1.1
+
+
+def _record(force, pressure=None):
+    time = 0.5 * np.arange(force.size)
+    pressure = 1e3 * SWEEP + RNG.normal(0, 20, force.size) if pressure is None else pressure
+    return Record.of(pressure, np.zeros(force.size), force, time=time, rest_length=0.2)
+
+
+@pytest.mark.parametrize(
+    ("kind", "force", "value"),
+    [
+        ("floor", np.maximum(SWEEP - 10, -3.7), -3.7),
+        ("floor", np.maximum(SWEEP, 8.0), 8.0),
+        ("ceiling", np.minimum(SWEEP, 80.0), 80.0),
+        ("quantization", 0.7 * np.round(SWEEP / 0.7), 0.7),
+        ("lag", np.concatenate([np.zeros(6), SWEEP[:-6]]), 3.0),
+    ],
+)
+def test_a_fault_of_a_channel_is_found(kind, force, value):
+    noise = RNG.normal(0, 0.05, force.size) if kind == "lag" else 0.0
+    faults = channel_faults(_record(force + noise))
+    (fault,) = [fault for fault in faults if fault.kind == kind]
+    assert fault.value == pytest.approx(value, rel=2e-3)
+
+
+def test_a_saturated_transducer_is_found():
+    pressure = np.minimum(1e3 * SWEEP + RNG.normal(0, 20, SWEEP.size), 90e3)
+    (fault,) = channel_faults(_record(SWEEP + RNG.normal(0, 0.1, SWEEP.size), pressure))
+    assert (fault.kind, fault.channel) == ("saturation", "pressure")
+    assert fault.value == pytest.approx(90e3)
+
+
+def test_a_clean_channel_has_no_fault():
+    assert not channel_faults(_record(SWEEP + RNG.normal(0, 0.1, SWEEP.size)))
