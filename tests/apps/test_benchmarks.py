@@ -47,16 +47,6 @@ def test_the_table_holds_every_benchmark(benchmark):
     assert sorted(benchmark("run_all").MODULES) == MODULES
 
 
-def test_rows_survive_their_file(benchmark, tmp_path):
-    timing = benchmark("timing")
-    rows = [
-        timing.Row("a", timing.Measured(2.0, 1.0, 3.0), "×", "b", 4.0, "≥", "c"),
-        timing.Row("d", None, "s", limit="nothing to measure"),
-    ]
-    timing.save(rows, tmp_path / "rows.json")
-    assert timing.load(tmp_path / "rows.json") == rows
-
-
 def test_a_reach_is_met_from_its_own_side(benchmark):
     timing = benchmark("timing")
     two = timing.Measured(2.0, 2.0, 2.0)
@@ -72,14 +62,3 @@ def test_the_ratio_is_of_medians_and_its_spread_of_rounds(benchmark):
     seconds = {"a": timing.np.array([2.0, 4.0, 6.0]), "b": timing.np.array([1.0, 2.0, 2.0])}
     ratio = timing.Times(seconds).ratio("a", "b")
     assert (ratio.value, ratio.low, ratio.high) == (2.0, 2.0, 2.5)
-
-
-def test_the_results_name_the_two_farthest(benchmark):
-    timing, everything = benchmark("timing"), benchmark("run_all")
-    one = timing.Measured(1.0, 1.0, 1.0)
-    rows = [
-        timing.Row(name, one, "×", reach=r) for name, r in (("near", 1), ("far", 9), ("mid", 3))
-    ]
-    text = everything.written(rows, {"date": "today"}, 60.0)
-    assert text.index("1. far") < text.index("2. mid")
-    assert "1 of 3 are within reach" in text

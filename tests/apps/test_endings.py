@@ -12,7 +12,14 @@ import pytest
 
 SIX = "kim2021_figure_6"
 ENVIRONMENT = os.environ | {"FASCICLE_NO_CACHE": "1"}
-BEGIN = "from fascicle.cli import main\nprint('ready', flush=True)\nmain({arguments!r})"
+# a shell that puts the tests into the background lets them, and their children, ignore Ctrl-C
+BEGIN = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from fascicle.cli import main
+print('ready', flush=True)
+main({arguments!r})
+"""
 # stops at the line of standard error that begins so, until a signal comes: however slow or fast a
 # machine is, the command is still at work then
 PAUSE = """
@@ -81,7 +88,7 @@ strain = 0.1
 supply_pressure = "413.7 kPa"
 [design]
 muscle = "kim2021_slenderness_10"
-muscles = [9]
+muscles = [6]
 length = "100 mm:150 mm:10 mm"
 [objectives]
 mean_efficiency = "max"
@@ -95,9 +102,9 @@ block = 16
 def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     (tmp_path / "task.toml").write_text(TASK)
-    process = start(tmp_path, "sweep", "task.toml", "--workers", workers, pause_at="10 of 96")
+    process = start(tmp_path, "sweep", "task.toml", "--workers", workers, pause_at="3 of 12")
     line = process.stderr.readline()
-    while not line.startswith("10 of 96"):
+    while not line.startswith("3 of 12"):
         line = process.stderr.readline()
         assert line.strip().endswith("a worker"), line
     code, err = interrupt(process)
@@ -106,7 +113,7 @@ def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     assert all(" blocks, " in line for line in progress), err
     process = start(tmp_path, "sweep", "task.toml", "--workers", "0", "--resume")
     _, err = process.communicate(timeout=300)
-    assert process.returncode == 0 and int(err.split(" of ")[0]) >= 10
+    assert process.returncode == 0 and int(err.split(" of ")[0]) >= 3
 
 
 @pytest.mark.parametrize(("error", "expected"), [
@@ -150,16 +157,13 @@ def test_a_closed_pipe_is_quiet():
         assert process.wait() == 1
 
 
-@pytest.mark.parametrize("platform", ["nobody", "cuda"])
-def test_a_missing_device_is_one_line(platform):
+def test_a_missing_device_is_one_line():
     done = subprocess.run(
         [sys.executable, "-m", "fascicle", "simulate", "lift_gas"], capture_output=True, text=True,
-        env=ENVIRONMENT | {"JAX_PLATFORMS": platform},
+        env=ENVIRONMENT | {"JAX_PLATFORMS": "nobody"},
     )  # fmt: skip
-    if platform == "cuda" and done.returncode == 0:
-        pytest.skip("has a GPU")
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    assert f"JAX_PLATFORMS={platform}" in done.stderr
+    assert "JAX_PLATFORMS=nobody" in done.stderr
 
 
 def test_a_message_has_an_end(refused, tmp_path):

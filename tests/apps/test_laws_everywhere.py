@@ -77,7 +77,8 @@ WHOLE = list(itertools.product(ASKED, COMMANDS))
 # each law by one command, each command by some: those next to one another in both lists
 SLOW_ONES = {("buckling ovalising", command) for command in ("space", "recruit", "recruit free",
              "efficiency", "export table", "simulate", "design")}  # fmt: skip
-SLOW_ONES |= {("all at once", "simulate")}
+SLOW_ONES |= {("all at once", "simulate"), ("tension martens2017_20", "simulate"),
+              ("post_collapse consistent", "export table")}  # fmt: skip
 SAMPLE = [
     (asked, list(COMMANDS)[i % len(COMMANDS)])
     for i, asked in enumerate(ASKED)
@@ -86,6 +87,8 @@ SAMPLE = [
     ("ends that give", "efficiency"),
     ("buckling ovalising", "export c"),
     ("all at once", "bundle"),
+    ("tension martens2017_20", "force"),
+    ("post_collapse consistent", "force"),
 ]
 
 

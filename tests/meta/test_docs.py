@@ -90,14 +90,6 @@ def test_a_link_for_the_reader_is_no_request(quiet):
     assert not extension("offline").requests(quiet)
 
 
-def test_pages_are_dealt_to_the_batches_that_sphinx_makes():
-    dealt = extension("pages").dealt
-    times = {"a": 9, "b": 5, "c": 4, "d": 2, "e": 2, "f": 1}
-    assert dealt(times, [3, 3]) == [["a", "d", "f"], ["b", "c", "e"]]
-    assert dealt(times, [1, 5]) == [["a"], ["b", "c", "d", "e", "f"]]
-    assert dealt({}, []) == []
-
-
 def test_pages_that_are_known_to_take_long_are_there():
     for name in extension("pages")._LONG:
         assert (DOCS / f"{name}.md").exists()
