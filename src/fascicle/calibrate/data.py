@@ -22,6 +22,9 @@ from .gauges import PERFECT, Gauge, read_vented
 
 WEIGHTS = ("uniform", "level")
 MAX_READINGS = 384  # of a level; a longer sweep is averaged: more points add no information
+_THIN_LEVELS = 24  # pressures: three in each part that is left out
+_THIN_ENTRIES = 256  # readings in all: an error of the law shows in far fewer than measure noise
+_MIN_ENTRIES = 16  # of a level: both branches of a sweep in steps of an eighth of its strain
 MIN_PUSHES = 5  # number of factors on the resisting force; fewer readings can't determine them
 _GAP = 0.005  # of the largest pressure: readings closer than this share a level
 _MAX_WIDTH = 0.02  # of the largest pressure: a wider level is a sweep, cut finer
@@ -213,23 +216,38 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     return replace(data, gauge=vented.gauge)
 
 
-def pulling_only(data: FitData, max_readings: int = MAX_READINGS) -> FitData:
+def thin(data: FitData) -> FitData:
+    """Fewer readings for the comparison of candidates: those of evenly chosen levels, the first and
+    the last among them, averaged where a level still holds many.
+    """
+    levels = len(data.grid.pressure)
+    chosen = np.unique(np.linspace(0, levels - 1, min(levels, _THIN_LEVELS)).round().astype(int))
+    limit = max(_THIN_ENTRIES // chosen.size, _MIN_ENTRIES)
+    if chosen.size == levels and data.grid.force.shape[1] <= limit:
+        return data
+    record = data.record.only(np.isin(data.level, chosen))
+    return tabulate(
+        record, limit, read=data.read, left_out=data.left_out,
+        noise_clipped=data.noise_clipped, pushes_clipped=data.pushes_clipped,
+    )  # fmt: skip
+
+
+def pulling_only(data: FitData) -> FitData:
     """Data as of a gauge that only pulls, for the tension law alone.
 
-    Pushes count as clipped at zero, and so does noise past a free strain. A level holds at most
-    `max_readings`.
+    Pushes count as clipped at zero, and so does noise past a free strain.
     """
     record = data.record
     below = (record.force <= 0) & ~record.censored
     noise = _zero_plateau(data, record.censored | below)
-    if not np.any(below | noise) and max_readings == MAX_READINGS:
+    if not np.any(below | noise):
         return data
     clipped = record.censored | below | noise
     above = False if data.at_ceiling is None else data.at_ceiling
     force = np.where(clipped & ~np.asarray(above), 0.0, record.force)
     record = replace(record, force=force, censored=clipped)
     return tabulate(
-        record, max_readings, read=data.read, left_out=data.left_out,
+        record, read=data.read, left_out=data.left_out,
         noise_clipped=int(np.sum(noise)), pushes_clipped=int(np.sum(below)),
         faults=data.faults, at_ceiling=data.at_ceiling,
         gauge=data.gauge, gauge_deviations=data.gauge_deviations,

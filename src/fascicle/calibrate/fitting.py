@@ -33,6 +33,7 @@ from .least_squares import (
     first_noise,
     minimum_at,
     search,
+    solve_with_noise,
     starts_around,
 )
 from .parameters import (
@@ -75,6 +76,7 @@ class FitOptions:
     - `tune`: read C1 and C2 first; left out, if all free parameters are factors.
     - `held`: names of fixed constants that the data may determine.
     - `near`: coordinates by name [-], as one more start.
+    - `thorough`: search a second time about the best end.
     """
 
     loss: str = "linear"
@@ -85,6 +87,7 @@ class FitOptions:
     tune: bool | None = None
     held: tuple[str, ...] = ()
     near: Mapping[str, float] = field(default_factory=dict)
+    thorough: bool = True
 
     def __post_init__(self) -> None:
         check_choice(self.loss, LOSSES, "loss")
@@ -254,7 +257,10 @@ def solve_problem(
     """Find the minimum; of a tuning, then jointly with its curves."""
     covariance = None if readings is None else readings.covariance
     starts = starts_of(problem, options)
-    problem, ends, point, minimum = search(problem, starts, options.seed, covariance)
+    if options.thorough:
+        problem, ends, point, minimum = search(problem, starts, options.seed, covariance)
+    else:
+        problem, ends, point, minimum = solve_with_noise(problem, starts, covariance)
     if readings is not None:
         joint = fit_jointly(
             problem, readings, point, options.weights, covariance=minimum.covariance

@@ -104,23 +104,31 @@ def _profile(
     """Values [SI unit] and coordinates [-] of a held parameter, and the rises there [-]."""
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
     other_columns = np.delete(np.arange(z.size), index)
-    # the start of each refit moves all coordinates along the fit's correlations
-    direction = C[index] / np.sqrt(C[index, index])
+    direction = C[index] / np.sqrt(C[index, index])  # along the fit's correlations
 
-    def prior(point: np.ndarray) -> float:
-        return ((point[index] - problem.center[index]) / problem.deviation[index]) ** 2
+    def refit(start: np.ndarray) -> tuple[float, np.ndarray]:
+        """Rise at the end of a refit, and the end."""
+        end = solve(problem, start[None], other_columns, tolerance=_TOLERANCE)
+        point = end.points[0]
+        # a parameter's own prior is no part of the likelihood
+        priors = ((np.array([point, z])[:, index] - center) / deviation) ** 2
+        return fraction * (2 * (end.cost[0] - lowest) - priors[0] + priors[1]), point
 
+    center, deviation = problem.center[index], problem.deviation[index]
     lowest = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
-    points, rises = [z], [0.0]
+    ends = [(0.0, z)]
     for side in (-np.sort(-steps[steps < 0]), np.sort(steps[steps > 0])):
+        last_step, last, course = 0.0, z, direction
         for step in side:
-            end = solve(problem, (z + step * direction)[None], other_columns, tolerance=_TOLERANCE)
-            # a parameter's own prior is no part of the likelihood
-            prior_rise = prior(end.points[0]) - prior(z)
-            points.append(end.points[0])
-            rises.append(fraction * (2 * (end.cost[0] - lowest) - prior_rise))
-            if rises[-1] > _CRITICAL:
+            # each refit begins where the two before it lead
+            end = refit(last + (step - last_step) * course)
+            if end[0] > _CRITICAL:  # kinks cause shallow minima: the lower end of two counts
+                end = min(end, refit(z + step * direction), key=lambda end: end[0])
+            ends.append(end)
+            if end[0] > _CRITICAL:
                 break
+            course, last, last_step = (end[1] - last) / (step - last_step), end[1], step
+    rises, points = zip(*ends, strict=True)
     order = np.argsort([point[index] for point in points])
     path = np.array(points)[order]
     values = np.array([value_of(problem, point)[index] for point in path])

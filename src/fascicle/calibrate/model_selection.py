@@ -28,11 +28,18 @@ from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
 from ..records.record import Record
 from .calibration import Calibration, Candidate, Selection, Trial, largest_force
-from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data
+from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
 from .fitting import STARTS, FitOptions, Prior, fit_data, on_length, set_up_problem, starts_of
 from .least_squares import ROUGH, Problem, solve, solve_with_noise
-from .messages import AS_GIVEN, TUNING, exclusions, length_violation, marginal_gains
+from .messages import (
+    AS_GIVEN,
+    TUNING,
+    exclusions,
+    length_violation,
+    marginal_gains,
+    thinning,
+)
 from .messages import selection_reasons as reasons_of
 from .parameters import (
     FACTOR_NAMES,
@@ -50,15 +57,14 @@ _TOLERANCE = 0.02  # of the least left-out error beyond noise: a smaller differe
 _STANDARD_ERRORS = 1.0  # of a difference: the one-standard-error rule
 _OUTLIER = 3.0  # of the usual error: outliers of a robust fit count no more than that
 _RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
-_MAX_READINGS = 64  # at a pressure while candidates are tried: enough, and fast
 _DISTINCT = 1e-3  # of a constant's effect on the force: with less it duplicates the others
 _STARTS = 2  # points to begin from: each search also begins at a neighboring candidate's end
 _ROUNDS = 4  # of adding or removing one constant; more never occurred
-_MAX_FOLDS = 24  # pressures left out one by one: each is a refit
+_MAX_FOLDS = 12  # pressures left out one by one: each is a refit
 _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
-_STEPWISE_TRIALS, _FULL_TRIALS = 5, 4  # usual numbers, for an estimate of the progress
+_STEPWISE_TRIALS, _FULL_TRIALS = 5, 5  # usual numbers, for an estimate of the progress
 _BAND, _WALL, _ACTIVE = "dead_band", "wall_thickness", "active_length"
 
 Names = tuple[str, ...]
@@ -97,11 +103,13 @@ def select_model(
     if priors:
         select_parameters(list(priors), with_optional_laws(muscle))  # raises for unknown names
     steps = _Steps(progress, 0 if data.pulls else _FULL_TRIALS)
-    pulling = pulling_only(data, _MAX_READINGS)
+    pulling = thin(pulling_only(data))
     trials, noise = _pulling_trials(pulling, muscle, priors, options, steps)
     if not trials:  # without a reading that pulls, `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
     by_strain = _measured_levels(data.grid).size < _MIN_LEVELS
+    compared = thin(data)
+    note = thinning(len(compared.record), len(data.record))
     if data.pulls:
         best = select(trials, noise, loss)
         progress("fitting")
@@ -109,20 +117,27 @@ def select_model(
         names = None if tuning else best.candidate.names
         options = replace(options, tune=tuning)
         fitted = fit_data(data, muscle, names, _priors_of(priors, names or ()), options)
-        return Selection(fitted, _marked(trials, best), (*reasons_of(trials, best, by_strain),))
+        return Selection(
+            fitted, _marked(trials, best), (*reasons_of(trials, best, by_strain), *note)
+        )
     best = select([t for t in trials if t.candidate.method == "constants"], noise, loss)
     names = best.candidate.names
-    options = replace(options, whole=True)
-    full_trials, fits = _full_trials(data, muscle, priors, options, names, steps)
+    muscle = with_optional_laws(muscle, names)
+    full_trials, searches = _full_trials(compared, muscle, priors, options, names, steps)
     final = select(full_trials, noise, loss)
+    free = final.candidate.names
+    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
+    steps.begin("fitting all readings")
+    fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
     reasons = (
         f"Where the muscle pulls, {best.candidate.label} is best.",
         *marginal_gains(trials, best),
         *exclusions(trials),
         *reasons_of(full_trials, final, by_strain),
+        *note,
     )
     candidates = (*_marked(trials, best), *_marked(full_trials, final))
-    return Selection(fits[full_trials.index(final)], candidates, reasons)
+    return Selection(fitted, candidates, reasons)
 
 
 class _Steps:
@@ -406,12 +421,16 @@ def _full_trials(
     options: FitOptions,
     names: Names,
     steps: _Steps,
-) -> tuple[list[Trial], list[Calibration]]:
-    """Trials on all readings: the paper's tuning; the constants `names`, best where the muscle
-    pulls, with the factors on the resisting force and without; and these factors alone.
+) -> tuple[list[Trial], list[FitOptions]]:
+    """Trials on readings of all kinds: the paper's tuning; the constants `names`, best where the
+    muscle pulls, with the factors on the resisting force and without; and these factors alone.
+
+    Beside each trial the options of a search that begins at its end.
     """
-    muscle = with_optional_laws(muscle, names)
-    options = replace(options, held=(*names, *FACTOR_NAMES))
+    options = replace(
+        options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES),
+        starts=min(options.starts, _STARTS),
+    )  # fmt: skip
     label, suffix = ", ".join(names) or AS_GIVEN, "and the factors on the resisting force"
     attempts: list[tuple[str, Names, bool]] = [
         (f"{label} {suffix}", _union(names, FACTOR_NAMES), False), (label, names, False)
@@ -420,16 +439,16 @@ def _full_trials(
     if not set(priors) - set(FACTOR_NAMES):
         factors = [(f"{AS_GIVEN} {suffix}", FACTOR_NAMES, False)] if names else []
         attempts = [(TUNING, FACTOR_NAMES, True), *attempts, *factors]
-    trials, fits = [], []
-    steps.total = steps.done + len(attempts)
-    near: dict[str, float] = {}
+    trials, searches = [], []
+    steps.total = steps.done + len(attempts) + 1  # the last is the fit to all readings
     for title, free, tune in attempts:
         steps.begin("fitting the resisting force")
-        begin = replace(options, tune=tune, near=dict(near))
-        fitted = fit_data(data, muscle, free, _priors_of(priors, free), begin)
-        # the next search begins at this end: few other points are enough
-        options = replace(options, starts=min(options.starts, _STARTS))
-        near.update(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
+        options = replace(options, tune=tune)
+        fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
+        end = dict(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
+        searches.append(replace(options, near=end))
+        # the next search begins at this end, too
+        options = replace(options, near={**options.near, **end})
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         candidate = title, free, fitted.method, len(free) + curves
         left_out = data.errors(left_out_force(fitted))
@@ -440,10 +459,9 @@ def _full_trials(
                 candidate, fitted.errors, left_out, options.loss, top_force, "all", violation
             )
         )
-        fits.append(fitted)
     if all(trial.violation for trial in trials):  # one is returned all the same, with a warning
         trials = [replace(trial, violation="") for trial in trials]
-    return trials, fits
+    return trials, searches
 
 
 def _predicted_force(problem: Problem, point: np.ndarray) -> np.ndarray:

@@ -129,10 +129,14 @@ class Compliant(AbstractEnds):
         unloaded, rise = s * strain, s * self.end_compliance / L0
         # compliant ends keep fibers from being straight, where a bladder's pull has no bound
         start = where(rise > 0, maximum(unloaded, _NEARLY * braid.straight), unloaded)
+        pull = tension.bladder_pull(pressure, start)
         # where T falls, the bladder's strain lies between both
-        loaded = unloaded + rise * tension.bladder_pull(pressure, start).force
+        loaded = unloaded + rise * pull.force
         low = minimum(start, maximum(loaded, _NEARLY * braid.straight))
         high = maximum(start, minimum(loaded, _FARTHEST))
+        # a step of Newton's from there; a bound where T rises too steeply for one
+        fall = maximum(1 - rise * pull.slope, 1.0)
+        start = minimum(maximum(start + (loaded - start) / fall, low), high)
         return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
