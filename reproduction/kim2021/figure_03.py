@@ -3,14 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from fascicle.plot.shapes import dimension
 from fascicle.plot.theme import in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim
 from ..figures import PaperFigure
 from . import setting
-from .progression import BENT, PRESSURE, Progression, draw_pair, progression
+from .progression import BENT, PRESSURE, Progression, dimension, draw_pair, progression
 from .setting import claim
 
 

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fascicle.plot.shapes import dimension, guide, label
 from fascicle.plot.theme import (
     BLACK,
     BLUE,
@@ -22,7 +21,7 @@ from fascicle.results.labelled import Variable
 from ..claims import Claim
 from ..figures import PaperFigure
 from . import setting
-from .progression import BENT, PRESSURE, Progression, progression
+from .progression import BENT, PRESSURE, Progression, dimension, guide, label, progression
 from .setting import claim
 
 

@@ -3,14 +3,22 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from fascicle.plot.shapes import dimension, guide, label
 from fascicle.plot.theme import BLACK, in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim
 from ..figures import PaperFigure
 from . import setting
-from .progression import HINGED, PRESSURE, Progression, draw_pair, progression
+from .progression import (
+    HINGED,
+    PRESSURE,
+    Progression,
+    dimension,
+    draw_pair,
+    guide,
+    label,
+    progression,
+)
 from .setting import claim
 
 

@@ -1,9 +1,14 @@
 """Fig. 9: the force-strain space of two motor units, without and with resistance."""
 
+from collections.abc import Mapping
+
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from fascicle.bundle.workspace import Overlap, Space, overlap, space
-from fascicle.plot.workspace import workspaces
+from fascicle.plot.theme import DOUBLE, WHITE, letters, new_figure, styled
+from fascicle.plot.workspace import draw_workspace
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim
@@ -14,6 +19,7 @@ from .setting import claim
 
 LEVELS = np.array([0.0, 68.9, 137.9, 206.8, 275.8, 344.7, 413.7]) * 1e3  # Pa, every 10 psi
 NAMED = 275.8e3  # Pa, whose free strain section 4.1 gives
+_LABELED = 2  # the state whose curves are labeled with their pressures
 NEAR = (0.18, 0.26), (0.0, 110.0)  # strain and force of (c) and (d)
 
 
@@ -47,6 +53,63 @@ def compute() -> PaperFigure:
         ),
         claims=claims(without, with_it, float(muscle.free_strain(NAMED))),
     )
+
+
+@styled
+def workspaces(
+    spaces: Mapping[str, tuple[Space, Overlap | None]],
+    near: tuple[tuple[float, float], tuple[float, float]],
+) -> Figure:
+    """Figure of workspaces side by side, and below each its region near the largest strain.
+
+    **Arguments:**
+
+    - `spaces`: workspaces and overlaps by title, at most three.
+    - `near`: limits of strain [-] and force [N] of the lower row.
+    """
+    figure, axes = new_figure(2, len(spaces), DOUBLE, 0.8 * DOUBLE)
+    for row in axes:
+        for ax, (drawn, shared) in zip(row, spaces.values(), strict=True):
+            draw_workspace(ax, drawn, shared)
+    letters(axes, [*spaces, *(f"{title}, near the largest strain" for title in spaces)])
+    for ax, (drawn, _) in zip(axes[1], spaces.values(), strict=True):
+        ax.set(xlim=near[0], ylim=near[1])
+        _label_pressures(ax, drawn, _LABELED)
+    for ax in axes[:, 1:].flat:
+        ax.set_ylabel("")
+    # the overlap last, behind the states
+    entries = sorted(
+        zip(*axes[0, -1].get_legend_handles_labels(), strict=True),
+        key=lambda entry: entry[1].startswith("overlap"),
+    )
+    figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=len(entries))
+    return figure
+
+
+def _label_pressures(ax: Axes, space: Space, state: int) -> None:
+    """Write the throttled pressures along the curves of a `state`, one label for close curves."""
+    (left, right), (_, top) = ax.get_xlim(), ax.get_ylim()
+    inside = (space.strain >= left) & (space.strain <= right)
+    strain, curves = space.strain[inside], space.force[state - 1][:, inside]
+    labels: list[tuple[np.ndarray, str]] = []
+    for level, curve in zip(space.level, curves, strict=True):
+        text = f"{level / 1e3:.4g}"
+        if labels and np.abs(labels[-1][0] - curve).max() < 0.01 * top:
+            labels[-1] = labels[-1][0], f"{labels[-1][1]}, {text}"
+        else:
+            labels.append((curve, text))
+    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
+    step = 0.01 * (right - left)
+    for i, (curve, text) in enumerate(labels):
+        # the lowest beneath its line and further on, where no other curve crosses it
+        low = strain[curve <= (0.7 if i == 0 else 0.87) * top]
+        x = max(float(low[0]) if low.size else right, left + 0.06 * (right - left))
+        ends = np.interp([x, x + step], strain, curve)
+        ax.text(
+            x, ends[0], f"{text} kPa", ha="center", fontsize=6,
+            rotation=np.degrees(np.arctan2(ends[1] - ends[0], step)), rotation_mode="anchor",
+            transform_rotates_text=True, va="top" if i == 0 else "center", bbox=box,
+        )  # fmt: skip
 
 
 def _data(without: tuple[Space, Overlap], with_it: tuple[Space, Overlap]) -> dict[str, Variable]:

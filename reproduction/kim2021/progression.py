@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.shapes import Outline, dimension, draw_muscle, guide, name_row, outlines, stack
-from fascicle.plot.theme import BLACK
+from fascicle.plot.shapes import Outline, draw_muscle, name_row, outlines, stack
+from fascicle.plot.theme import BLACK, GRAY, WHITE
 
 from . import setting
 
@@ -18,6 +18,8 @@ FREE, BENT, HINGED = 1, 2, 3  # indices of the states; rest is 0
 JUST = 0.001  # of strain past the free strain, for the onset of buckling
 _NARROW = 12.0  # mm, less than the length's text takes
 _FRACTION = 0.9  # between free strain and collapse: clearly bent, not yet collapsed
+
+Point = tuple[float | int, float | int]  # in millimeters, or points
 
 
 @dataclass(frozen=True)
@@ -88,3 +90,38 @@ def draw_pair(p: Progression, state: int, title: str) -> tuple[Figure, Axes, flo
     guide(ax, (0, lower), (chord, lower))
     ax.plot(shapes[1].z * 1e3, shapes[1].y * 1e3 + lower, color=BLACK, linewidth=0.7, zorder=5)
     return figure, ax, lower
+
+
+def dimension(ax: Axes, start: Point, end: Point, text: str, side: int = 1) -> None:
+    """Draw a dimension line from `start` to `end` [mm], its `text` above or right of it (1), or
+    below or left of it (-1).
+    """
+    arrow = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.25", "color": BLACK,
+             "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
+    ax.annotate("", start, end, arrowprops=arrow, zorder=6)
+    middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+    if abs(end[1] - start[1]) > abs(end[0] - start[0]):
+        label(ax, middle, text, (3 * side, 0), "left" if side > 0 else "right", "center")
+    else:
+        label(ax, middle, text, (0, 1.5 * side), "center", "bottom" if side > 0 else "top")
+
+
+def label(
+    ax: Axes,
+    position: Point,
+    text: str,
+    offset: Point = (0, 0),
+    ha: str = "left",
+    va: str = "center",
+) -> None:
+    """Write a `text` at a `position` [mm], `offset` by points, readable over the drawing."""
+    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
+    ax.annotate(
+        text, position, offset, textcoords="offset points", ha=ha, va=va, bbox=box, zorder=7
+    )
+
+
+def guide(ax: Axes, start: Point, end: Point) -> None:
+    """Draw a thin dashed guide line [mm]."""
+    ends = np.array([start, end])
+    ax.plot(ends[:, 0], ends[:, 1], color=GRAY, linewidth=0.6, linestyle=(0, (3, 2)), zorder=5)

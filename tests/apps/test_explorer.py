@@ -405,7 +405,7 @@ def test_a_bundles_last_pressure_can_be_swept(visit):
     sweep.click()
 
 
-def test_cards_announce_the_map_and_the_averages(monkeypatch):
+def test_figures_of_efficiency_load_until_they_are_computed(monkeypatch):
     from fascicle.explorer.efficiency_tab import EfficiencyView
     from fascicle.explorer.state import Session, view_of
     from fascicle.explorer.tab import LatestResult
@@ -415,12 +415,11 @@ def test_cards_announce_the_map_and_the_averages(monkeypatch):
     monkeypatch.setattr(LatestResult, "request", lambda *call: requests.append(call))
     tab = EfficiencyView(Session(view_of(fs.example("kim2021_bundle_1_1"), "b")), LIGHT)
     tab.refresh()
-    assert "progressbar" in tab.cards[0].object
-    for i, (card, figure) in enumerate(zip(tab.cards, tab.figures, strict=True)):
-        assert (card.visible, figure.visible) == (True, False)
+    for i, figure in enumerate(tab.figures):
+        assert figure.loading
         latest, compute = requests[i]
         latest._show(compute())
-        assert (card.visible, figure.visible) == (False, True)
+        assert not figure.loading
 
 
 LABEL = """() => { let at = document.activeElement;
@@ -672,7 +671,7 @@ def test_a_bundles_fibers_bend_and_fold_with_pressure(visit):
 
 def test_the_header_and_the_empty_data_tab_explain_themselves(visit):
     page = visit("?tab=data")
-    page.get_by_text("What fluidic muscles of given sizes pull").wait_for()
+    page.get_by_text("Forces of fluidic artificial muscles").wait_for()
     empty_state = page.get_by_text("Your own muscle, as it was measured")
     empty_state.wait_for()
     page.get_by_role("button", name="Try an example record").click()

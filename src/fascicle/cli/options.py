@@ -70,26 +70,29 @@ TARGET = argument("FILE", _TARGET, autocompletion=complete_target)
 TARGET_OR_EXAMPLE = argument("[FILE]", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
 PRESSURE = option(
-    "Gauge pressures: 34.5kPa, a list 0kPa,5psi or a range 0kPa:413.7kPa:68.95kPa.",
+    "Gauge pressures: one (34.5kPa), a list (0kPa,5psi) or a range (start:stop:step).",
     "--pressure -p",
     metavar="LIST",
     default=DEFAULT_PRESSURE,
 )
 PRESSURES = option(
-    "Gauge pressures, for a bundle one or a range for each motor unit: 344.7kPa,0kPa; repeatable.",
+    "Gauge pressures, one or a range for each motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
+    " default: the recruitment states at full pressure.",
     "--pressure -p",
     metavar="LIST",
 )
 STRAIN = option(
-    "Contractions: 0.1, a list 0,0.1 or a range 0:0.33:0.03, both ends included.",
+    "Contractions: one (0.1), a list (0,0.1) or a range (start:stop:step, ends included).",
     "--strain -s",
     metavar="LIST",
     default="0:0.33:0.03",
 )
 SPACE_STRAIN = option(
-    "Contractions, rising; default: up to the largest free strain.", "--strain -s", metavar="LIST"
+    "Contractions in rising order; default: up to the largest free strain.",
+    "--strain -s",
+    metavar="LIST",
 )
-NO_RESISTANCE = flag("Muscles without resisting force past their free strain.", "--no-resistance")
+NO_RESISTANCE = flag("Muscles that don't push back past their free strain.", "--no-resistance")
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
     f"Recruitment scheme: {format_names()}; default: the bundle's.",
@@ -97,12 +100,12 @@ SCHEME = option(
     autocompletion=lambda: list(SCHEMES),
 )
 SEED = option("Random seed.", "--seed", default=0, min=0)
-JSON = flag("JSON output in SI units; --json FILE.json: into a file.", "--json")
-CSV = flag("CSV output in SI units; --csv FILE.csv: into a file.", "--csv")
+JSON = flag("JSON in SI units on standard output; into a file with --json FILE.json.", "--json")
+CSV = flag("CSV in SI units on standard output; into a file with --csv FILE.csv.", "--csv")
 VERBOSE = flag("Tables and details on the terminal, too.", "--verbose")
 OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
-PLOT = option("Picture file: .png or .svg.", "--plot", metavar="PATH")
-_OVERWRITE = "Overwrite existing files, including files not created by fascicle."
+PLOT = option("Figure file: .png or .svg.", "--plot", metavar="PATH")
+_OVERWRITE = "Replacement of existing files, including files not created by fascicle."
 OVERWRITE = flag(_OVERWRITE, "--overwrite --force")
 OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # of commands whose --force is a list of forces
 

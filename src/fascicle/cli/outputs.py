@@ -29,6 +29,23 @@ def print_line(line: str, error: bool = False) -> None:
     print(sanitize_line(line, _MAX_LINE), file=sys.stderr if error else sys.stdout)
 
 
+def print_text(text: str, style: str = "") -> None:
+    """Print a paragraph, wrapped at words on a narrow terminal."""
+    from rich.text import Text
+
+    _console().print(Text(sanitize_line(text, _MAX_LINE), style=style))
+
+
+def _console() -> Any:
+    """Console of standard output, without a limit of width in a file."""
+    from rich.console import Console
+
+    console = Console(file=sys.stdout, highlight=False, markup=False)
+    if not console.is_terminal and not os.environ.get("COLUMNS"):
+        console.width = _MAX_WIDTH
+    return console
+
+
 def print_table(
     title: str,
     heads: Sequence[str],
@@ -41,13 +58,10 @@ def print_table(
     Columns that do not fit follow below, next to the first `keys` columns, which name a row.
     """
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    console = Console(file=sys.stdout, highlight=False, markup=False)
-    if not console.is_terminal and not os.environ.get("COLUMNS"):
-        console.width = _MAX_WIDTH
+    console = _console()
 
     def table(columns: Sequence[int], narrow: bool) -> Table:
         grid = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
@@ -71,11 +85,11 @@ def print_table(
         count = len(columns)
         while count > 1 and not fits([*names, *columns[:count]], narrow):
             count -= 1
-        console.print(Text(sanitize_line(title, _MAX_LINE), style="bold"))
+        print_text(title, "bold")
         console.print(table([*names, *columns[:count]], narrow))
         columns = columns[count:]
     if caption:
-        console.print(Text(sanitize_line(caption, _MAX_LINE)))
+        print_text(caption)
 
 
 def count_decimals(values: Any) -> int:

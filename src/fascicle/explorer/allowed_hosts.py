@@ -24,12 +24,12 @@ from ..reports.page import render
 from .link import LONGEST
 
 
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
+LOOPBACK = ("127.0.0.1", "localhost", "::1")  # only this machine reaches them
 ANY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
 _MOST_KEYS, _LONGEST_VALUE = 64, 1000  # of a link; only a packed file is longer
 _MOST_DIGITS = 15  # Panel converts digits to numbers, and fails where Python does
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
-_FRAMES = ("iframe", "frame", "embed", "object")
+_FRAMES = ("iframe", "frame", "embed", "object")  # elements that show a page inside another
 # of Panel, to embed the page elsewhere and to serve files of modules: the explorer needs none
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
 Reason = tuple[int, str]  # status and sentence of a rejected request

@@ -21,7 +21,7 @@ from .bundle_curves import (
     solutions,
 )
 from .chart import Chart, cycle_colors, hover_tooltips, screen_height
-from .remarks import equilibria_text, remarks_html
+from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled
 from .tab import LatestResult, Tab
@@ -42,7 +42,7 @@ from .widgets import (
 )
 
 
-_SCENE_HEIGHT = "clamp(240px, 100vh - 480px, 900px)"
+_SCENE_HEIGHT = "clamp(240px, 100vh - 480px, 900px)"  # room for header, readouts and buttons
 
 
 class UnitInputs(NamedTuple):
@@ -163,7 +163,7 @@ class BundleView(Tab):
         self._scheme = dropdown("Recruitment", list(SCHEMES))
         self._scheme.param.watch(lambda event: session.change(scheme=event.new), "value")
         self._resistance = widget(
-            pn.widgets.Checkbox, "Muscles past their free strain push back", margin=(6, 8)
+            pn.widgets.Checkbox, "Muscles push back past their free strain", margin=(6, 8)
         )
         self._resistance.param.watch(lambda event: session.change(resistance=event.new), "value")
         self._supply = Field("Supply pressure", "supply", "pressure", self._set_supply)
@@ -177,9 +177,11 @@ class BundleView(Tab):
         self._space = LatestResult(self._show_space, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
         self._solutions = LatestResult(self._show_solutions, self.fail)
+        words = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
-            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, width=318
-        )
+            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, words,
+            width=318,
+        )  # fmt: skip
         space = column(self.chart.pane, self.message.pane, kind="equal")
         self._solution_column = column()
         parts = (*self._scene.panes(self._sweep.button), self._numbers, self._solution_column)
@@ -247,15 +249,15 @@ class BundleView(Tab):
         )  # fmt: skip
         self._unit_forces = chart.add(
             "multi_line", "xs ys color", line_width=1.6, line_dash="dashed",
-            legend_label="each unit, now",
+            legend_label="each motor unit",
         )  # fmt: skip
         self._force = chart.source("strain force", "bundle_force")
         chart.figure.line("strain", "force", source=self._force, line_color=colors.ink,
-                          line_width=3, legend_label="all units, now")  # fmt: skip
+                          line_width=3, legend_label="all motor units")  # fmt: skip
         self._hover = chart.add_force_hover()
         self._equilibria = chart.add(
             "scatter", "x y fill", "equilibria", size=10, line_color=colors.ink, fill_color="fill",
-            line_width=2, legend_label="at rest (hollow: not stable)",
+            line_width=2, legend_label="equilibria (hollow: unstable)",
         )  # fmt: skip
         self._point = chart.add_point(legend_label="this contraction")
         self._target = chart.add(
@@ -300,7 +302,7 @@ class BundleView(Tab):
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._hover.tooltips = hover_tooltips(unit)
         self._target.data, self._target_entry.visible = {"x": [], "y": []}, False
-        text = "Click in the space to get the pressures that reach that point."
+        text = "Click in the figure to find pressures that reach that point."
         self._solution_column.objects = [
             pane(status_line(text)),
             button("Try a point", self.try_point),
@@ -382,7 +384,7 @@ class BundleView(Tab):
         rows: list[Any] = [pane(status_line(remark))] if remark else []
         for solution in several:
             pressures = ", ".join(f"{P / scale:.4g}" for P in solution.pressures)
-            stability = "" if solution.stable else ", not stable"
+            stability = "" if solution.stable else ", unstable"
             rows.append(button(
                 f"Set state {solution.state}: {pressures} {unit}{stability}",
                 lambda solution=solution: self.session.change(

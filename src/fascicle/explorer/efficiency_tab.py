@@ -1,7 +1,7 @@
 """Tab of efficiency: maps over the force-strain space, and averages by number of motor units."""
 
 from functools import lru_cache
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
@@ -17,11 +17,11 @@ from ..bundle.efficiency import (
     efficiency_map,
 )
 from ..muscle import Muscle
-from ..plot.theme import APART, CLEAR, FAR, FIGURES, Colors
+from ..plot.theme import CLEAR, FIGURES, Colors
 from .chart import Chart, screen_height
-from .remarks import remarks_html
+from .remarks import remarks_html, words_html
 from .state import Session, View, scaled
-from .tab import LatestResult, Tab, progress_bar
+from .tab import LatestResult, Tab
 from .theme import column, pane, row
 from .widgets import dropdown, html_table, status_line
 
@@ -29,12 +29,6 @@ from .widgets import dropdown, html_table, status_line
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
 _KINDS = {"with resistance": "resisted", "without resistance": "free",
           "loss due to resistance": "difference"}  # fmt: skip
-# instead of the map and the averages until they are computed
-_CARDS = {
-    "Drawing the map …": "How much of the fluid's energy becomes work, at every strain and force"
-    " that this bundle reaches: with its muscles' resistance, and without.",
-    "Averages come next …": "What more motor units in the same cross-section save.",
-}
 
 
 class Maps(NamedTuple):
@@ -97,28 +91,27 @@ class EfficiencyView(Tab):
         self._numbers = pane()
         self.maps = LatestResult(self._show, self.fail)
         self.averages = LatestResult(self._show_averages, self.fail)
-        self.cards = [_card(title, text) for title, text in _CARDS.items()]
-        self.figures = [column(chart.pane, visible=False) for chart in (self.map, self.bars)]
-        pairs = zip(self.cards, self.figures, strict=True)
-        columns = (column(*pair, kind="equal") for pair in pairs)
+        # a figure itself would lose its height while it loads
+        self.figures = [column(chart.pane, kind="equal") for chart in (self.map, self.bars)]
+        columns = row(*self.figures)
         choices = row(self._path, self._kind, self._numbers, kind="wrapped", sizing_mode=None)
-        self.panel = column(choices, self.message.pane, self.notes, self.status, row(*columns))
+        words = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
+        self.panel = column(choices, self.message.pane, self.notes, self.status, columns, words)
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
         self._path.value = view.path
         self.notes.object = remarks_html(view, "efficiency")
         self.status.object = status_line("computing the map")
+        for figure in self.figures:
+            figure.loading = True
         self.maps.request(lambda: efficiency_maps(view.bundle, view.path))
 
     def fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation, and no cards that nothing replaces."""
+        """Show the error of a computation."""
         super().fail(error)
-        for card in self.cards:
-            card.visible = False
-
-    def _replace_card(self, index: int) -> None:
-        self.cards[index].visible, self.figures[index].visible = False, True
+        for figure in self.figures:
+            figure.loading = False
 
     def _add_map(self) -> None:
         colors = self.colors
@@ -161,7 +154,7 @@ class EfficiencyView(Tab):
 
     def _show(self, result: Maps) -> None:
         self._result = result
-        self._replace_card(0)
+        self.figures[0].loading = False
         self._show_map()
         view = self.session.view
         self.message.show("")
@@ -202,7 +195,7 @@ class EfficiencyView(Tab):
             self._hover.tooltips = [("η", "@image{0.000}"), *point]
 
     def _show_averages(self, averages: dict[bool, np.ndarray]) -> None:
-        self._replace_card(1)
+        self.figures[1].loading = False
         for resistance, values in averages.items():
             self._means[resistance].data = {"x": list(COUNTS), "y": values}
         values = np.concatenate(list(averages.values()))
@@ -210,12 +203,3 @@ class EfficiencyView(Tab):
         margin = max(0.1 * (high - low), 0.005)
         self.bars.set_ranges((COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - margin, high + margin))
         self.status.object = ""
-
-
-def _card(title: str, text: str) -> Any:
-    """A framed panel with a progress bar, instead of a figure that is being computed."""
-    content = f"<h2>{title}</h2><p>{text}</p>{progress_bar(title)}"
-    return pane(
-        content, (FAR, APART), css_classes=["narrow", "framed"], styles={"max-width": "640px"},
-        sizing_mode="stretch_width", align="center",
-    )  # fmt: skip

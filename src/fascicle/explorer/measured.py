@@ -86,7 +86,7 @@ def read_record(
         except ValueError as other:
             raise ValueError(
                 f"{other} Contractions were taken over the muscle's length,"
-                f" {pretty(length, 'length')}: give the record's rest length if it is another."
+                f" {pretty(length, 'length')}: enter the record's Rest length if it differs."
             ) from None
         record = replace(record, rest_length=None)
     if record.rest_length is None:
@@ -137,10 +137,10 @@ def mismatch_reason(muscle: Muscle, record: Record) -> str:
         return ""
     length = muscle.length if record.rest_length is None else record.rest_length
     return (
-        f"This record hardly suits this muscle: it still pulls at a contraction of {farthest:.3g},"
-        f" where the muscle's free strain is {free:.3g}. Contractions are taken over"
-        f" {pretty(float(length), 'length')}: give the rest length if it is another, or open the"
-        " muscle that was measured."
+        f"This record hardly fits this muscle: it pulls at a contraction of {farthest:.3g}, past"
+        f" the muscle's free strain of {free:.3g}. Contractions are taken over a rest length of"
+        f" {pretty(float(length), 'length')}: enter the record's Rest length if it differs, or open"
+        " the muscle that was measured."
     )
 
 

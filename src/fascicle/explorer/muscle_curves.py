@@ -17,6 +17,7 @@ from ..plot.shapes import ARC_POINTS
 
 
 POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
+# of a force, which is the sum of the other three; and of the law, in the order of its numbers
 PARTS = ("force", "mesh", "bladder", "bending")
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 UNTUNED = "untuned"

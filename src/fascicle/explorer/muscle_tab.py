@@ -23,7 +23,7 @@ from .muscle_curves import (
     with_alternative,
 )
 from .muscle_inputs import MuscleInputs
-from .remarks import branches_text, remarks_html, tuning_note
+from .remarks import branches_text, remarks_html, tuning_note, words_html
 from .solid import Scene, muscle_solid
 from .state import Session, View, changed
 from .tab import LatestResult, Tab
@@ -40,13 +40,14 @@ from .widgets import (
 )
 
 
-_SCENE_HEIGHT = "clamp(220px, 100vh - 500px, 900px)"
+_SCENE_HEIGHT = "clamp(220px, 100vh - 500px, 900px)"  # room for header, sliders and readouts
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 _FAR = 1e9  # [shown unit] beyond every picture
 # of `curves` for other laws: none is the force's or a part's, nor are the long dashes
 _ALTERNATIVE_COLORS = (3, 4, 5, 7)
 _ALTERNATIVE_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
+# told apart without color
 _PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
 
 
@@ -74,7 +75,8 @@ class MuscleView(Tab):
         self.compare = widget(pn.widgets.MultiSelect, label, size=4)
         self.compare.param.watch(self._choose_alternatives, "value")
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
-        left = side_column(self.inputs.panel, self.compare, self.message.pane, width=284)
+        words = pane(words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse"))
+        left = side_column(self.inputs.panel, self.compare, self.message.pane, words, width=284)
         curves = column(self.chart.pane, kind="equal")
         scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
         sliders = row(self._pressure.panel, self._strain.panel)
@@ -236,7 +238,7 @@ class MuscleView(Tab):
             fluid: _volume_text(curves.volume, length_unit),
             "braid angle": pretty(solid.angle, "angle"),
             "radius": f"{solid.radius / length_scale:.4g} {length_unit}",
-            "bows out": f"{curves.deflection / length_scale:.4g} {length_unit}",
+            "deflection": f"{curves.deflection / length_scale:.4g} {length_unit}",
             "bending moment": _moment_text(curves.moment, view.display_units),
         }
         if branches := branches_text(curves.strain[-1], curves.branches):

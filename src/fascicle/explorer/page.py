@@ -31,11 +31,11 @@ LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
 _QUIET = 400  # ms without a change until the address follows: browsers limit its changes
 _KEEP_MESSAGE = ("display_units", "tab")  # after changes of these a message still holds
 _CUSTOM = "(own)"
-_PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
+_PURPOSE = "Forces of fluidic artificial muscles, and where they buckle and collapse"
 _SCRIPT = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
 _LOST = (
-    "The connection to fascicle is lost: the page is no longer updated. Start it again and reload"
-    " this page; its address has the view."
+    "The connection to fascicle is lost: this page no longer updates. Run `fascicle explore` again"
+    " and reload the page; its address holds the view."
 )
 _SET_THEME = """
 const address = new URL(location);

@@ -1,4 +1,4 @@
-"""Remarks beside the pictures: warnings that numbers may be wrong, and notes on what is shown."""
+"""Texts beside the pictures: warnings that numbers may be wrong, notes, and words explained."""
 
 import html
 
@@ -23,6 +23,30 @@ from .widgets import format_quantity, message_in_units, status_line, unit_factor
 _FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
             "hinge_stiffness": "hinge stiffness"}  # fmt: skip
 
+_WORDS = {
+    "mesh": "force of the braid: pressure pulls its fibers, and with them the ends, together",
+    "bladder": "force of the stretched rubber tube inside the braid",
+    "bending": "force of the bent tube, once the muscle buckles",
+    "blocked force": "force at rest length, at a contraction of zero",
+    "free strain": "contraction at which the force is zero: an unloaded muscle stops there",
+    "buckling": "past its free strain a muscle bows out, as a slender column does, and pushes back",
+    "collapse": "a bowed muscle folds at a hinge in its middle, and its push falls",
+    "motor unit": "muscles that share one pressure",
+    "recruitment state": "number of the motor unit that is throttled; in orderly recruitment those"
+    " before it are at supply pressure, those after it empty",
+    "overlap": "points that two recruitment states reach",
+    "resistance": "push of muscles past their own free strain against the others",
+    "efficiency": "work on the load over energy of the fluid",
+    "isobaric": "the muscles contract at constant pressure",
+    "isotonic": "the muscles contract at constant force",
+}
+
+
+def words_html(*words: str) -> str:
+    """Explanations of `words`, folded until a visitor opens them."""
+    entries = "".join(f"<dt>{word}</dt><dd>{_WORDS[word]}</dd>" for word in words)
+    return f"<details><summary>Explain the words</summary><dl>{entries}</dl></details>"
+
 
 def remarks_html(view: View, tab: str) -> str:
     """Validity warnings, marked, and notes of a `tab` on a `view`."""
@@ -38,23 +62,24 @@ def notes(view: View, tab: str) -> list[str]:
     sized = any(unit.size != 1 for unit in view.units)
     lines = []
     if tab == "muscle" and several:
-        units = "Another unit" if several == 1 else f"{several} other units"
-        has = "has one" if several == 1 else "have muscles"
-        lines.append(f"This is the muscle of unit 1. {units} of the bundle {has} of its own.")
+        others = "Another unit has a different muscle"
+        if several > 1:
+            others = f"{several} other units have different muscles"
+        lines.append(f"This is the muscle of unit 1. {others}.")
     if tab == "reversal" and (several or sized):
-        lines.append("All units here are of unit 1's muscle, not of the bundle's several.")
+        lines.append("This tab takes unit 1's muscle for all units.")
     if tab == "reversal" and len({sum(split) for split in view.splits}) > 1:
-        lines.append("These splits have different numbers of muscles, not only another order.")
+        lines.append("These splits also differ in their number of muscles.")
     if tab == "efficiency" and (several or sized):
         lines.append(
-            "On the right, unit 1's muscle alone is scaled to the section of the whole bundle."
+            "On the right, unit 1's muscle is scaled to the cross-section of the whole bundle."
         )
     scaled = (tab == "bundle" and sized) or tab == "efficiency"
     edited = tab == "muscle" and view.name.endswith(", changed")
     if (scaled or edited) and is_tuned(view.muscle):
         lines.append(
-            "The tuning was measured on a muscle of another size and is used unchanged: nobody has"
-            " measured how well it holds for this one."
+            "The tuning was measured on a muscle of another size and is used unchanged: how well it"
+            " holds at this size was not measured."
         )
     return lines
 
@@ -110,8 +135,8 @@ def tuning_note(muscle: Muscle, unit: str) -> str:
     if not changes:
         return ""
     return (
-        f"This muscle is tuned: {', '.join(changes)}. Choose `untuned` below"
-        " Compare with to see it without."
+        f"This muscle is tuned: {', '.join(changes)}. Choose `untuned` in Compare with to see the"
+        " curve without tuning."
     )
 
 
@@ -120,7 +145,7 @@ def equilibria_text(strain: np.ndarray, stable: np.ndarray) -> str:
     if not strain.size:
         return "none: it pulls at every strain"
     first, *further = (
-        f"{value:.4f}{'' if is_stable else ' (not stable)'}"
+        f"{value:.4f}{'' if is_stable else ' (unstable)'}"
         for value, is_stable in zip(strain, stable, strict=True)
     )
     return first + (f"; it also rests at {', '.join(further)}" if further else "")

@@ -1,4 +1,4 @@
-"""Tab of gradient reversal: feeding a second unit first shortens the bundle's reach."""
+"""Tab of gradient reversal: pressure in a second unit lowers the free strain at first."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,13 +21,13 @@ from .theme import column, pane, row
 from .widgets import html_table, status_line, widget
 
 
-POINTS = 97
+POINTS = 97  # of pressure: steps of 4 kPa at 60 psi, smooth on a screen
 _SIDE = 360  # pixels, of the column with the table
 _EXPLANATION = (
-    '<div style="max-width:330px;font-size:13.5px;opacity:.85">The first unit is at supply'
-    " pressure. Where the second one, as it is fed, resists more at first than it did empty, the"
-    " bundle's free strain falls, turns, and only then rises; where the curve is dotted it jumps."
-    " Dashed: a model without resistance.</div>"
+    '<div style="max-width:330px;font-size:13.5px;opacity:.85">The first motor unit is at supply'
+    " pressure, the second is being filled. At first the second may resist more than when it was"
+    " empty: the bundle's free strain falls, and rises only past the reversal point (triangle)."
+    " Dotted: a jump. Dashed: a model without resistance.</div>"
 )
 
 
@@ -167,7 +167,7 @@ class ReversalView(Tab):
             if curve.turn.depth > 0 else (curve.name, "none", "0", "")
             for curve in curves
         ]  # fmt: skip
-        self._table.object = html_table(("split", "turns at", "depth", "course"), rows)
+        self._table.object = html_table(("split", "reversal at", "depth [–]", "course"), rows)
 
 
 def _html_legend(curves: list[tuple[str, str, str]]) -> str:

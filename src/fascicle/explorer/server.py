@@ -78,8 +78,8 @@ async def _serve(
     server.start()
     if host not in LOOPBACK:
         print_line(
-            f"listening on {host}: whoever reaches this machine's port {server.port} can use the"
-            " explorer, without password or encryption, and its processor with it."
+            f"listening on {host}: anyone who reaches port {server.port} of this machine can use"
+            " the explorer and its processor, without password or encryption."
         )
     name = "127.0.0.1" if host in ANY_ADDRESS else f"[{host}]" if ":" in host else host
     print_line(f"fascicle explorer at http://{name}:{server.port}/ (Ctrl-C stops it)")

@@ -28,7 +28,7 @@ from .muscle_curves import MuscleCurves
 from .theme import WIDGET_CSS, row
 
 
-RINGS, AROUND = 45, 20
+RINGS, AROUND = 45, 20  # points of a tube: smooth on a screen, and few enough to turn at once
 FIBERS, ALONG = 8, 72  # each way around, and points of each
 AZIMUTH, ELEVATION = 30, 20  # degrees, of the camera at first
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius

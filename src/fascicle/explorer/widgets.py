@@ -15,10 +15,11 @@ from .theme import WIDGET_CSS, column, pane, row
 
 
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
-_STRAIN_STEP = 0.001
+_STRAIN_STEP = 0.001  # of a slider: two pixels
 WHOLE_ROW: dict[str, Any] = {"css_classes": ["whole-row"]}  # of a "pairs" column
 _SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
 SWEEP_STEPS = 80  # from one end to the other
+# in a message of the library
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 # labels on the page of arguments in the library's messages
 _LABELS = {

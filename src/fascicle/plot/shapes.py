@@ -20,13 +20,12 @@ from matplotlib.patches import Polygon, Rectangle
 
 from ..core.validation import to_si
 from ..muscle import Muscle
-from .theme import BLACK, BLUE, DOUBLE, GRAY, LIGHT, WHITE, new_figure, styled
+from .theme import BLUE, DOUBLE, LIGHT, new_figure, styled
 
 
 ARC_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
 _FIBERS = 9  # each way around: as many as stay apart in print
 _HINGE_POINTS, _CREASE = 41, 0.8  # points around the hinge; radii over which the tube folds in
-Point = tuple[float | int, float | int]  # in millimeters, or points
 
 
 @dataclass(frozen=True)
@@ -176,41 +175,6 @@ def draw_muscle(ax: Axes, state: Outline, level: float = 0.0, color: str = BLUE)
         ax.add_patch(
             Rectangle((corner, level - half), depth, 2 * half, color=LIGHT.fitting, zorder=4)
         )
-
-
-def dimension(ax: Axes, start: Point, end: Point, text: str, side: int = 1) -> None:
-    """Draw a dimension line from `start` to `end` [mm], its `text` above or right of it (1), or
-    below or left of it (-1).
-    """
-    arrow = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.25", "color": BLACK,
-             "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
-    ax.annotate("", start, end, arrowprops=arrow, zorder=6)
-    middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
-    if abs(end[1] - start[1]) > abs(end[0] - start[0]):
-        label(ax, middle, text, (3 * side, 0), "left" if side > 0 else "right", "center")
-    else:
-        label(ax, middle, text, (0, 1.5 * side), "center", "bottom" if side > 0 else "top")
-
-
-def label(
-    ax: Axes,
-    position: Point,
-    text: str,
-    offset: Point = (0, 0),
-    ha: str = "left",
-    va: str = "center",
-) -> None:
-    """Write a `text` at a `position` [mm], `offset` by points, readable over the drawing."""
-    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
-    ax.annotate(
-        text, position, offset, textcoords="offset points", ha=ha, va=va, bbox=box, zorder=7
-    )
-
-
-def guide(ax: Axes, start: Point, end: Point) -> None:
-    """Draw a thin dashed guide line [mm]."""
-    ends = np.array([start, end])
-    ax.plot(ends[:, 0], ends[:, 1], color=GRAY, linewidth=0.6, linestyle=(0, (3, 2)), zorder=5)
 
 
 def _offset(state: Outline, offset: np.ndarray, level: float) -> np.ndarray:

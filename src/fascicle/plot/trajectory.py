@@ -1,4 +1,4 @@
-"""Runs in time: traces, policies compared, maps over sines, and energy balances as bands.
+"""Runs in time: traces, policies compared, and energy balances as bands.
 
 **Source:** the bands are Sankey's (1898), The thermal efficiency of steam-engines.
 """
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch, Rectangle
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
 
 MOST = 3000  # moments of a curve: more than pixels across; half are minima, half maxima
 _OPEN = 1e-3  # of a valve, from which on it counts as open
+# of policies, told apart without color
 _STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
 _MARKS = "osD^vPX"
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
@@ -69,17 +69,6 @@ class PolicyCosts(NamedTuple):
     drawdown: Sequence[float]
     energy: Sequence[float]
     front: Sequence[bool]
-
-
-class SineMap(NamedTuple):
-    """Map over sines: its `title`, `values` with amplitudes in rows [any unit], true if they
-    `diverge` from zero, and its `doubtful` cells.
-    """
-
-    title: str
-    values: np.ndarray
-    diverge: bool
-    doubtful: np.ndarray
 
 
 @styled
@@ -277,48 +266,6 @@ def policies(
     ))  # fmt: skip
     figure.legend(loc="outside right upper")
     return figure
-
-
-@styled
-def sine_maps(
-    panels: Sequence[Sequence[SineMap]], amplitudes: Sequence[float], frequencies: Sequence[float]
-) -> Figure:
-    """Figure of rows of maps.
-
-    **Arguments:**
-
-    - `panels`: rows of maps.
-    - `amplitudes`: of the maps' rows [m].
-    - `frequencies`: of the maps' columns [Hz].
-    """
-    rows, columns = len(panels), len(panels[0])
-    figure, axes = new_figure(rows, columns, DOUBLE, 0.27 * DOUBLE * rows, sharex=True, sharey=True)
-    maps = [panel for row in panels for panel in row]
-    for ax, panel in zip(axes.flat, maps, strict=True):
-        _draw_sines(ax, panel)
-    letters(axes, (panel.title for panel in maps))
-    for ax in axes[-1]:
-        ax.set_xticks(range(len(frequencies)), [f"{f:g}" for f in frequencies])
-        ax.set_xlabel("Frequency [Hz]")
-    for ax in axes[:, 0]:
-        ax.set_yticks(range(len(amplitudes)), [f"{1e3 * A:g}" for A in amplitudes])
-        ax.set_ylabel("Amplitude [mm]")
-    return figure
-
-
-def _draw_sines(ax: Axes, panel: SineMap) -> None:
-    values = np.asarray(panel.values, float)
-    style: dict[str, Any] = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.5}
-    if panel.diverge:
-        size = max(float(np.max(np.abs(values))), 1e-9)
-        style = {"cmap": "RdBu", "norm": TwoSlopeNorm(0.0, -size, size)}
-    ax.imshow(values, origin="lower", aspect="auto", alpha=0.6, **style)
-    ax.grid(visible=False)
-    for (i, j), value in np.ndenumerate(values):
-        text = f"{value:+.0f} %" if panel.diverge else f"{value:.2f}"
-        ax.text(j, i, text, ha="center", va="center", fontsize=6.5)
-        if panel.doubtful[i, j]:
-            ax.add_patch(Rectangle((j - 0.5, i - 0.5), 1, 1, **_HATCHED))
 
 
 @styled

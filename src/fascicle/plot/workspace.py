@@ -1,6 +1,5 @@
 """The force-strain plane of a bundle: states, their overlap, demands of a task, efficiency."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,6 @@ from .theme import (
     force_strain_axes,
     in_kilopascals,
     letter,
-    letters,
     new_figure,
     styled,
 )
@@ -48,39 +46,6 @@ def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
     return figure
 
 
-@styled
-def workspaces(
-    spaces: Mapping[str, tuple[Space, Overlap | None]],
-    near: tuple[tuple[float, float], tuple[float, float]],
-    labeled_state: int = 2,
-) -> Figure:
-    """Figure of workspaces side by side, and below each its region near the largest strain.
-
-    **Arguments:**
-
-    - `spaces`: workspaces and overlaps by title, at most three.
-    - `near`: limits of strain [-] and force [N] of the lower row.
-    - `labeled_state`: state whose curves are labeled with their pressures in the lower row.
-    """
-    figure, axes = new_figure(2, len(spaces), DOUBLE, 0.8 * DOUBLE)
-    for row in axes:
-        for ax, (space, overlap) in zip(row, spaces.values(), strict=True):
-            draw_workspace(ax, space, overlap)
-    letters(axes, [*spaces, *(f"{title}, near the largest strain" for title in spaces)])
-    for ax, (space, _) in zip(axes[1], spaces.values(), strict=True):
-        ax.set(xlim=near[0], ylim=near[1])
-        _label_pressures(ax, space, labeled_state)
-    for ax in axes[:, 1:].flat:
-        ax.set_ylabel("")
-    # the overlap last, behind the states
-    entries = sorted(
-        zip(*axes[0, -1].get_legend_handles_labels(), strict=True),
-        key=lambda entry: entry[1].startswith("overlap"),
-    )
-    figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=len(entries))
-    return figure
-
-
 def draw_workspace(
     ax: Axes, space: Space, overlap: Overlap | None = None, thick: float = _THICK
 ) -> None:
@@ -100,32 +65,6 @@ def draw_workspace(
         ax.lines[-1].set_label(f"recruitment state {state}")
     ax.set_xlim(space.strain[0], space.strain[-1])
     ax.set_ylim(bottom=0)
-
-
-def _label_pressures(ax: Axes, space: Space, state: int) -> None:
-    """Write the throttled pressures along the curves of a `state`, one label for close curves."""
-    (left, right), (_, top) = ax.get_xlim(), ax.get_ylim()
-    inside = (space.strain >= left) & (space.strain <= right)
-    strain, curves = space.strain[inside], space.force[state - 1][:, inside]
-    labels: list[tuple[np.ndarray, str]] = []
-    for level, curve in zip(space.level, curves, strict=True):
-        text = f"{level / 1e3:.4g}"
-        if labels and np.abs(labels[-1][0] - curve).max() < 0.01 * top:
-            labels[-1] = labels[-1][0], f"{labels[-1][1]}, {text}"
-        else:
-            labels.append((curve, text))
-    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
-    step = 0.01 * (right - left)
-    for i, (curve, text) in enumerate(labels):
-        # the lowest beneath its line and further on, where no other curve crosses it
-        low = strain[curve <= (0.7 if i == 0 else 0.87) * top]
-        x = max(float(low[0]) if low.size else right, left + 0.06 * (right - left))
-        ends = np.interp([x, x + step], strain, curve)
-        ax.text(
-            x, ends[0], f"{text} kPa", ha="center", fontsize=6,
-            rotation=np.degrees(np.arctan2(ends[1] - ends[0], step)), rotation_mode="anchor",
-            transform_rotates_text=True, va="top" if i == 0 else "center", bbox=box,
-        )  # fmt: skip
 
 
 @styled

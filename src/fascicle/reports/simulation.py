@@ -73,7 +73,7 @@ def report(
         parts=", ".join(type(component).__name__ for component in components),
         steps=len(run.time) - 1, most=MOST, turns=plant.load.unit == "rad",
         traces=picture(traces(plant, run, run_demand(scenario, run))),
-        moments=_moments(plant, run),
+        moments=position_table(plant, run),
         energies=picture(energy_balances(energies)) if audit else None,
         balances=[_balance_row(entry) for entry in balances],
     )  # fmt: skip
@@ -97,17 +97,26 @@ def worth_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list
     """Rows of the metrics of controlling a `quantity`: labels with units, and numbers."""
     factor, unit = display_unit(plant, quantity)
     rows = [
-        (f"drawdown while the demand rises, {unit}", factor * metrics.drawdown),
-        ("deepest dip of a unit on the way, N", metrics.dip),
-        (f"root mean square of the error, {unit}", factor * metrics.rms),
-        (f"largest error, {unit}", factor * metrics.largest_error),
-        ("lag, ms", 1e3 * metrics.lag),
-        ("energy from the supply, J", metrics.supply_energy),
-        ("fluid from the supply, g", 1e3 * metrics.fluid),
-        ("times that a unit was recruited", metrics.recruited),
-        (f"demands that can't be reached, of {metrics.moments}", metrics.unreachable),
+        (f"drawdown while the demand rises [{unit}]", factor * metrics.drawdown),
+        ("deepest dip of force of a motor unit [N]", metrics.dip),
+        (f"root mean square of the error [{unit}]", factor * metrics.rms),
+        (f"largest error [{unit}]", factor * metrics.largest_error),
+        ("lag [ms]", 1e3 * metrics.lag),
+        ("energy from the supply [J]", metrics.supply_energy),
+        ("fluid from the supply [g]", 1e3 * metrics.fluid),
+        ("recruitments of a motor unit", metrics.recruited),
+        (f"demands out of reach, of {metrics.moments}", metrics.unreachable),
     ]
     return [(label, f"{number:.4g}") for label, number in rows]
+
+
+def worth_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
+    """Drawdown, error and energy of controlling a `quantity`, in a line."""
+    factor, unit = display_unit(plant, quantity)
+    return (
+        f"drawdown {factor * metrics.drawdown:.4g} {unit}, root mean square of the error"
+        f" {factor * metrics.rms:.4g} {unit}, energy {metrics.supply_energy:.4g} J"
+    )
 
 
 def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
@@ -119,13 +128,13 @@ def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics"
         lack = "they lie off the load's way"
     return (
         f"{metrics.unreachable} of {metrics.moments} demands, from {metrics.first:.4g} s to"
-        f" {metrics.last:.4g} s, can't be reached at the supply's pressure, whatever the policy:"
+        f" {metrics.last:.4g} s, can't be reached at the supply pressure by any policy:"
         f" {lack}; errors and lag are of the others"
     )
 
 
-def _moments(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[list[str]]]:
-    """Table of positions and pressures at the start, the end and the extremes."""
+def position_table(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[list[str]]]:
+    """Heads and rows of positions and pressures at the start, the end and the extremes."""
     outputs = run.outputs
     factor, unit = display_unit(plant, "position")
     q = factor * np.asarray(outputs.position)
@@ -177,7 +186,7 @@ def policy_report(
         date=date, scenario=scenario, runs=runs, quantity=quantity,
         front=[name for name, on_front in zip(runs, front, strict=True) if on_front],
         notes=policy_notes(scenario, runs), figure=picture(figure),
-        heads=[head.replace("\n", " ") for head in policy_heads(scenario.plant, quantity)],
+        heads=policy_heads(scenario.plant, quantity),
         rows=policy_rows(scenario.plant, quantity, runs, front),
     )  # fmt: skip
 
@@ -185,9 +194,9 @@ def policy_report(
 def policy_heads(plant: "Plant", quantity: str) -> list[str]:
     """Heads of the table of policies."""
     _, unit = display_unit(plant, quantity)
-    ratio = ["of D"] if quantity == "force" else []
-    return ["policy", f"drawdown {unit}", *ratio, f"rms {unit}", "lag ms", "energy J",
-            "more than\nthreshold", "fluid g", "recruited", "front", ""]  # fmt: skip
+    ratio = ["drawdown/D [-]"] if quantity == "force" else []
+    return ["policy", f"drawdown [{unit}]", *ratio, f"rms error [{unit}]", "lag [ms]", "energy [J]",
+            "energy above threshold's [%]", "fluid [g]", "recruited", "front", ""]  # fmt: skip
 
 
 def policy_rows(
@@ -200,7 +209,7 @@ def policy_rows(
     for (name, run), on_front in zip(runs.items(), front, strict=True):
         value = run.worth
         ratio = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
-        extra = f"{100 * (value.supply_energy / reference - 1):+.1f} %" if reference else "-"
+        extra = f"{100 * (value.supply_energy / reference - 1):+.1f}" if reference else "-"
         rows.append([
             name, f"{factor * value.drawdown:.4g}", *(ratio if quantity == "force" else []),
             f"{factor * value.rms:.4g}", f"{1e3 * value.lag:.4g}", f"{value.supply_energy:.4g}",
@@ -210,14 +219,24 @@ def policy_rows(
     return rows
 
 
+def policy_summary(plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun]) -> list[str]:
+    """Policies with the least drawdown and with the least energy, a line each."""
+    worths = {name: run.worth for name, run in runs.items() if not run.doubts}
+    return [
+        f"Least {label}: {name}, {worth_summary(plant, quantity, worth)}."
+        for label, key in (("drawdown", "drawdown"), ("energy", "supply_energy"))
+        for name, worth in sorted(worths.items(), key=lambda pair: getattr(pair[1], key))[:1]
+    ]
+
+
 def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[str]:
     """Notes on the table of policies."""
     quantity = next(iter(runs.values())).demand.quantity
     notes = []
     if scenario.plant.units == 1:
-        notes.append("there is one motor unit: nothing is handed over, policies differ by nothing")
+        notes.append("one motor unit alone: nothing is handed over, and policies don't differ")
     if quantity == "position":
-        notes.append("D, the dip of force, is no measure of a position: the drawdown stands alone")
+        notes.append("a position has no dip D to compare its drawdown with")
     worst = max((run.worth for run in runs.values()), key=lambda value: value.unreachable)
     if worst.unreachable:
         notes.append(unreachable_message(scenario.plant, quantity, worst))

@@ -210,7 +210,7 @@ def test_a_mismatch_names_the_length_that_was_assumed():
     record = read_record(example_record(MUSCLE), "example.csv", MUSCLE)
     assert record.synthetic and mismatch_reason(MUSCLE, record) == ""
     reason = mismatch_reason(MUSCLE, read_record(HALF, "a.csv", MUSCLE))
-    assert "over 127 mm" in reason and "give the rest length" in reason
+    assert "127 mm" in reason
     long = read_record(HALF, "a.csv", MUSCLE, {"rest_length": 1.0})
     assert mismatch_reason(MUSCLE, long) == ""
     with pytest.raises(ValueError, match="taken over the muscle's length, 127 mm"):

@@ -183,7 +183,7 @@ def test_every_point_of_the_bundles_picture_is_in_its_legend():
     tab.refresh()
     items = tab.chart.figure.legend[0].items
     entries = {getattr(item.label, "value", None): item for item in items}
-    for name in ("at rest (hollow: not stable)", "this contraction"):
+    for name in ("equilibria (hollow: unstable)", "this contraction"):
         assert entries[name].visible
     target = entries["the chosen point"]
     assert not target.visible

@@ -157,7 +157,7 @@ def test_at_most_four_laws_are_compared_and_all_look_different():
 
 def test_all_equilibria_are_listed():
     strain, stable = np.array([0.186, 0.195, 0.230]), np.array([True, False, True])
-    text = "0.1860; it also rests at 0.1950 (not stable), 0.2300"
+    text = "0.1860; it also rests at 0.1950 (unstable), 0.2300"
     assert equilibria_text(strain, stable) == text
     assert equilibria_text(strain[:1], stable[:1]) == "0.1860"
     assert "none" in equilibria_text(strain[:0], stable[:0])

@@ -20,7 +20,7 @@ _COMMANDS = (
 
 app = typer.Typer(
     name="fascicle",
-    help="Fluidic artificial muscles and their bundles, from the braid angle to the force.",
+    help="Model, calibrate and design fluidic artificial (McKibben) muscles and their bundles.",
     rich_markup_mode=None,  # plain help: rich would take longer to import than everything else
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

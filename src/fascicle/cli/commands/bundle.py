@@ -6,7 +6,7 @@ from typing import Any
 from .. import options
 from ..errors import exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_states
-from ..outputs import Outputs, count_decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, print_text, status
 
 
 def run(
@@ -20,9 +20,9 @@ def run(
     plot: str | None = options.PLOT,
     overwrite: bool = options.OVERWRITE,
 ) -> None:
-    """Force and equilibria of a bundle.
+    """Compute a bundle's force and equilibria over contraction.
 
-    At pressures, one for each motor unit; default: the end of each recruitment state.
+    An equilibrium is a strain at which the bundle without load can rest.
     """
     strains = read_list(strain, "strain", "--strain")
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
@@ -33,7 +33,7 @@ def run(
     from ...results.tables import bundle_equilibria, bundle_force
 
     resistance = not no_resistance
-    with status("finding equilibria and forces"), user_errors():
+    with status("computing equilibria and forces"), user_errors():
         forces = bundle_force(bundle, states, strains, resistance)
         variables = {**forces, **bundle_equilibria(bundle, states, resistance)}
 
@@ -52,13 +52,21 @@ def check_equilibria(variables: Any) -> None:
     free = variables["free_strain"].values.tolist()
     missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
     if missing:
-        exit_incomplete(f"no strain of zero force was found in row {', '.join(missing)}.")
+        exit_incomplete(
+            f"no strain of zero force in state {', '.join(missing)}: the bundle pulls at every"
+            " strain; lower its pressures."
+        )
 
 
 def print_states(variables: Any) -> None:
     """Print pressures, free strain and equilibria of states; `variables`: `bundle_equilibria`."""
     names = ("pressures", "free_strain", "equilibria", "stable")
     columns, rows = [variables[name].values.tolist() for name in names], []
+    finite = [strain for strain in columns[1] if math.isfinite(strain)]
+    if finite:
+        limits = sorted({number(strain, 4) for strain in (min(finite), max(finite))})
+        count = len(columns[1])
+        print_text(f"Free strain {' to '.join(limits)}, {count} state{'s' * (count > 1)}.")
     for pressures, free, *equilibria in zip(*columns, strict=True):
         strains = [
             number(strain, 4) + ("" if is_stable else " u")
@@ -69,13 +77,15 @@ def print_states(variables: Any) -> None:
         rows.append([f"{len(rows) + 1}", *kilopascals, number(free, 4), ", ".join(strains)])
     units = [f"P{unit + 1} [kPa]" for unit in range(variables["pressures"].values.shape[1])]
     heads = ["state", *units, "free strain [-]", "equilibria [-]"]
-    print_table("Strains of zero force", heads, rows, unstable_caption(rows))
+    print_table("Free strain and equilibria without load", heads, rows, unstable_caption(rows))
 
 
 def unstable_caption(rows: list[list[str]]) -> str:
     """Caption that explains the mark "u", if the table has one."""
     marked = any(cell.endswith(" u") or " u," in cell for row in rows for cell in row)
-    return "u: unstable, the force rises with strain there" if marked else ""
+    return (
+        "u: unstable, the force rises with strain there and the bundle leaves it" if marked else ""
+    )
 
 
 def _print(variables: Any) -> None:

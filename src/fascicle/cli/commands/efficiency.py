@@ -6,7 +6,7 @@ from .. import options
 from ..errors import UserError, exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_rising_strains, read_supply
 from ..options import option
-from ..outputs import Outputs, number, print_table, status
+from ..outputs import Outputs, number, print_table, print_text, status
 
 
 _PATHS = ("isobaric", "isotonic")
@@ -20,7 +20,7 @@ def run(
         autocompletion=lambda: list(_PATHS),
     ),
     force: str | None = option(
-        "Forces: 20N or 10N:100N:10N; default: 80 up to the blocked force.", metavar="LIST"
+        "Forces: 20N or 10N:100N:10N; default: 80 values up to the blocked force.", metavar="LIST"
     ),
     strain: str | None = options.SPACE_STRAIN,
     scheme: str | None = options.SCHEME,
@@ -31,9 +31,9 @@ def run(
     plot: str | None = options.PLOT,
     overwrite: bool = options.OVERWRITE_ONLY,
 ) -> None:
-    """Efficiency, isobaric and isotonic.
+    """Compute the efficiency of isobaric and isotonic work.
 
-    Averages over a bundle's force-strain workspace, or points of it at forces and strains.
+    The average over a bundle's force-strain workspace; with --force, also each point.
     """
     if path is not None and path not in _PATHS:
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
@@ -67,19 +67,18 @@ def run(
     if not fractions.all() or (forces is not None and fractions.min() < 1):
         pairs = zip(fractions, paths, strict=True)
         texts = ", ".join(f"{100 * fraction:.3g} % {path}" for fraction, path in pairs)
-        exit_incomplete(f"not all points are reached ({texts}): the others have no efficiency.")
+        exit_incomplete(
+            f"the bundle doesn't reach all points ({texts}): the others have no efficiency."
+        )
 
 
 def _print(variables: Any, points: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
-    rows = [
-        [path, number(average, 4), f"{100 * fraction:.0f} %"]
-        for path, average, fraction in zip(
-            values["path"], values["average"], values["reached"], strict=True
-        )
-    ]
-    heads = ["path", "efficiency [-]", "points reached"]
-    print_table("Average over the points reached", heads, rows)
+    for path, average, fraction in zip(
+        values["path"], values["average"], values["reached"], strict=True
+    ):
+        share = f"the {100 * fraction:.0f} % of points that the bundle reaches"
+        print_text(f"{path}: average efficiency {number(average, 4)} over {share}")
     if not points:
         return
     forces = [f"{force:.6g}" for force in values["force"]]
@@ -89,6 +88,7 @@ def _print(variables: Any, points: bool) -> None:
         heads, labels = ["force [N]", *(f"strain {strain}" for strain in strains)], forces
         if len(strains) > len(forces):  # the longer list runs down the page
             heads, labels = ["strain [-]", *(f"{force} N" for force in forces)], strains
-            cells = zip(*cells, strict=True)
+            cells = [[*column] for column in zip(*cells, strict=True)]
         rows = [[label, *row] for label, row in zip(labels, cells, strict=True)]
-        print_table(f"Efficiency [-], {path}", heads, rows, "-: not reached")
+        caption = "-: out of reach" if any("-" in row for row in cells) else ""
+        print_table(f"Efficiency [-], {path}", heads, rows, caption)

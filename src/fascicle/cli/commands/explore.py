@@ -15,16 +15,16 @@ from ..outputs import print_line
 def run(
     file: str = options.TARGET_OR_EXAMPLE,
     host: str = option(
-        "Address to listen on; any but 127.0.0.1 lets other machines use it.", default="127.0.0.1"
+        "Address to listen on; other machines can reach any but 127.0.0.1.", default="127.0.0.1"
     ),
     port: int | None = option("Port; default: 5006 or the next free one.", min=1, max=65535),
     allow_host: list[str] | None = option(
-        "Host name to answer to besides its own, such as a proxy's. Repeat for others.",
+        "Additional host name of this server, such as a proxy's; repeatable.",
         metavar="NAME",
     ),
-    show: bool = option("Opening of a browser.", "--show/--no-show", default=True),
+    show: bool = option("Automatic opening of a browser.", "--show/--no-show", default=True),
 ) -> None:
-    """Explore a muscle or bundle interactively in the browser."""
+    """Open a muscle or bundle in the explorer, in a browser."""
     require("panel")
     _print("starting")
     target = read_target(file)

@@ -13,36 +13,38 @@ from ..outputs import check_file, print_line, status, write_file, write_text
 def run(
     file: str = options.TARGET,
     c: str | None = option(
-        "Folder for the law as C, a header and a source without dependencies.", metavar="FOLDER"
+        "Folder for the force law in C: a header and a source file without dependencies.",
+        metavar="FOLDER",
     ),
     table: str | None = option(
-        "Folder for force and volume as a table in C: some tens of nanoseconds a call.",
+        "Folder for a table of force and volume in C: tens of nanoseconds per call.",
         metavar="FOLDER",
     ),
     fmu: str | None = option(
-        "File of a functional mock-up unit (.fmu) with the table: co-simulation, FMI 2.0.",
+        "Functional mock-up unit (.fmu) with the table, for co-simulation by FMI 2.0.",
         metavar="PATH",
     ),
     precision: str = option(
-        "Type of a table's numbers: float takes a seventh of the memory.",
+        "Number type of the table; float takes a seventh of the memory.",
         metavar="double|float",
         default="double",
     ),
-    name: str = option("Prefix of files, and of names in C.", default="muscle"),
+    name: str = option("Prefix of file names and of names in C.", default="muscle"),
     sample_time: str | None = option(
-        "Step that a unit asks of its host; default: 1 ms, or the controller's.", metavar="TIME"
+        "Communication step of the FMU; default: 1 ms, or the controller's.", metavar="TIME"
     ),
     platform: str | None = option(
-        "Platform of a unit, as FMI names it; default: this one.", metavar="NAME"
+        "Platform of the FMU by its FMI name; default: this machine's.", metavar="NAME"
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Write a muscle's or bundle's force as C code or an FMU.
 
-    `--c`: the law itself, its slopes and free strain; it needs `fascicle[export]`. `--table`: force
-    and volume from one table, with its error; of a scenario that is controlled by force, also its
-    controller's step. `--fmu`: the same for Simulink, OpenModelica and others, with its sources,
-    built by a C compiler. All hold the numbers of the file as they are now.
+    `--c` writes the force law itself, its derivatives and its free strain; it needs
+    `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a
+    scenario with force control it adds one step of the controller. `--fmu` packs that table for
+    Simulink, OpenModelica and other hosts; it needs a C compiler. Later changes of FILE don't
+    change what was exported.
     """
     if c is None and table is None and fmu is None:
         raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")

@@ -5,13 +5,19 @@ from typing import Any
 from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import check_grid, is_bundle, read_list, read_states, read_target
-from ..outputs import Outputs, count_decimals, number, print_table, status
+from ..options import option
+from ..outputs import Outputs, count_decimals, number, print_table, print_text, status
 from .bundle import check_equilibria, print_states
 
 
 def run(
     file: str = options.TARGET,
-    pressure: list[str] | None = options.PRESSURES,
+    pressure: list[str] | None = option(
+        "Gauge pressures: a list or range for a muscle; for a bundle one or a range for each motor"
+        " unit (344.7kPa,0kPa), repeatable.",
+        "--pressure -p",
+        metavar="LIST",
+    ),
     no_resistance: bool = options.NO_RESISTANCE,
     as_json: bool = options.JSON,
     as_csv: bool = options.CSV,
@@ -19,9 +25,10 @@ def run(
     plot: str | None = options.PLOT,
     overwrite: bool = options.OVERWRITE,
 ) -> None:
-    """Free strain of a muscle or a bundle.
+    """Compute the free strain of a muscle or a bundle.
 
-    With a muscle's blocked force and collapse strain, or all of a bundle's equilibria.
+    The free strain is the contraction without load. The table adds a muscle's blocked force and
+    collapse strain, or all equilibria of a bundle.
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     target = read_target(file)
@@ -56,6 +63,11 @@ def run(
 
 def _print(variables: Any) -> None:
     columns = [[f"{pressure / 1e3:.6g}" for pressure in variables["pressure"].values.tolist()]]
+    highest = variables["pressure"].values.argmax()
+    free, blocked = (variables[x].values[highest] for x in ("free_strain", "blocked_force"))
+    print_text(
+        f"At {columns[0][highest]} kPa: free strain {free:.4f}, blocked force {blocked:.4g} N."
+    )
     for name in [*variables][1:]:
         values = variables[name].values.tolist()
         decimals = 4 if name.endswith("strain") else count_decimals(values)

@@ -16,7 +16,10 @@ def run(
         "FILE", "File to write; default: muscle.toml, task.toml or scenario.toml.", None
     ),
     example: str | None = option(
-        "Named example to copy.", "--from", metavar="NAME", autocompletion=complete_target
+        "Named example to copy instead of the template.",
+        "--from",
+        metavar="NAME",
+        autocompletion=complete_target,
     ),
     task: bool = flag("Task file for `fascicle design`.", "--task"),
     scenario: bool = flag("Scenario file for `fascicle simulate`.", "--scenario"),

@@ -10,11 +10,11 @@ from ..options import argument, complete_target
 
 def run(
     name: str | None = argument(
-        "[NAME]", "Example whose file is printed.", None, autocompletion=complete_target
+        "[NAME]", "Example to print.", None, autocompletion=complete_target
     ),
     as_json: bool = options.JSON,
 ) -> None:
-    """List the named examples, or print one."""
+    """List the named examples, or print the file of one."""
     from ...files import example_text, examples
 
     if name is not None:

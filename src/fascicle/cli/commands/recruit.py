@@ -6,23 +6,24 @@ from .. import options
 from ..errors import exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_supply
 from ..options import option
-from ..outputs import Outputs, count_decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, print_text, status
 from .bundle import unstable_caption
 
 
-_UNREACHED = {1: "more than", 2: "less than"}  # by status
+_LIMITS = {1: "largest", 2: "least"}  # the force that a demand of each status misses
+_MAX_MESSAGES = 6  # above the table: with its first line, a summary of less than ten lines
 
 
 def run(
     file: str = options.TARGET,
     force: str = option(
-        "Demanded forces: 40N, a list 20N,40N or a range 0N:100N:10N.",
+        "Demanded forces: one (40N), a list (20N,40N) or a range (0N:100N:10N).",
         "--force -f",
         metavar="LIST",
         default=...,
     ),
     strain: str = option(
-        "Contractions: 0.12, a list 0,0.1 or a range 0:0.2:0.05.",
+        "Contractions: one (0.12), a list (0,0.1) or a range (0:0.2:0.05).",
         "--strain -s",
         metavar="LIST",
         default=...,
@@ -35,9 +36,9 @@ def run(
     out: str | None = options.OUT,
     overwrite: bool = options.OVERWRITE_ONLY,
 ) -> None:
-    """State and pressures that give a force at a strain.
+    """Find the pressures that give a force at a contraction.
 
-    The solution that takes least fluid; other solutions are listed beside it.
+    Of several solutions the one that takes least fluid comes first; the table lists the others.
     """
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
     pressure = read_supply(supply)
@@ -62,8 +63,9 @@ def run(
     unreached = variables["status"].values
     if count := int((unreached != 0).sum()):
         exit_incomplete(
-            f"{count} of {unreached.size} demands can't be reached: their nearest force is given,"
-            " with status 1 where the demand is too large, 2 where it is too small."
+            f"{count} of {unreached.size} demands can't be reached: their rows hold the nearest"
+            " force (status 1: demand too large, 2: too small). Change the force, the strain or"
+            " the supply pressure."
         )
 
 
@@ -91,15 +93,19 @@ def _print(variables: Any, is_free: bool) -> None:
             [demand, strain, f"{state}", *pressures, force + mark, "\n".join(alternatives) or "-"]
         )
         if code:
-            messages.append(
-                f"{demand} N at a strain of {strain} is {_UNREACHED[int(code)]} can be reached:"
-                f" the nearest is {force} N."
-            )
-    print(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
+            limit = f"the {_LIMITS[int(code)]} force there is {force} N"
+            messages.append(f"{demand} N at a strain of {strain} is out of reach: {limit}.")
+    print_text(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
+    for message in messages[:_MAX_MESSAGES]:
+        print_text(message)
+    if len(messages) > _MAX_MESSAGES:
+        print_text(f"{len(messages) - _MAX_MESSAGES} more are out of reach, see the table.")
+    if is_free:
+        print_text("These pressures take least fluid of a range of solutions, which isn't listed.")
     units = [f"P{unit + 1} [kPa]" for unit in range(values["pressures"].shape[-1])]
     heads = ["demand [N]", "strain [-]", "state", *units, "force [N]", "other solutions"]
-    print_table("Pressures for each demand", heads, rows, unstable_caption(rows), keys=2)
-    if is_free:
-        print("The pressures are those with the least fluid; other solutions are not listed.")
-    for message in messages:
-        print(message)
+    caption = unstable_caption(rows)
+    if any(row[-1] != "-" for row in rows):
+        note = "other solutions: recruitment state, and pressure of its throttled motor unit"
+        caption = "; ".join(filter(None, [note, caption]))
+    print_table("Pressures for each demand", heads, rows, caption, keys=2)

@@ -1,7 +1,6 @@
 """`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
 import datetime as dt
-import math
 import sys
 from typing import Any
 
@@ -9,20 +8,11 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import read_scenario
 from ..options import argument, flag, option
-from ..outputs import (
-    Outputs,
-    check_file,
-    count_decimals,
-    number,
-    print_line,
-    print_table,
-    status,
-    write_text,
-)  # fmt: skip
+from ..outputs import Outputs, check_file, print_line, print_table, print_text, status, write_text
 
 
 _UNTRUSTED = 1  # exit code
-_MAX_EVENTS = 20  # printed lines: about a screen
+_MAX_EVENTS = 5  # lines: the summary stays below ten
 _ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 
 
@@ -43,19 +33,19 @@ def run(
     as_csv: bool = options.CSV,
     out: str | None = options.OUT,
     plot: str | None = options.PLOT,
-    report: str | None = option("Page with traces and energies: .html.", metavar="PATH"),
+    report: str | None = option("HTML page with traces and energy balances.", metavar="PATH"),
     policy: str | None = option(
         "Control policy: orderly, batch, threshold, energy_aware, hand_over, pre_charge, fast_cross"
         " or auto; default: the scenario's.",
         metavar="NAME",
     ),
-    compare: bool = flag("Comparison of all policies, drawdown against energy.", "--compare"),
+    compare: bool = flag("Comparison of all policies: drawdown against energy.", "--compare"),
     compensate: bool | None = option(
         "Friction feedforward; default: the scenario's.", "--compensate/--no-compensate"
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> int:
-    """Simulate a bundle over time and report its energy balance.
+    """Simulate a bundle over time and check its energy balance.
 
     Exit code 1 if a balance does not close, or an event makes the run untrustworthy.
     """
@@ -93,7 +83,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     notes = [*study.notes, *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else [])]
     outputs.write(
         simulated(study.plant, result, balances, *controller),
-        lambda: _print(study, result, balances),
+        lambda: _print(study, result, balances, doubts),
         draw,
         title=f"Simulation of {study.name}",
         notes=" ".join(notes),
@@ -139,15 +129,17 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         return policies(study.plant, pairs, PolicyCosts([*drawdowns], [*energies], front))
 
     def print_policies() -> None:
+        for line in pages.policy_summary(study.plant, quantity, runs):
+            print_text(line)
+        for note in notes:
+            print_text(f"note: {note}")
         print_table(
             f"Policies on {study.name}, control of {quantity}",
             pages.policy_heads(study.plant, quantity),
             pages.policy_rows(study.plant, quantity, runs, front),
             "front: no other policy has less drawdown for as much energy, or takes less energy for"
-            " as much drawdown",
+            " as much drawdown; D: the deepest dip of force of a motor unit",
         )
-        for note in notes:
-            print_line(f"note: {note}")
 
     title = f"Policies of {study.name}"
     outputs.write(table, print_policies, draw, title=title, notes=" ".join(notes))
@@ -199,70 +191,50 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
     return _UNTRUSTED if any(doubts.values()) else 0
 
 
-def _print(study: Any, result: Any, audited: Any) -> None:
+def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
     from ...dynamics import events
+    from ...reports import simulation as pages
 
-    outputs, plant = result.outputs, study.plant
+    plant, control = study.plant, study.control
     balances = audited.balances if audited else ()
-    print_line(
-        f"{study.name}: {result.time[-1]:g} s in {len(result.time) - 1} steps of"
-        f" {1e3 * study.dt:g} ms, {result.substeps} substeps each"
-    )
+    steps = f"{len(result.time) - 1} steps of {1e3 * study.dt:g} ms"
+    closed = sum(balance.closes for balance in balances)
+    verdict = "can't be trusted" if doubts else "can be trusted"
     if balances:
-        closed = sum(balance.closes for balance in balances)
-        print(f"{closed} of {len(balances)} balances close")
+        verdict += f": {closed} of {len(balances)} balances close"
+    print_text(f"{study.name}: {result.time[-1]:g} s in {steps}; the run {verdict}.")
+    rows = []
+    if control is not None:
+        quantity, metrics = control.controller.of, pages.control_worth(control, result)
+        rows = pages.worth_rows(plant, quantity, metrics)
+        summary = pages.worth_summary(plant, quantity, metrics)
+        print_text(f"Control of {quantity} by {control.policy}: {summary}.")
+        if message := pages.unreachable_message(plant, quantity, metrics):
+            print_text(f"note: {message}")
     for note in study.notes:
-        print_line(f"note: {note}")
-    unit, factor = ("deg", math.degrees(1)) if plant.load.unit == "rad" else ("mm", 1e3)
-    position = factor * outputs.position
-    decimals = count_decimals(position)
-    steps = {"start": 0, "lowest": position.argmin(), "highest": position.argmax(), "end": -1}
-    rows = [
-        [
-            name,
-            f"{result.time[k]:g}",
-            number(float(position[k]), decimals),
-            *(
-                number(float(P) / 1e3, 1)
-                for P in (*outputs.pressures[k], outputs.supply_pressure[k])
-            ),
-        ]
-        for name, k in steps.items()
-    ]
-    pressures = [f"P{index + 1} [kPa]" for index in range(plant.units)]
-    heads = ["", "time [s]", f"position [{unit}]", *pressures, "supply [kPa]"]
-    print_table("Positions of the load", heads, rows)
-    if study.control is not None:
-        _print_control(study, result)
+        print_text(f"note: {note}")
+    happened = events(result)
+    for event in happened[:_MAX_EVENTS]:
+        print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.words}")
+    if len(happened) > _MAX_EVENTS:
+        print_text(f"{len(happened) - _MAX_EVENTS} more events are in the output of --json.")
+    print_table("Positions of the load", *pages.position_table(plant, result))
+    if rows:
+        print_table("Quality of control", ["metric", "value"], rows)
     if balances:
         _print_balances(balances)
-    for event in events(result)[:_MAX_EVENTS]:
-        print_line(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.words}")
-
-
-def _print_control(study: Any, result: Any) -> None:
-    from ...reports.simulation import control_worth, unreachable_message, worth_rows
-
-    control, plant = study.control, study.plant
-    metrics, quantity = control_worth(control, result), control.controller.of
-    rows = worth_rows(plant, quantity, metrics)
-    print_table(f"Control of {quantity} by {control.policy}", ["metric", "value"], rows)
-    if message := unreachable_message(plant, quantity, metrics):
-        print_line(f"note: {message}")
 
 
 def _print_balances(balances: Any) -> None:
     rows = []
     for balance in balances:
-        terms = balance.into | {f"to {name}": value for name, value in balance.went.items()}
-        smallest = _ROUNDING * max(map(abs, terms.values()))
-        lines = [
-            f"{name} {value:.3g} {balance.unit}"
-            for name, value in terms.items()
-            if abs(value) > smallest
-        ]
-        # on lines of their own, so that a narrow terminal keeps them next to their balance
+        smallest = _ROUNDING * max(map(abs, (balance.into | balance.went).values()))
+        sides = (
+            "\n".join(f"{name} {value:.3g} {balance.unit}" for name, value in terms.items()
+                      if abs(value) > smallest)
+            for terms in (balance.into, balance.went)
+        )  # fmt: skip
         verdict = f"{balance.share:.0e}\n" + ("closes" if balance.closes else "DOES NOT\nCLOSE")
-        rows.append([balance.name.replace(" of ", "\nof "), "\n".join(lines), verdict])
-    caption = "residual: relative to the largest term; zero terms omitted"
-    print_table("Balances", ["balance", "terms [J, kg]", "residual [-]"], rows, caption)
+        rows.append([balance.name.replace(" of ", "\nof "), *sides, verdict])
+    caption = "residual: what is left over, relative to the largest term; zero terms are omitted"
+    print_table("Balances", ["balance", "in [J, kg]", "out [J, kg]", "residual [-]"], rows, caption)

@@ -22,23 +22,23 @@ _FRONT = 5_000_000  # designs: the front of more does not fit into memory
 
 def run(
     study: str = argument(
-        "STUDY.toml", "Task file, as of `fascicle design`; its [sweep] sets the size of a block."
+        "STUDY.toml", "Task file as for `fascicle design`; its [sweep] sets the designs per block."
     ),
     out: str | None = option(
         "Folder of results; default: swept-STUDY.", "--out -o", metavar="FOLDER"
     ),
-    resume: bool = flag("Resumption of the study in the folder.", "--resume"),
+    resume: bool = flag("Continuation of the interrupted study in FOLDER.", "--resume"),
     scheduler: str | None = option(
-        "Address of a Dask scheduler, tcp://…, whose workers see FOLDER under the same path;"
+        "Address (tcp://…) of a Dask scheduler whose workers see FOLDER under the same path;"
         " default: workers on this machine.",
         metavar="ADDRESS",
     ),
     workers: int | None = option(
-        "Workers on this machine; default: one per core; 0: no cluster.", min=0, max=4096
+        "Worker processes on this machine, 0 for none; default: one per core.", min=0, max=4096
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> int:
-    """Evaluate a study's designs block by block, on many workers."""
+    """Evaluate every design of a task, on many workers, resumable."""
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler and --workers: a scheduler has its own workers, drop one.")
     for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:
