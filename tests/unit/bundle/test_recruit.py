@@ -61,13 +61,13 @@ def longer(bundle):
 @pytest.mark.parametrize(
     ("make", "options", "count"),
     [
-        (lambda r: random_bundle(r, 4), {}, 60),
-        (lambda r: random_bundle(r, 4, **LAWS["tuned"]), {}, 40),
-        (lambda r: random_bundle(r, 4), {"resistance": False}, 40),
-        (lambda r: random_bundle(r, 3), {"scheme": "batch"}, 30),
-        (lambda r: random_bundle(r, 3), {"scheme": "free"}, 30),
-        (lambda _: fs.example("kim2021_bundle_1_4"), {"scheme": "batch"}, 40),
-        (lambda r: longer(random_bundle(r, 3)), {}, 30),
+        (lambda r: random_bundle(r, 4), {}, 30),
+        (lambda r: random_bundle(r, 4, **LAWS["tuned"]), {}, 20),
+        (lambda r: random_bundle(r, 4), {"resistance": False}, 20),
+        (lambda r: random_bundle(r, 3), {"scheme": "batch"}, 15),
+        (lambda r: random_bundle(r, 3), {"scheme": "free"}, 15),
+        (lambda _: fs.example("kim2021_bundle_1_4"), {"scheme": "batch"}, 20),
+        (lambda r: longer(random_bundle(r, 3)), {}, 15),
         pytest.param(lambda r: random_bundle(r, 4), {}, 600, marks=pytest.mark.slow),
         pytest.param(
             lambda r: random_bundle(r, 4, **LAWS["tuned"]), {}, 400, marks=pytest.mark.slow
