@@ -20,7 +20,7 @@ import numpy as np
 from cases import LARGEST_PRESSURE, muscle
 
 from fascicle.design import Space, Task
-from fascicle.design.cluster import local
+from fascicle.design.cluster import local_client
 from fascicle.design.sweep import BlockResult, Study, sweep
 
 
@@ -77,7 +77,7 @@ def measure(small: bool) -> dict[str, Any]:
 
     both("alone", None)
     for workers in (1, 2):
-        with local(workers) as client:
+        with local_client(workers) as client:
             both(f"workers_{workers}", client)
     return found
 

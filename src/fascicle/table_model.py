@@ -25,6 +25,10 @@ from .units import parse
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
 PLAIN, TABLE = "\0plain", "\0table"
 _ORDER = ("extra_forbidden", "missing")  # kinds of faults that are shown first
+_PLAIN_WORDS = {  # for pydantic's
+    "Input should be": "must be", "greater than or equal to": "at least",
+    "less than or equal to": "at most",
+}  # fmt: skip
 _RULES = {
     "model_type": "must be a table of keys",
     "dict_type": "must be a table of keys",
@@ -109,7 +113,8 @@ def validation_message(
         remedy = f", write {example}" if examples[0] else ""
         return location_message(source, keys, f"missing{remedy}.")
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
-    rule = rule.replace("Input should be", "must be")
+    for words, plain in _PLAIN_WORDS.items():
+        rule = rule.replace(words, plain)
     count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
     rule = rule if rule.endswith("?") else f"{rule.rstrip('.')}."
     return location_message(source, keys, f"{rule}{count}", value_at(data, path))

@@ -109,7 +109,7 @@ def test_a_sweep_resumes_after_control_c(tmp_path, workers):
         assert line.strip().endswith("a worker"), line
     code, err = interrupt(process)
     *progress, last = err.splitlines()
-    assert code == 130 and last.startswith("interrupted; finished blocks are kept in swept-task")
+    assert code == 130 and last.startswith("interrupted; the finished blocks are in swept-task")
     assert all(" blocks, " in line for line in progress), err
     process = start(tmp_path, "sweep", "task.toml", "--workers", "0", "--resume")
     _, err = process.communicate(timeout=300)
@@ -130,7 +130,7 @@ def test_a_stopped_sweep_names_its_resumption(fascicle, monkeypatch, tmp_path, e
     monkeypatch.setattr("fascicle.design.sweep.sweep", stop)
     code, out, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert (code, out, err.count("\n")) == (expected, "", 1)
-    assert "finished blocks are kept in swept-task, --resume goes on with them" in err
+    assert "finished blocks are in swept-task: continue with --resume" in err
 
 
 @pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
@@ -199,7 +199,7 @@ def test_an_unforeseen_error_is_one_line(fascicle, monkeypatch, error, expected,
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("fascicle.files.shipped_files.example_text", fail)
+    monkeypatch.setattr("fascicle.files.example_text", fail)
     code, out, err = fascicle("muscles", SIX)
     assert (code, out, err.count("\n")) == (expected, "", bool(texts))
     assert all(text in err for text in texts)

@@ -1,16 +1,15 @@
-"""Products that can be bought, their prices, and the cheapest of many designs.
+"""Products on sale, prices, and the cheapest of many designs.
 
 **Cheapest**, of the designs that reach the task and keep all limits, is the one with
 
 1. the lowest price of muscles and valves, where the price of every product and of a valve is known;
    else the fewest valves, one for each motor unit, since a pressure valve costs more than a muscle
    does; then the lowest price of its muscles, where every product has one, else the fewest muscles;
-2. of those of equal price, the largest margin: the least force to spare over what is demanded;
+2. of those of equal price, the largest margin: the least spare force over the demanded force;
 3. the fewest valves, then the fewest muscles;
 4. the least fluid energy, mean over the task.
 
-The first of these that differs between two designs decides. A price that isn't given is never
-guessed.
+The first of these that differs between two designs decides. Missing prices are never guessed.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,14 +26,14 @@ from .task import Task
 
 
 _BLOCK = 2**16  # designs compared together, some megabytes
-_ROUNDING = 1e-9  # of a product's limits: 150 mm of 600 mm are a quarter
+_ROUNDING = 1e-9  # relative, of a product's limits: 150 mm of 600 mm are a quarter
 _DIGITS = 9  # of a margin: two splits of the same muscles have the same up to rounding
 
 
 class Product(NamedTuple):
-    """A muscle that is sold, of one length: its `name`, `price` for one in the catalog's currency,
-    `mass` for one [kg], and the largest pressure [Pa] and contraction [-] that its maker
-    allows; each of them `None` if it isn't known. `source` of the figures.
+    """Muscle on sale, of one length: its `name`, `price` for one in the catalog's currency, `mass`
+    of one [kg], and the largest pressure [Pa] and contraction [-] that its maker allows; each is
+    `None` if unknown. `source` of the figures.
     """
 
     name: str
@@ -48,10 +47,16 @@ class Product(NamedTuple):
         """Reason why it must not be used for a `task` at its `length` [m]; empty if it may."""
         limit, strain = self.largest_pressure, float(task.strain_of(length).max())
         if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
-            return f"{task.supply_pressure / 1e3:g} kPa, it is made for {limit / 1e3:g} kPa"
+            return (
+                f"the supply has {task.supply_pressure / 1e3:g} kPa, its maker allows"
+                f" {limit / 1e3:g} kPa"
+            )
         limit = self.largest_strain
         if limit is not None and strain > limit * (1 + _ROUNDING):
-            return f"contracts by up to {100 * limit:g} %, the task asks for {100 * strain:.3g} %"
+            return (
+                f"the task demands a contraction of {100 * strain:.3g} %, its maker allows"
+                f" {100 * limit:g} %"
+            )
         return ""
 
 
@@ -71,25 +76,17 @@ class Catalog:
     density: float | None = None
 
     def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of the muscles of each of the `designs` [-]; NaN where it isn't known."""
+        """Price of the muscles of each of the `designs` [-]; NaN if unknown."""
         prices = np.array([self._unit_price(name) for name in designs.drawings])
         return designs.counts.sum(axis=1) * prices[designs.kind]
 
     def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of muscles and valves of each of the `designs` [-]; NaN where it isn't known."""
+        """Price of muscles and valves of each of the `designs` [-]; NaN if unknown."""
         valve = np.nan if self.valve is None else self.valve
         return self.muscle_price(designs) + valve * designs.units
 
     def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
-        """Products that must not be used, and the reasons.
-
-        **Arguments:**
-
-        - `drawings`: muscles by name.
-        - `task`: what is demanded.
-
-        **Returns:** the reason by the drawing's name.
-        """
+        """Reasons why products must not be used for a `task`, by the names of their `drawings`."""
         reasons = {
             name: product.exclusion_reason(task, float(drawings[name].length))
             for name, product in self.products.items()
@@ -97,7 +94,7 @@ class Catalog:
         return {name: reason for name, reason in reasons.items() if reason}
 
     def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """True if the price of all `drawings` [-] is known; true if that of a valve is, too."""
+        """True if the price of all `drawings` is known [-]; true if that of a valve is, too."""
         muscles = not np.any(np.isnan([self._unit_price(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 
@@ -114,12 +111,11 @@ def cheapest(
     catalog: Catalog,
     drawings: Mapping[str, Muscle],
 ) -> int | None:
-    """The cheapest design, as defined above.
+    """Index of the cheapest design, as defined above; `None` without candidates.
 
-    `candidates`: indices of the designs that may be taken; `values`: objectives of all designs, by
+    `candidates`: indices of the designs to choose from; `values`: objectives of all designs, by
     name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
-    indices; `catalog`: prices [-]; `drawings`: of all designs, by name. Returns its index; `None`
-    without candidates.
+    indices; `catalog`: prices [-]; `drawings`: of all designs, by name.
     """
     muscles_known, all_known = catalog.known_prices(drawings)
     if candidates.size and not all_known:
@@ -128,29 +124,23 @@ def cheapest(
         candidates = candidates[valves == valves.min()]
     ranks = []
     for start in range(0, len(candidates), _BLOCK):
-        block = candidates[start : start + _BLOCK]
-        part = designs(block)
-        valves, muscles = values["valves"][block], part.counts.sum(axis=1)
-        price = catalog.muscle_price(part) if muscles_known else muscles
-        costs = (catalog.price(part),) if all_known else (valves, price)
-        margin = np.round(values["relative_margin"][block], _DIGITS)
-        keys = (*costs, -margin, valves, muscles, values["mean_energy"][block])
+        indices = candidates[start : start + _BLOCK]
+        block = designs(indices)
+        valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
+        price = catalog.muscle_price(block) if muscles_known else muscles
+        costs = (catalog.price(block),) if all_known else (valves, price)
+        margin = np.round(values["relative_margin"][indices], _DIGITS)
+        keys = (*costs, -margin, valves, muscles, values["mean_energy"][indices])
         first = int(np.lexsort(keys[::-1])[0])
-        ranks.append((*(float(key[first]) for key in keys), int(block[first])))
+        ranks.append((*(float(key[first]) for key in keys), int(indices[first])))
     return min(ranks)[-1] if ranks else None
 
 
 def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
-    """Meaning of "cheapest" with these prices, in words.
-
-    `catalog`: prices [-]; `drawings`: of all designs, by name.
-    """
+    """Meaning of "cheapest" with the `catalog`'s prices [-] for `drawings`, in words."""
     muscles_known, all_known = catalog.known_prices(drawings)
     if all_known:
         return "lowest price of muscles and valves, then largest margin"
-    if muscles_known:
-        return (
-            "fewest valves, then lowest price of muscles, then largest margin;"
-            " no price of a valve is given"
-        )
-    return "fewest valves, then fewest muscles, then largest margin; prices aren't given"
+    muscles = "lowest price of muscles" if muscles_known else "fewest muscles"
+    missing = "no price of a valve is given" if muscles_known else "no prices are given"
+    return f"fewest valves, then {muscles}, then largest margin; {missing}"

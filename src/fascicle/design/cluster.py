@@ -15,8 +15,9 @@ from multiprocessing import active_children, resource_tracker
 from typing import Any
 
 
-_CLOSING = 3.0  # s that workers may take to end; what they write is whole or absent
-_CONNECTING = 20.0  # s until a scheduler counts as absent
+_CLOSING_TIME = 3.0  # s that workers may take to end; what they write is whole or absent
+_CONNECTION_TIME = 20.0  # s until a scheduler counts as absent
+_REASON_LENGTH = 120  # characters of Dask's errors, some of which run over many lines
 _SETTINGS = {
     "distributed.scheduler.http.routes": [],  # no pages
     "distributed.worker.http.routes": [],
@@ -26,18 +27,19 @@ _SETTINGS = {
 
 
 @contextlib.contextmanager
-def local(workers: int | None = None) -> Iterator[Any]:
-    """A client of workers on this machine, which end with it.
+def local_client(workers: int | None = None) -> Iterator[Any]:
+    """Context of a Dask client whose workers run on this machine, and end with it.
 
-    `workers`: their number [-]; left out, one for each core. Returns Dask's client, inside a
-    `with`. Raises `ConnectionError` where workers can't be started.
+    `workers`: their number [-]; default: one for each core. Raises `ConnectionError` if workers
+    can't be started.
     """
     from dask import config
     from distributed import Client, LocalCluster, Security  # before `config.set`: its defaults
 
     make: Any = LocalCluster
-    with quiet(), config.set(_SETTINGS), contextlib.ExitStack() as stack:
-        stack.callback(_kill_workers)
+    with silence_dask(), config.set(_SETTINGS), contextlib.ExitStack() as stack:
+        # a worker that compiles ignores all other signals
+        stack.callback(lambda: [worker.kill() for worker in active_children()])
         try:
             with _without_interrupts():
                 cluster = make(
@@ -53,44 +55,38 @@ def local(workers: int | None = None) -> Iterator[Any]:
                     security=Security.temporary(),
                 )
             stack.callback(_close, cluster)
-            client = Client(cluster, timeout=_CONNECTING, set_as_default=False)
+            client = Client(cluster, timeout=_CONNECTION_TIME, set_as_default=False)
         except (RuntimeError, OSError, TimeoutError) as error:
-            raise ConnectionError(f"no worker can be started ({_reason(error)})") from None
+            raise ConnectionError(f"no worker can be started ({short_reason(error)})") from None
         stack.callback(_close, client)
         yield client
 
 
-def _kill_workers() -> None:
-    for worker in active_children():  # one that compiles ignores all other signals
-        worker.kill()
-
-
 def _close(resource: Any) -> None:
-    """Close a client or a cluster, in vain where its processes are dead already."""
+    """Close a client or a cluster, in vain if its processes are dead already."""
     with contextlib.suppress(Exception):
-        resource.close(timeout=_CLOSING)
+        resource.close(timeout=_CLOSING_TIME)
 
 
 @contextlib.contextmanager
-def remote(address: str) -> Iterator[Any]:
-    """A client of a scheduler.
+def scheduler_client(address: str) -> Iterator[Any]:
+    """Context of a Dask client of the scheduler at an `address`, `tcp://…`.
 
-    `address`: of the scheduler, `tcp://…`. Returns Dask's client, inside a `with`. Raises
-    `ConnectionError` where no scheduler answers.
+    Raises `ConnectionError` if no scheduler answers.
     """
     from distributed import Client
 
-    with quiet():
+    with silence_dask():
         try:
-            client = Client(address, timeout=_CONNECTING, set_as_default=False)
+            client = Client(address, timeout=_CONNECTION_TIME, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
-            raise ConnectionError(_reason(error)) from None
+            raise ConnectionError(short_reason(error)) from None
         with client:
             yield client
 
 
-def revive(client: Any) -> None:
-    """Start local workers again that died as they started; `client`: Dask's.
+def restart_dead_workers(client: Any) -> None:
+    """Restart local workers that died as they started; `client`: Dask's.
 
     Dask itself restarts a dead worker, but one that is killed before it is up stays dead.
     """
@@ -100,13 +96,13 @@ def revive(client: Any) -> None:
     if not isinstance(cluster, LocalCluster):
         return
 
-    def forget() -> None:
+    def forget_dead_workers() -> None:
         for name, worker in list(cluster.workers.items()):
             if worker.status in (Status.closed, Status.failed):
                 del cluster.workers[name]
 
     loop: Any = cluster.loop
-    loop.add_callback(forget)
+    loop.add_callback(forget_dead_workers)
     cluster.scale(len(cluster.worker_spec))
 
 
@@ -118,26 +114,26 @@ def cores() -> int:
 
 
 @contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """Keep Dask's own log off the screen: the sweep reports lost workers."""
-    names = [
-        name
+def silence_dask() -> Iterator[None]:
+    """Context without Dask's own log: the sweep reports lost workers."""
+    loggers = [
+        logging.getLogger(name)
         for name in logging.root.manager.loggerDict
         if name.partition(".")[0] in ("distributed", "tornado", "asyncio")
     ]
-    levels = {name: logging.getLogger(name).level for name in names}
-    for name in names:
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        for name, level in levels.items():
-            logging.getLogger(name).setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 @contextlib.contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Threads and processes started inside don't see Ctrl-C: this process ends them."""
+    """Context whose new threads and processes don't see Ctrl-C: this process ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -155,15 +151,15 @@ def _environment() -> dict[str, str]:
     import jax
 
     config: Any = jax.config
-    environment = {"PJRT_NPROC": "1", "OMP_NUM_THREADS": "1"}
     names = ["jax_platforms", "jax_compilation_cache_dir"]
     if config.jax_compilation_cache_dir:
         names.append("jax_persistent_cache_min_compile_time_secs")
     settings = {name.upper(): getattr(config, name) for name in names}
-    return environment | {
+    return {"PJRT_NPROC": "1", "OMP_NUM_THREADS": "1"} | {
         name: str(value) for name, value in settings.items() if value not in (None, "")
     }
 
 
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split())[:120] or type(error).__name__
+def short_reason(error: BaseException) -> str:
+    """Reason of an error, on one line."""
+    return " ".join(str(error).split())[:_REASON_LENGTH] or type(error).__name__

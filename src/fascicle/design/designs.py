@@ -33,8 +33,8 @@ from .task import Task
 
 
 class Sizes(NamedTuple):
-    """Sizes of muscles of one drawing: `length` [m], `radius` [m], `wall` [m] and braid `angle`
-    [rad], arrays of one shape.
+    """Sizes of muscles of one drawing, arrays of one shape: `length` [m], outer `radius` [m],
+    thickness of the `wall` [m] and braid `angle` [rad].
     """
 
     length: Numbers
@@ -44,25 +44,20 @@ class Sizes(NamedTuple):
 
     def muscle(self, drawing: Muscle) -> Muscle:
         """A `drawing` of these sizes, all of them as one muscle."""
-        return with_fields(
-            drawing,
-            length=self.length,
-            outer_radius=self.radius,
-            wall_thickness=self.wall,
-            braid_angle=self.angle,
-        )
+        names = ("length", "outer_radius", "wall_thickness", "braid_angle")
+        return with_fields(drawing, **dict(zip(names, self, strict=True)))
 
     def take(self, index: Any) -> "Sizes":
         """Sizes of the muscles with an `index`."""
         return Sizes(*(x[index] for x in self))
 
 
-_RATIOS = (
+_RATIOS = (  # ρ_N of 1 to 30 circles, Graham and others (1998)
     1.0, 2.0, 2.1547, 2.4142, 2.7013, 3.0, 3.0, 3.3048, 3.6131, 3.8130,
     3.9238, 4.0296, 4.2361, 4.3284, 4.5214, 4.6154, 4.7920, 4.8637, 4.8637, 5.1223,
     5.2523, 5.4397, 5.5452, 5.6517, 5.7528, 5.8282, 5.9063, 6.0149, 6.1386, 6.1977,
 )  # fmt: skip
-_EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}
+_EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}  # closed forms of some of them
 
 
 def packing_ratio(count: Values) -> Numbers:
@@ -101,8 +96,8 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
 @dataclass(frozen=True, eq=False)
 class Designs:
     """Designs on the first axis. `kind`: index of their muscles' drawing in `drawings`; `counts`
-    [-] of each unit, the muscles' `length` [m], and for each unit their `radius` [m], `wall` [m]
-    and braid `angle` [rad].
+    of muscles in each unit, the muscles' `length` [m], and for each unit their outer `radius` [m],
+    thickness of the `wall` [m] and braid `angle` [rad].
     """
 
     drawings: dict[str, Muscle]
@@ -114,7 +109,7 @@ class Designs:
     angle: Float[np.ndarray, "design unit"]
 
     def __post_init__(self):
-        """Refuse drawings whose fluid depends on more than strain, or whose law is of one size."""
+        """Refuse drawings whose fluid depends on more than strain, or whose law has one size."""
         check_volume_by_strain(self.drawings.values())
         for muscle in self.drawings.values():
             if muscle.tension.reference_muscle:
@@ -125,16 +120,7 @@ class Designs:
 
     @classmethod
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
-        """Compositions of one muscle.
-
-        **Arguments:**
-
-        - `muscle`: of all designs.
-        - `counts`: muscles in each unit [-], a row for each design.
-        - `name`: of the muscle.
-
-        **Returns:** the designs.
-        """
+        """Designs of one `muscle` with a `name`; `counts`: muscles in each unit [-], a row each."""
         n = pad_rows([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
         return cls(
@@ -148,12 +134,12 @@ class Designs:
 
     @property
     def units(self) -> Int[np.ndarray, " design"]:
-        """Number of motor units of each [-]."""
+        """Number of motor units of each design [-]."""
         return np.sum(self.counts > 0, axis=1)
 
     @property
     def labels(self) -> list[str]:
-        """Composition of each, such as `1+4`."""
+        """Composition of each design, such as `1+4`."""
         return [label(row) for row in self.counts]
 
     @property
@@ -191,15 +177,7 @@ class Designs:
         return self.sizes(index).take(unit).muscle(self.drawing(index))
 
     def bundle(self, index: int, task: Task | None = None) -> Bundle:
-        """A design as a bundle.
-
-        **Arguments:**
-
-        - `index`: of the design.
-        - `task`: with the bundle's supply and scheme, if any.
-
-        **Returns:** the bundle.
-        """
+        """The design with an `index` as a bundle, with supply and scheme of a `task`, if any."""
         shared = self.muscle(index) if self.uniform[index] else None
         units = [
             MotorUnit(self.muscle(index, unit) if shared is None else shared, int(n))
@@ -221,9 +199,7 @@ def scaled_designs(
     wall_ratio: Float[np.ndarray, " design"],
     angle: Float[np.ndarray, " design"],
 ) -> Designs:
-    """Designs whose units have radii in proportion to a `factor` [-], and walls by the
-    `wall_ratio` [-]; `radius` [m] where the factor is 1.
-    """
+    """Designs with units' radii `factor` times the `radius` [m], walls `wall_ratio` times that."""
     radii = radius[:, None] * factor
     angles = angle[:, None] * np.ones(radii.shape)
     return Designs(drawings, kind, counts, length, radii, wall_ratio[:, None] * radii, angles)

@@ -71,11 +71,10 @@ def outcomes(
     needs: tuple[str, ...] = (),
     resolution: Resolution | None = None,
 ) -> Iterator[tuple[Any, Outcome]]:
-    """Outcomes of designs for a task, batch by batch.
+    """Indices and outcome of the designs of each batch; a single index for an outcome without an
+    axis for designs.
 
-    `needs`: of the objectives, "size", "curves", both or nothing; others as of `evaluate`. Returns
-    the indices of the designs in a batch, and their outcome; a single index for an outcome without
-    an axis for designs. Raises `ValueError` for designs off the model's domain.
+    `needs`: of the objectives, "size", "curves", both or nothing; others as of `evaluate`.
     """
     if np.any(designs.wall >= designs.radius):
         rule = "must be less than `outer_radius` in every design"
@@ -85,7 +84,7 @@ def outcomes(
     demand = Demand.from_task(task)
     # together: designs of one drawing and number of units, either all of one muscle each or not
     uniform = designs.uniform
-    keys = np.stack([designs.kind, room_for_units(designs, task.scheme), uniform], axis=1)
+    keys = np.stack([designs.kind, evaluated_units(designs, task.scheme), uniform], axis=1)
     for key in np.unique(keys, axis=0):
         index = np.flatnonzero(np.all(keys == key, axis=1))
         group = designs.take(index, int(key[1]))
@@ -109,12 +108,11 @@ def design_outcome(
     needs: tuple[str, ...],
     resolution: Resolution = MIXED,
 ) -> Outcome:
-    """Outcome of a single design, computed at every level: by JAX, where any array is JAX's.
+    """Outcome of a single design, computed at every level, without an axis for designs: by JAX,
+    where any array is JAX's.
 
-    `drawing`: with material, laws and tuning of all muscles; `counts`: muscles in each unit;
-    `sizes`: of the muscles of each unit; `demand`: the task's; `needs`: of the objectives, "size",
-    "curves", both or nothing; `resolution`: of levels and strains. Returns the outcome, without an
-    axis for designs.
+    `drawing`: with material, laws and tuning of all muscles; `counts` of muscles and their `sizes`
+    by unit; `needs`: of the objectives, "size", "curves", both or nothing.
     """
     exists, states = counts > 0, states_for(demand.scheme, len(counts))
     top = depth = overlap = None
@@ -130,9 +128,9 @@ def design_outcome(
     return outcome(counts, table, sizes.length[0], demand, depth, overlap)
 
 
-def room_for_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, " design"]:
-    """Number of motor units that each design is evaluated with: the largest of all, or the design's
-    where a `scheme` doesn't take a design of fewer units as the beginning of one of more.
+def evaluated_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, " design"]:
+    """Number of motor units that each design is evaluated with: the largest of all; the design's
+    own if fewer units aren't the first states of more.
     """
     columns = designs.counts.shape[1]
     if scheme.independent or is_prefix_consistent(scheme, columns):
@@ -158,8 +156,8 @@ def _batches(
     # designs of one muscle share its part of a table, however many they are
     order = muscle_of[:, 0] if uniform else np.arange(len(rows))
     batch_of = order // (max(1, _BATCH // points) if uniform else step)
-    for batch in np.unique(batch_of):
-        (members,) = np.nonzero(batch_of == batch)
+    for number in np.unique(batch_of):
+        (members,) = np.nonzero(batch_of == number)
         used, index = np.unique(muscle_of[members], return_inverse=True)
         sizes, index = Sizes(*muscles[used].T), index.reshape(-1, columns)
         table = largest_force_table(drawing, sizes, demand, needs, resolution)
@@ -174,15 +172,14 @@ def _batches(
                 )
         for start in range(0, len(members), step):
             cut = slice(start, start + step)
-            portion = outcome(
-                designs.counts[members[cut]].T,
-                table.take(index[cut].T),
-                designs.length[members[cut]],
-                demand,
-                None if depth is None else depth[cut],
-                None if overlap is None else overlap[cut],
+            batch, table_of_units = members[cut], table.take(index[cut].T)
+            curves = () if depth is None or overlap is None else (depth[cut], overlap[cut])
+            yield (
+                batch,
+                outcome(
+                    designs.counts[batch].T, table_of_units, designs.length[batch], demand, *curves
+                ),
             )
-            yield members[cut], portion
 
 
 def _curve_objectives(

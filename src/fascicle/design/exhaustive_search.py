@@ -18,8 +18,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.errors import InvalidInputError
 from ..core.types import Bool, Float, Int
+from ..core.validation import check_choice
 from .catalog import Catalog, cheapest
 from .designs import Designs
 from .evaluation import Values, evaluate
@@ -47,7 +47,7 @@ USUAL = {
     "envelope": "min",
     "valves": "min",
 }
-MOST = 20_000_000  # designs of one search: their objectives stay in memory
+MAX_DESIGNS = 20_000_000  # designs of one search: their objectives are in memory together
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
@@ -56,15 +56,12 @@ _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
 def as_minimization(
     values: Mapping[str, Float[np.ndarray, " design"]], senses: Mapping[str, str]
 ) -> Matrix:
-    """Objectives as columns in which smaller is better.
+    """Objectives with `senses` as columns in which smaller is better, a row for each design [SI].
 
-    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name; only these
-    objectives are taken. Returns a row for each design [SI]. Raises `ValueError` for an unknown
-    sense.
+    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name, else `ValueError`.
     """
     for name, sense in senses.items():
-        if sense not in ("min", "max"):
-            raise InvalidInputError(name, "must be 'min' or 'max'", sense)
+        check_choice(sense, ("min", "max"), name)
     columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
     return np.stack(columns, axis=1) + 0.0
 
@@ -101,10 +98,9 @@ def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> floa
 def pareto_front(
     values: Values, senses: Mapping[str, str], candidates: Int[np.ndarray, " candidate"]
 ) -> Int[np.ndarray, " front"]:
-    """Indices of the designs that no other dominates, best first in the first objective.
+    """Indices of the `candidates` that no other dominates, best first in the first objective.
 
-    `values`: objectives of designs, by name [SI]; `senses`: "min" or "max" by objective;
-    `candidates`: indices of the designs that count [-].
+    `values`: objectives of all designs, by name [SI]; `senses`: "min" or "max" by objective.
     """
     points = as_minimization(values, senses)
     front = candidates[non_dominated(points[candidates])]
@@ -116,8 +112,8 @@ def nearest(
 ) -> int:
     """Index of the design that misses least, of those that keep all other limits if there are any.
 
-    `values`: objectives of at least one design, by name [SI]; `limits`: on objectives, by name
-    [SI]; `permitted`: mask of designs that may be used at all.
+    `values`: objectives of at least one design [SI]; `permitted`: mask of designs of products that
+    may be used.
     """
     within = within_limits(values, other_limits(limits)) & permitted
     # of those that miss as much, up to rounding, the one with fewer valves
@@ -127,14 +123,20 @@ def nearest(
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """Result of a search. `values`: an array for each objective [SI], over all recorded designs;
-    `index` of these in the space, -1 where sizes lie between those it lists; `allowed`: mask of
-    those within the limits, with what must be reached; `front`: indices, among the recorded
-    designs, of those that none dominates, best first in the first objective; `cheapest`: index of
-    the recommended one, `None` if there is none; `nearest`: index of the one that comes nearest to
-    the task, where none reaches it. `all_designs` gives designs by these indices. `judged`: number
-    of evaluated designs; `extra`: further objectives to report; the `catalog` they are from;
-    `least_margin`: relative margin [-] below which the recommended one is warned of.
+    """Result of a search.
+
+    - `values`: an array for each objective [SI], over all recorded designs.
+    - `index`: of these in the space, -1 if sizes lie between those it lists.
+    - `allowed`: mask of those that reach the task and keep all limits.
+    - `front`: indices, among the recorded designs, of those that none dominates, best first in the
+      first objective.
+    - `cheapest`: index of the recommended one, `None` if there is none.
+    - `nearest`: index of the one that comes nearest to the task, if none reaches it.
+    - `all_designs`: gives designs by these indices.
+    - `judged`: number of evaluated designs.
+    - `extra`: further objectives to report.
+    - `catalog`: products and prices.
+    - `least_margin`: relative margin [-] below which the recommended one has a warning.
     """
 
     space: Space
@@ -230,13 +232,13 @@ def search(
 
     - `space`: the designs.
     - `task`: what is demanded.
-    - `senses`: "min" or "max" by objective; left out, `USUAL`.
+    - `senses`: "min" or "max" by objective; default: `USUAL`.
     - `limits`: on objectives, by name [SI]; `not_reached` is the share of the task that may be
-      missed, by weight and by points. Left out, all of it must be reached.
+      missed, by weight and by points. Default: all of it must be reached.
     - `extra`: objectives to record that don't make the front.
     - `progress`: called with the numbers of evaluated and of all designs [-].
-    - `catalog`: products and prices [-]; left out, no price is known.
-    - `least_margin`: relative margin [-] below which the recommended one is warned of.
+    - `catalog`: products and prices [-]; default: no price is known.
+    - `least_margin`: relative margin [-] below which the recommended one has a warning.
 
     **Returns:** the result.
 
@@ -247,10 +249,9 @@ def search(
     names = recorded_objectives(senses, limits, extra)
     check_search(senses, limits)
     size = len(space)
-    if size > MOST:
-        raise ValueError(
-            f"the space holds {size} designs, more than {MOST}: use `fascicle sweep`, or NSGA-II."
-        )
+    if size > MAX_DESIGNS:
+        rule = f"the space holds {size} designs, more than {MAX_DESIGNS}"
+        raise ValueError(f"{rule}: use `fascicle sweep`, or NSGA-II (--generations).")
     blocks = []
     for start in range(0, size, _BLOCK):
         index = np.arange(start, min(start + _BLOCK, size))
@@ -279,10 +280,9 @@ def conclude(
 ) -> SearchResult:
     """Result of a search whose designs have been evaluated: the front and the recommended design.
 
-    `space`, `task`, `senses`, `limits`, `extra`, `catalog`, `least_margin`: as of `search`;
     `index`: of the designs in the space; `values`: their objectives, by name [SI], with those of
-    `recorded_objectives`; `designs`: in the order of `values`, where the space doesn't list them;
-    `judged`: number of all evaluated designs [-]; left out, these.
+    `recorded_objectives`; `designs`: in the order of `values`, if the space doesn't list them;
+    `judged`: number of all evaluated designs [-]; default: these; others as of `search`.
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
 

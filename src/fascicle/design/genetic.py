@@ -97,9 +97,8 @@ class Checkpoint:
             write_text(path, "\n".join([first, *lines, ""]))
 
     def values(self, generation: int, genomes: Genomes, names: tuple[str, ...]) -> Values | None:
-        """Objectives [SI] of a `generation` by name, if the file has them.
-
-        **Raises:** `ValueError` where they aren't those of the `genomes`.
+        """Objectives [SI] of a `generation` by name, or `None` if the file lacks them; `ValueError`
+        for those of other `genomes`.
         """
         if generation >= len(self.generations):
             return None
@@ -129,8 +128,8 @@ def _digest(genomes: Genomes) -> str:
     return sha256(np.ascontiguousarray(genomes, "<f8").tobytes()).hexdigest()
 
 
-class Coding:
-    """Code of genomes: the designs of a space that they stand for."""
+class GenomeDecoder:
+    """Translation of genomes to designs of a space."""
 
     def __init__(self, space: Space, continuous: bool):
         """**Arguments:**
@@ -162,7 +161,12 @@ class Coding:
             genomes, np.cumsum([1, len(_AXES), self.largest - 1]), axis=1
         )
         total = self.muscles[_choice(number[:, 0], len(self.muscles))]
-        counts = self._counts(total, cuts > 0.5)
+        # units beyond the largest number join the last
+        unit = np.minimum(np.cumsum(cuts > 0.5, axis=1), self.units - 1)
+        unit = np.pad(unit, ((0, 0), (1, 0)))
+        exists = np.arange(self.largest) < total[:, None]
+        members = unit[:, :, None] == np.arange(self.units)
+        counts = np.sum(members & exists[:, :, None], axis=1)
         factor = self._value(self.space.unit_factors, factors)
         factor = np.where(counts > 0, factor, factor[:, :1])
         ((name, drawing),) = self.space.drawings.items()
@@ -173,15 +177,6 @@ class Coding:
         radius = radius * self.space.scale(counts, factor)
         kind = np.zeros(len(genomes), int)
         return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
-
-    def _counts(self, total: np.ndarray, cuts: np.ndarray) -> np.ndarray:
-        """Muscles in each unit, by their `total` and a mask of the gaps that are cut."""
-        # units beyond the largest number join the last
-        unit = np.minimum(np.cumsum(cuts, axis=1), self.units - 1)
-        unit = np.pad(unit, ((0, 0), (1, 0)))
-        exists = np.arange(self.largest) < total[:, None]
-        members = unit[:, :, None] == np.arange(self.units)
-        return np.sum(members & exists[:, :, None], axis=1)
 
     def _value(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
         if self.continuous:
@@ -209,7 +204,7 @@ def evolve(
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
-    """Search a space by NSGA-II.
+    """Search a space by NSGA-II, an evolutionary algorithm.
 
     **Arguments:**
 
@@ -225,8 +220,8 @@ def evolve(
       from it.
     - `watch`: called with the number of finished generations [-].
     - `extra`: objectives to record that don't make the front.
-    - `catalog`: products and prices [-]; left out, no price is known.
-    - `least_margin`: relative margin [-] below which the recommended one is warned of.
+    - `catalog`: products and prices [-]; default: no price is known.
+    - `least_margin`: relative margin [-] below which the recommended one has a warning.
 
     **Returns:** the result, with those of all evaluated designs that are on the front and the
     cheapest, or where none keeps the limits the one that comes nearest to the task.
@@ -242,7 +237,7 @@ def evolve(
     names = recorded_objectives(senses, limits)
     reported = recorded_objectives(senses, limits, extra)
     check_search(senses, limits)
-    coding = Coding(space, continuous)
+    decoder = GenomeDecoder(space, continuous)
     # the digest is that of the numbers, the other entries are of the search
     digest = Study(space, task, names, senses, limits, block=1).digest
     store = None if checkpoint is None else Checkpoint(checkpoint, {
@@ -253,12 +248,12 @@ def evolve(
     algorithm: Any = NSGA2(pop_size=population)
     algorithm.setup(
         Problem(
-            n_var=coding.genes, n_obj=len(senses), n_ieq_constr=1 + len(other_limits(limits)),
-            xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
+            n_var=decoder.genes, n_obj=len(senses), n_ieq_constr=1 + len(other_limits(limits)),
+            xl=np.zeros(decoder.genes), xu=np.ones(decoder.genes),
         ),
         termination=get_termination("n_gen", _ENDLESS), seed=seed, verbose=False,
     )  # fmt: skip
-    genomes, values = np.zeros((0, coding.genes)), {name: np.zeros(0) for name in names}
+    genomes, values = np.zeros((0, decoder.genes)), {name: np.zeros(0) for name in names}
     evaluated = 0
     for generation in range(generations):
         infills = algorithm.ask()
@@ -266,21 +261,21 @@ def evolve(
         new_values = store.values(generation, new, names) if store else None
         resumed = new_values is not None
         if new_values is None:
-            new_values = evaluate(coding.designs(new), task, names, MIXED)
+            new_values = evaluate(decoder.designs(new), task, names, MIXED)
         infills.set("F", as_minimization(new_values, senses))
         infills.set("G", _violations(new_values, limits))
         algorithm.tell(infills=infills)
         evaluated += len(new)
         genomes = np.concatenate([genomes, new])
         values = {name: np.concatenate([values[name], new_values[name]]) for name in names}
-        best = _best(genomes, values, senses, limits, coding, catalog)
+        best = _best(genomes, values, senses, limits, decoder, catalog)
         genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
         if not resumed:
             if store:
                 store.append(new, new_values)
             if watch is not None:
                 watch(generation + 1)
-    designs = coding.designs(genomes)
+    designs = decoder.designs(genomes)
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, reported)
     index = np.full(len(designs), -1)
@@ -306,7 +301,7 @@ def _best(
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
-    coding: Coding,
+    decoder: GenomeDecoder,
     catalog: Catalog,
 ) -> np.ndarray:
     """Indices of the front and the cheapest design, or of the nearest."""
@@ -318,9 +313,6 @@ def _best(
     # of equal points the first is enough
     best[good[np.unique(points, axis=0, return_index=True)[1]]] = True
     best[good] &= non_dominated(points)
-    best[
-        cheapest(
-            good, values, lambda rows: coding.designs(genomes[rows]), catalog, coding.space.drawings
-        )
-    ] = True
+    drawings = decoder.space.drawings
+    best[cheapest(good, values, lambda i: decoder.designs(genomes[i]), catalog, drawings)] = True
     return np.flatnonzero(best)

@@ -20,8 +20,16 @@ from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Float, Numbers
 from ..core.validation import check_choice
-from .outcome import MET, Outcome
+from .outcome import FORCE_TOLERANCE, Outcome
 
+
+BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
+SHARES = (BY_WEIGHT, BY_POINTS)
+# objectives of every search: how far a design is from the task, and which of two is cheaper
+ALWAYS = (
+    *SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy",
+)  # fmt: skip
+_ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
 
 PerDesign = Numbers
 Function = Callable[[Outcome], PerDesign]
@@ -104,15 +112,13 @@ def mean_energy(outcome: Outcome) -> PerDesign:
 
 @objective("-", "min")
 def not_reached(outcome: Outcome) -> PerDesign:
-    """Share of the task that no recruitment state reaches [-]."""
+    """Share of the task, by weight, that no recruitment state reaches [-]."""
     return _mean(outcome, where(outcome.reached, 0.0, 1.0))
 
 
 @objective("-", "min")
 def points_not_reached(outcome: Outcome) -> PerDesign:
-    """Share of the task's points that no recruitment state reaches, each as good as any
-    other [-].
-    """
+    """Share of the task's points, by number, that no recruitment state reaches [-]."""
     return where(outcome.reached, 0.0, 1.0).mean(axis=0)
 
 
@@ -219,38 +225,28 @@ def _computed(values: PerDesign | None, name: str) -> PerDesign:
 
 
 def check_objectives(names: Iterable[str], scheme: AbstractScheme | None = None) -> tuple[str, ...]:
-    """Names of objectives, checked.
+    """Names of objectives in their order, without repetitions.
 
-    `names`: some of `OBJECTIVES`; `scheme`: of recruitment; left out, any. Returns the names in
-    their order, without repetitions. Raises `ValueError` for an unknown one, the nearest is
-    suggested, and for one that compares a state with the next under a scheme that recruits units
-    independently.
+    Raises `ValueError` for an unknown one, the nearest is suggested, and for one that compares a
+    state with the next under a `scheme` that recruits units independently.
     """
     names = tuple(dict.fromkeys(check_choice(name, OBJECTIVES, "objectives") for name in names))
     for name in names:
         if scheme is not None and scheme.independent and OBJECTIVES[name].needs == "curves":
-            raise InvalidInputError(
-                "objectives",
-                f"can't hold {name!r} with scheme {scheme.name!r}, whose units aren't recruited"
-                " in turn",
-                name,
-                "leave it out, or take another scheme",
-                shown="",
-            )
+            rule = f"can't hold {name!r} with scheme {scheme.name!r}, which has no order of units"
+            remedy = "leave it out, or take another scheme"
+            raise InvalidInputError("objectives", rule, name, remedy, shown="")
     return names
 
 
 def needs(names: Iterable[str]) -> tuple[str, ...]:
-    """Needs of objectives beyond the task's points: "curves", "size"; `names` are theirs."""
+    """Needs of the objectives with `names` beyond the task's points: "curves", "size"."""
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
 def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
     """Objectives of an `outcome`, a row for each of their `names`, in its unit [SI]."""
     return stack([OBJECTIVES[name].function(outcome) for name in names])
-
-
-_ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
 
 
 class Limit(NamedTuple):
@@ -298,28 +294,16 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
         check_choice(sense, ("min", "max"), name)
     for name, limit in limits.items():
         if not limit.least <= limit.most:
-            unit = OBJECTIVES[name].unit
-            raise InvalidInputError(
-                name,
-                f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}",
-                None,
-                "nothing can be both",
+            unit = OBJECTIVES[name].unit.replace("-", "")
+            rule = (
+                f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}".rstrip()
             )
-
-
-BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
-SHARES = (BY_WEIGHT, BY_POINTS)
-# of every search: they say how far a design is from the task, and which of two is cheaper
-ALWAYS = (
-    *SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy",
-)  # fmt: skip
+            raise InvalidInputError(name, rule, None, "no design can be both")
 
 
 def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
-    """Limits with what must be reached.
-
-    `limits`: on objectives, by name [SI]. Returns the limits, with the shares of the task that may
-    be missed [-]: none, or as much as `not_reached` was limited to, by weight and by points.
+    """Limits on objectives [SI], with the shares of the task that may be missed [-]: none, or as
+    much as `not_reached` was limited to, by weight and by points.
     """
     limits = dict(limits or {})
     by_weight, by_points = limits.get(BY_WEIGHT, Limit()), limits.get(BY_POINTS, Limit())
@@ -338,16 +322,14 @@ def allowed_miss_fraction(limits: Limits) -> float:
 def recorded_objectives(
     senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
 ) -> tuple[str, ...]:
-    """Objectives that a search computes: those of its `senses`, of its `limits` [SI], the
-    `extra` ones, and those that every search needs.
+    """Names of the objectives that a search computes: of its senses, of its limits, the `extra`
+    ones, and those of every search.
     """
     return check_objectives([*senses, *limits, *extra, *ALWAYS])
 
 
 def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
-    """Mask of designs that reach the task, whatever other `limits` [SI] they break; by `values`
-    [SI].
-    """
+    """Mask of designs that reach the task, whatever other limits they break."""
     return within_limits(values, {name: limits[name] for name in SHARES})
 
 
@@ -356,14 +338,13 @@ def other_limits(limits: Limits) -> dict[str, Limit]:
     return {name: limit for name, limit in limits.items() if name not in SHARES}
 
 
-def is_enough(
+def within_miss_limit(
     spare: Float[np.ndarray, "*any point"], weight: Float[np.ndarray, " point"], may_miss: float
 ) -> Any:
-    """True where no more is missed than allowed, by weight and by points.
+    """True if no larger share of the task is missed than allowed [-], by weight and by points.
 
-    `spare`: force to spare at each point [N], negative where it isn't reached; `weight`: of the
-    points [-]; `may_miss`: share of the task that may be missed [-].
+    `spare`: force to spare at each point [N], negative where it isn't reached.
     """
-    missed, limit = spare < -MET, Limit(most=may_miss)
+    missed, limit = spare < -FORCE_TOLERANCE, Limit(most=may_miss)
     by_weight = np.sum(missed * weight, axis=-1) / np.sum(weight)
     return limit.holds(missed.mean(axis=-1)) & limit.holds(by_weight)

@@ -33,8 +33,8 @@ from .designs import packed_radius
 from .task import Task
 
 
-MET = 1e-9  # N, a shortfall of rounding
-MOST_SETS = 255  # sets of independent units that may be fed: all of eight
+FORCE_TOLERANCE = 1e-9  # N, a shortfall of rounding
+MAX_FED_SETS = 255  # sets of independent units that may be fed: all of eight
 
 
 class Demand(Module):
@@ -77,7 +77,7 @@ class ForceTable(NamedTuple):
 
     `unfed` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
     or the largest over all of them alone [N], on a further axis, which is first; fluid `volume`
-    taken in [m³]; `blocked` force [N] and `length` [m]. Where computed, `radius` and `bulge`
+    taken in [m³]; `blocked` force [N] and `length` [m]. If computed, `radius` and `bulge`
     [m] at the task's largest strain.
     """
 
@@ -101,7 +101,7 @@ class Outcome(NamedTuple):
     `force` [N], `weight` [-] and `work` [J] of each demanded point; true where it is `reached`, its
     `shortfall` [N], the force to `spare` [N], negative where it isn't reached, and the fluid
     `energy` [J] it takes. `blocked` [N]: each unit's force at rest and full supply; `units`: number
-    of motor units. Where computed: `size` [m], the envelope's diameter, `depth` [-] of reversal,
+    of motor units. If computed: `size` [m], the envelope's diameter, `depth` [-] of reversal,
     `overlap` [N].
     """
 
@@ -126,7 +126,7 @@ class Outcome(NamedTuple):
         return where(self.force > 0, self.force, self.force.max())
 
 
-class Visit(NamedTuple):
+class StateChoice(NamedTuple):
     """Mask of `reached` points, their `shortfall` and `spare` force [N], and the `state` used,
     counted from 0; that of a point that isn't reached is the last one.
     """
@@ -139,18 +139,14 @@ class Visit(NamedTuple):
 
 @cache
 def states_for(scheme: AbstractScheme, units: int) -> States:
-    """States in which designs of at most so many `units` are evaluated: the scheme's, or where
-    units are independent the sets that may be fed.
-
-    **Raises:** `ValueError` where there are too many.
+    """States of designs with at most so many `units`: the scheme's, or where units are independent
+    the sets that may be fed. `ValueError` if there are too many.
     """
-    return states_of(scheme, units).sets(max_sets=MOST_SETS)[0]
+    return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
 
 def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
-    """Mask of the states that designs have, states first; `exists`: mask of their units, units
-    first.
-    """
+    """Mask of the states that designs have, states first, by a mask of their units, units first."""
     xp, units = array_namespace(exists), len(exists)
     states = states_for(scheme, units)
     if scheme.independent or not is_prefix_consistent(scheme, units):
@@ -162,11 +158,10 @@ def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
 
 
 def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbers, Numbers]:
-    """Least and largest force of each state.
+    """Least and largest force of each state [N], states first, then points.
 
-    `counts`: muscles in each unit, units first; `table`: forces of a muscle of each unit; `states`:
-    of the scheme. Returns both [N], states first, then points. The least is right only where the
-    table has every level.
+    `counts`: muscles in each unit, units first; `table`: forces of a muscle of each unit. The least
+    is right only if the table has every level.
     """
     unfed, full, levels = (
         array_namespace(x).moveaxis(counts * x, -counts.ndim, -1)
@@ -175,42 +170,41 @@ def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbe
     return states.edges(levels, unfed, full)
 
 
-def visit(
+def choose_states(
     demand: Demand,
     length: Numbers,
     high: Numbers,
     exists: Marks,
     low: Numbers | None = None,
     cost: Numbers | None = None,
-) -> Visit:
+) -> StateChoice:
     """Choose the state that meets each point of a demand.
 
-    `demand`: the task's; `length`: of the bundles at rest [m], one or of every design; `high`:
-    largest force of each state [N], states first, then points, designs last; `exists`: mask of the
-    states that designs have, designs last; `low`: their least force [N], of the same shape; `None`
-    where no gap is between states; `cost`: of each state [any unit], of which the least is used;
-    `None` for the lowest state.
+    `length`: of the bundles at rest [m], one or of every design; `high` and `low`: largest and
+    least force of each state [N], states first, then points, designs last; no `low` where no gap is
+    between states; `exists`: mask of the states that designs have; `cost`: of each state [any
+    unit], of which the least is used; `None` for the lowest state.
     """
     xp, axes = array_namespace(high), np.ndim(high) - 2
     F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
     high = where(exists[:, None], high, -np.inf)
-    covers, miss = F - high <= MET, F - high
+    covers, miss = F - high <= FORCE_TOLERANCE, F - high
     if low is not None:
-        covers, miss = covers & (low - F <= MET), maximum(miss, low - F)
+        covers, miss = covers & (low - F <= FORCE_TOLERANCE), maximum(miss, low - F)
     state = (where(covers, -1.0, 0.0) if cost is None else where(covers, cost, np.inf)).argmin(0)
     top, miss = high.max(axis=0), maximum(miss.min(axis=0), 0.0)
-    reached = (miss <= MET) & is_possible
+    reached = (miss <= FORCE_TOLERANCE) & is_possible
     # where it can't be that short it is short of the force, and of what it pushes with there
     miss = where(is_possible, miss, maximum(miss, F))
-    spare = where(is_possible, top, minimum(top, -2 * MET)) - F
+    spare = where(is_possible, top, minimum(top, -2 * FORCE_TOLERANCE)) - F
     if low is not None:
         # in a gap a larger force is no help
         spare = where(reached, spare, minimum(spare, -miss))
     last = xp.broadcast_to(exists.sum(axis=0) - 1, state.shape)
-    return Visit(reached, where(reached, 0.0, miss), spare, where(reached, state, last))
+    return StateChoice(reached, where(reached, 0.0, miss), spare, where(reached, state, last))
 
 
-def sum_fed(values: Numbers, states: States) -> Numbers:
+def sum_pressurized(values: Numbers, states: States) -> Numbers:
     """Sum of `values` over the units that each of the `states` feeds [any unit]; units last, and
     states first in the result.
     """
@@ -226,43 +220,33 @@ def outcome(
     depth: Numbers | None = None,
     overlap: Numbers | None = None,
 ) -> Outcome:
-    """Outcome of designs at a task's points.
+    """Outcome of designs at a demand's points.
 
-    `counts`: muscles in each unit, units first, designs last; `table`: of a muscle of each unit;
-    one stands for all units where they are equal; `length`: of the bundles at rest [m], one or of
-    every design; `demand`: the task's; `depth`: of reversal [-], if computed; `overlap`: of states
-    [N], if computed.
+    `counts`: muscles in each unit, units first, designs last; `table`: of a muscle of each unit, or
+    of one for all units; `length`: of the bundles at rest [m], one or of every design; `depth` of
+    reversal [-] and `overlap` of states [N], if computed.
     """
     xp, exists, axes = array_namespace(counts, table.full), counts > 0, np.ndim(counts) - 1
     states = states_for(demand.scheme, len(counts))
     low, high = state_edges(counts, table, states)
     volume = xp.moveaxis(counts * table.volume, 1, -1)
     # what flows back counts as nothing, as a set that feeds more isn't cheaper
-    cost = None if states.nested else sum_fed(maximum(volume, 0.0), states)
-    visited = visit(
+    cost = None if states.nested else sum_pressurized(maximum(volume, 0.0), states)
+    choice = choose_states(
         demand, length, high, existing_states(demand.scheme, exists),
         None if states.gapless else low, cost,
     )  # fmt: skip
-    taken = xp.take_along_axis(sum_fed(volume, states), visited.state[None], axis=0)[0]
+    fluid = xp.take_along_axis(sum_pressurized(volume, states), choice.state[None], axis=0)[0]
     units, size = exists.sum(axis=0), None
     if table.radius is not None and table.bulge is not None:
         # a lone unit is fed, and doesn't bow
         bulge = where(units > 1, where(exists, table.bulge, 0.0).max(axis=0), 0.0)
         size = 2 * (packed_radius((table.radius + 0.0 * counts).T, counts.T) + bulge)
     return Outcome(
-        force=with_axes(demand.force, axes),
-        weight=with_axes(demand.weight, axes),
-        work=with_axes(demand.work(length), axes),
-        reached=visited.reached,
-        shortfall=visited.shortfall,
-        spare=visited.spare,
-        energy=demand.supply * taken,
-        blocked=counts * table.blocked,
-        units=units,
-        size=size,
-        depth=depth,
-        overlap=overlap,
-    )
+        with_axes(demand.force, axes), with_axes(demand.weight, axes),
+        with_axes(demand.work(length), axes), choice.reached, choice.shortfall, choice.spare,
+        demand.supply * fluid, counts * table.blocked, units, size, depth, overlap,
+    )  # fmt: skip
 
 
 def with_axes(points: Numbers | Marks, axes: int) -> Any:

@@ -32,7 +32,8 @@ from .task import Task
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")
 _RATE = 0.2  # of Adam, in coordinates: a bound is some 30 steps away
-_PENALTY_GROWTH, _LARGEST_PENALTY = 1.1, 1e4  # per step while the task isn't reached; of the first
+_PENALTY_GROWTH = 1.1  # of the penalty in a step that misses the task: tenfold in 24 steps
+_LARGEST_PENALTY = 1e4  # over the first one; larger ones hide the objective in rounding
 _LARGEST_COORDINATE = 6.0  # a part in 400 from a bound
 _INSIDE = 1e-2  # share of an interval from its bounds at which the first start begins
 _STARTS = 2.0  # coordinates of the other starts, at random: 12 to 88 % of an interval
@@ -61,7 +62,7 @@ def refine_sizes(
     - `objective`: to improve, by name.
     - `bounds`: least and largest `length` and `radius` [m], `wall_ratio` [-] and `angle` [rad];
       a size without bounds is fixed.
-    - `sense`: "min" or "max"; left out, the objective's usual one.
+    - `sense`: "min" or "max"; default: the objective's usual one.
     - `penalty`: on the shortfalls over what is demanded, their mean and their largest, in units
       of the objective's first value [-]; it grows where the task isn't reached.
     - `steps`: of each start.

@@ -18,12 +18,12 @@ from ..core.validation import HIGHEST_PRESSURE
 from .catalog import Product
 from .designs import Designs
 from .evaluation import evaluate, outcomes
-from .objectives import Limits, is_enough, other_limits
+from .objectives import Limits, other_limits, within_miss_limit
 from .task import Task
 
 
 _LONGEST, _WIDEST = 10.0, 0.25  # m; some three times what has been built
-_MOST_MUSCLES = 1000  # of a bundle
+_MOST_MUSCLES = 1000  # of a bundle, some ten times what has been built
 _GRID = 33  # values from the present one to the largest
 _PRECISION = 1e-6  # of a pressure or a size: finer than any gauge
 _FEW = 256  # points solved for at first; the others are checked when it is solved
@@ -31,12 +31,15 @@ _FEW = 256  # points solved for at first; the others are checked when it is solv
 
 @dataclass(frozen=True)
 class Remedy:
-    """A change that would reach the task. `what` is changed: "supply_pressure" [Pa], "muscles",
-    "radius" [m] or "length" [m], `now` its present value; its `value`, `None` where this alone
-    can't; `most`: the largest that was tried, which at the `worst` point is still `short` by so
-    much [N], so that it gives `largest` there [N]. `free_strain`: the largest of the muscles, at
-    that pressure. `breaks`: limits that the changed design breaks, by name, and the value
-    it has then [SI]; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
+    """A change that would reach the task.
+
+    - `what`: the changed quantity: "supply_pressure" [Pa], "muscles", "radius" [m] or "length" [m].
+    - `now`: its present value; `value`: the sufficient one, `None` if there is none.
+    - `most`: the largest that was tried; with it the `worst` point is still `short` by so much [N],
+      since the bundle gives `largest` there [N].
+    - `free_strain`: the largest of the muscles, at that pressure [-].
+    - `breaks`: limits that the changed design breaks, by name, and the value it has then [SI].
+    - `measured`: the pressure that the muscles' tuning was measured up to [Pa].
     """
 
     what: str
@@ -81,38 +84,32 @@ def remedies(
     """
     design = designs.take(np.array([index]))
     design = design.take(np.array([0]), int(design.units[0]))
-    present, drawing = _present(design, task), design.drawing(0)
-    largest = {
-        "supply_pressure": max(task.supply_pressure, HIGHEST_PRESSURE),
-        "muscles": _MOST_MUSCLES, "radius": _WIDEST, "length": _LONGEST,
-    }  # fmt: skip
-    if product is not None:
-        del largest["radius"]
-        if product.largest_pressure is not None:
-            highest = min(HIGHEST_PRESSURE, product.largest_pressure)
-            largest["supply_pressure"] = max(task.supply_pressure, highest)
-    if task.stroke is None:
-        del largest["length"]
+    present, drawing = _present_values(design, task), design.drawing(0)
+    highest = HIGHEST_PRESSURE
+    if product is not None and product.largest_pressure is not None:
+        highest = min(highest, product.largest_pressure)
+    largest = {"supply_pressure": highest, "muscles": _MOST_MUSCLES}
+    if product is None:
+        largest["radius"] = _WIDEST
+    if task.stroke is not None:
+        largest["length"] = _LONGEST
     pressures = np.asarray(drawing.tuning.pressures)
     measured = float(pressures.max()) if pressures.size > 1 else np.inf
     # a change leaves the number of valves as it is
     names = [name for name in other_limits(limits) if name != "valves"]
     changes = []
     for what, end in largest.items():
-        if what == "supply_pressure":
-            grid = np.linspace(present[what], end, _GRID)
-        else:
-            grid = np.geomspace(present[what], max(end, present[what]), _GRID)
-        if what == "muscles":
-            grid = np.unique(grid.round())
-        remedy = _solve(design, task, what, grid, may_miss)
+        spaced = np.linspace if what == "supply_pressure" else np.geomspace
+        grid = spaced(present[what], max(end, present[what]), _GRID)
+        grid = np.unique(grid.round()) if what == "muscles" else grid
+        remedy = _smallest_change(design, task, what, grid, may_miss)
         if remedy.value is None:
             pressure = remedy.most if what == "supply_pressure" else task.supply_pressure
             law = design.sizes(0).muscle(drawing).law
             free = law.tension.free_strain(pressure + 0.0 * design.radius[0])
             remedy = replace(remedy, free_strain=float(free.max()))
         elif names:
-            values = evaluate(*_change(design, task, what, remedy.value), names)
+            values = evaluate(*_apply_change(design, task, what, remedy.value), names)
             pairs = [(name, float(values[name][0])) for name in names]
             broken = tuple(pair for pair in pairs if not limits[pair[0]].holds(pair[1]))
             remedy = replace(remedy, breaks=broken)
@@ -120,7 +117,7 @@ def remedies(
     return changes
 
 
-def _present(design: Designs, task: Task) -> dict[str, float]:
+def _present_values(design: Designs, task: Task) -> dict[str, float]:
     """Present values of the quantities that a remedy may change [SI]."""
     return {
         "supply_pressure": task.supply_pressure,
@@ -130,11 +127,11 @@ def _present(design: Designs, task: Task) -> dict[str, float]:
     }
 
 
-def _change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
+def _apply_change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
     """The design and its task with a remedy's `value` [SI] of `what`."""
     if what == "supply_pressure":
         return design, replace(task, supply_pressure=value)
-    present = _present(design, task)[what]
+    present = _present_values(design, task)[what]
     ratio = value / present
     if what == "length":
         return replace(design, length=design.length * ratio), task
@@ -145,17 +142,17 @@ def _change(design: Designs, task: Task, what: str, value: float) -> tuple[Desig
     return replace(design, counts=counts), task
 
 
-def _solve(
+def _smallest_change(
     design: Designs, task: Task, what: str, grid: Float[np.ndarray, " value"], may_miss: float
 ) -> Remedy:
     """The smallest value that reaches the task, between the grid's ends."""
 
     def spare(value: float, points: Int[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
-        ((_, outcome),) = outcomes(*_change(design, task.take(points), what, value))
+        ((_, outcome),) = outcomes(*_apply_change(design, task.take(points), what, value))
         return np.reshape(outcome.spare, -1)
 
     def reaches(value: float, points: Int[np.ndarray, " point"]) -> bool:
-        return bool(is_enough(spare(value, points), task.weight[points], may_miss))
+        return bool(within_miss_limit(spare(value, points), task.weight[points], may_miss))
 
     present, most = float(grid[0]), float(grid[-1])
     every = points = np.arange(len(task))

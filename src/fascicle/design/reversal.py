@@ -24,11 +24,11 @@ _BATCH = 2**20  # numbers computed together, some ten megabytes
 
 
 def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Numbers) -> Numbers:
-    """Falls of the free strain while a unit's pressure rises from zero.
+    """Falls of the free strain while each unit's pressure rises from zero [-].
 
     `offset`: force of all other units at even strains [N], a row for each unit; `number`: muscles
     of the unit; `force`: of one of them at every level [N], levels first, strains last; `top`: the
-    last of the strains [-]. Returns the fall for each unit [-].
+    last of the strains [-].
     """
     xp, last = array_namespace(offset, force), offset.shape[-1] - 1
 
@@ -50,10 +50,10 @@ def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Num
 
 
 def reversal_depth(counts: Whole, curves: Numbers, top: Numbers, states: States) -> Numbers:
-    """Reversal depth of one design: unit after unit in the order of their recruitment.
+    """Reversal depth of one design [-]: unit after unit in the order of their recruitment.
 
     `counts`: muscles in each unit; `curves`: force of a muscle of each at every level and even
-    strain [N], units last; `top`: the last of the strains [-]; `states`: of the scheme.
+    strain [N], units last; `top`: the last of the strains [-].
     """
     xp, n = array_namespace(curves), counts[states.order]
     force = xp.moveaxis(curves, -1, 1)[:, states.order]
@@ -71,18 +71,17 @@ def uniform_reversal_depths(
     top: float,
     states: States,
 ) -> Float[np.ndarray, " design"]:
-    """Reversal depth of designs of one muscle.
+    """Reversal depth of designs of one muscle [-].
 
     `counts`: muscles in each unit; `curves`: force of a muscle at every level and even strain [N];
-    `top`: the last of the strains [-]; `states`: of the scheme.
+    `top`: the last of the strains [-].
     """
     n = counts[states.order]
     before = n.cumsum(axis=0) - n
     vented = n.sum(axis=0) - before - n
     # a fall depends on (a, n, r) alone
     shape = (int(n.sum(axis=0).max()) + 1,) * 3
-    code = np.ravel_multi_index((before, n, vented), shape)
-    code, index = np.unique(code, return_inverse=True)
+    code, index = np.unique(np.ravel_multi_index((before, n, vented), shape), return_inverse=True)
     transitions = np.stack(np.unravel_index(code, shape))
     falls = np.zeros(transitions.shape[1])
     (later,) = np.nonzero((transitions[0] > 0) & (transitions[1] > 0))
@@ -98,12 +97,11 @@ def uniform_reversal_depths(
 def overlap_width(
     counts: Whole, curves: Numbers, levels: Numbers, states: States, exists: Marks
 ) -> Numbers:
-    """Largest height in force of what two successive states both reach.
+    """Largest height in force of the overlap of two successive states [N].
 
     `counts`: muscles in each unit, units first, designs last; `curves`: force of a muscle of each
     unit at every level and even strain [N]; `levels`: the curves; where all units have one muscle,
-    least and largest are enough [N]; `states`: of the scheme; `exists`: mask of the states that
-    designs have.
+    least and largest are enough [N]; `exists`: mask of the states that designs have.
     """
     xp = array_namespace(counts, curves)
     vented, full, throttled = (
@@ -116,8 +114,8 @@ def overlap_width(
 
 
 def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:
-    """Index of the first strain after rest at which a `force` over strains, on the last axis [N],
-    doesn't pull; of the last strain, if there is none.
+    """Index of the first strain after rest at which a `force` [N] over strains, on the last axis,
+    doesn't pull; else of the last strain.
     """
     xp = array_namespace(force)
     index = xp.arange(force.shape[-1])

@@ -23,7 +23,7 @@ from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs, Sizes
-from .evaluation import design_outcome, room_for_units
+from .evaluation import design_outcome, evaluated_units
 from .exhaustive_search import as_minimization, non_dominated
 from .objectives import (
     Limits,
@@ -41,7 +41,7 @@ from .task import Task
 _MATERIAL = ("c10", "c01", "youngs_modulus")
 VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
 _SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
-_LARGEST_ANGLE = 0.95  # rad, short of where a muscle no longer contracts
+_LARGEST_ANGLE = 0.95  # rad, just below the neutral angle, at which a muscle doesn't contract
 _TOGETHER = 8  # draws computed in one call of the compiled program: as fast as more
 _INDICES = ("S1", "S1_conf", "ST", "ST_conf")  # SALib's keys
 
@@ -57,8 +57,8 @@ class Scales(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Objectives of designs over draws. `values` [SI] by name, draws last; `satisfied`: mask of the
-    draws that reach the task and keep all limits.
+    """Objectives of designs over draws: `values` [SI] by name, draws last; `met`: mask of the draws
+    that reach the task and keep all limits.
     """
 
     values: dict[str, Float[np.ndarray, "design draw"]]
@@ -108,9 +108,9 @@ def spread(
     - `task`: what is demanded.
     - `objectives`: by name.
     - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
-    - `scatter`: of length and braid angle; left out, none.
-    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; left
-      out, the drawing itself.
+    - `scatter`: of length and braid angle; default: none.
+    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; default:
+      the drawing itself.
     - `draws`: their number [-], the same for every design.
     - `seed`: random seed.
 
@@ -162,13 +162,10 @@ def drawn_objectives(
     needs: tuple[str, ...],
     resolution: Resolution = MIXED,
 ) -> Float[Array, "objective draw"]:
-    """Objectives of a design in every draw.
+    """Objectives of a design in every draw, a row for each of their `names` [SI].
 
-    `kinds`: the drawing as drawn, on the first axis of all its numbers [-]; `counts`: muscles in
-    each unit of the design; `sizes`: of the muscles of each unit; `scales`: of the draws; `demand`:
-    the task's; `names`: of the objectives; `needs`: of the objectives beyond the task's points;
-    `resolution`: of levels and strains [-]. Returns the objectives, a row for each name, in its
-    unit [SI].
+    `kinds`: the drawing in each draw, on the first axis of all its numbers; `counts` and `sizes`:
+    of the design by unit; `needs`: of the objectives beyond the task's points.
     """
     units = sizes.radius.size
 
@@ -262,7 +259,7 @@ def _single_drawing(designs: Designs) -> Muscle:
 
 def _arrays(designs: Designs, index: int, task: Task) -> tuple[np.ndarray, Sizes]:
     """Muscles in each unit of a design, and their sizes."""
-    units = int(room_for_units(designs, task.scheme)[index])
+    units = int(evaluated_units(designs, task.scheme)[index])
     return designs.counts[index, :units], designs.sizes(index).take(slice(units))
 
 

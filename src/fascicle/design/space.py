@@ -33,10 +33,9 @@ from ..muscle import Muscle
 from .designs import Designs, packed_radius, pad_rows, scaled_designs
 
 
-MOST_MUSCLES = (
-    100  # of a bundle whose splits are enumerated; a row of the table has one column each
-)
-MOST_SPLITS = 2_000_000  # some hundred megabytes
+MAX_MUSCLES = 100  # of a bundle whose splits are enumerated: columns of their table
+MAX_SPLITS = 2_000_000  # rows of that table: some hundred megabytes
+_LARGEST_FACTOR = 10.0  # of a unit's radius; more is a slip
 SPLITS = ("all", "partitions")
 RADIUS_RULES = ("each", "cross_section", "packing")
 
@@ -50,7 +49,7 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
     **Arguments:**
 
     - `muscles`: their number [-], 1 to 100.
-    - `most_units`: largest number of motor units [-]; left out, any.
+    - `most_units`: largest number of motor units [-]; default: any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
@@ -77,7 +76,7 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
     **Arguments:**
 
     - `muscles`: their number [-], 1 to 100.
-    - `most_units`: largest number of motor units [-]; left out, any.
+    - `most_units`: largest number of motor units [-]; default: any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
@@ -103,40 +102,37 @@ def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -
     if splits == "all":
         return sum(math.comb(muscles - 1, cuts) for cuts in range(width))
     # partitions into `width` parts or fewer are as many as those into parts of at most `width`
-    ways = [1] + [0] * muscles
+    counts = [1] + [0] * muscles
     for size in range(1, width + 1):
         for total in range(size, muscles + 1):
-            ways[total] += ways[total - size]
-    return ways[muscles]
+            counts[total] += counts[total - size]
+    return counts[muscles]
 
 
 def check_splits(numbers: Iterable[int], splits: str, most_units: int | None = None) -> None:
-    """Refuse numbers of muscles that have too many splits to be enumerated.
-
-    `numbers`: of muscles [-]; `splits`: "all" compositions, or "partitions"; `most_units`: largest
-    number of motor units [-]; `None` for any. Raises `InvalidInputError` with the ways to fewer
-    splits.
+    """Refuse `numbers` of muscles that have too many `splits`, "all" or "partitions", into at most
+    so many units; the error has the ways to fewer splits.
     """
     numbers = tuple(numbers)
     for number in numbers:
-        if not 1 <= number <= MOST_MUSCLES:
-            rule, remedy = f"must lie in [1, {MOST_MUSCLES}]", "of more, list splits, as '10+50+90'"
+        if not 1 <= number <= MAX_MUSCLES:
+            rule, remedy = f"must lie in [1, {MAX_MUSCLES}]", "of more, list splits, as '10+50+90'"
             raise InvalidInputError("muscles", rule, number, remedy)
 
     def count(splits: str, most_units: int | None) -> int:
         return sum(number_of_splits(number, splits, most_units) for number in numbers)
 
     total = count(splits, most_units)
-    if total <= MOST_SPLITS:
+    if total <= MAX_SPLITS:
         return
     remedies = []
     for units in range(max(numbers) if most_units is None else most_units, 0, -1):
-        if (fewer := count(splits, units)) <= MOST_SPLITS:
+        if (fewer := count(splits, units)) <= MAX_SPLITS:
             remedies.append(f"{units} motor units at most leave {fewer} ([limits] valves)")
             break
-    if splits == "all" and (fewer := count("partitions", most_units)) <= MOST_SPLITS:
+    if splits == "all" and (fewer := count("partitions", most_units)) <= MAX_SPLITS:
         remedies.append(f"splits = 'partitions' leaves {fewer}")
-    rule = f"lead to {total} splits, more than {MOST_SPLITS}"
+    rule = f"lead to {total} splits, more than {MAX_SPLITS}"
     remedy = ", ".join([*remedies, "or list some splits"])
     raise InvalidInputError("muscles", rule, None, remedy)
 
@@ -193,7 +189,7 @@ class Space:
             ("radius", "m", RANGES["radius"].largest),
             ("length", "m", RANGES["length"].largest),
             ("wall_ratio", "-", 1.0),
-            ("unit_factors", "-", 10.0),
+            ("unit_factors", "-", _LARGEST_FACTOR),
         ):
             if values := getattr(self, name):
                 values = check_interval(values, 0.0, high, name, unit)
@@ -248,9 +244,8 @@ class Space:
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
     ) -> Float[np.ndarray, " design"]:
-        """Ratio of a design's radius to the one of its `radius_rule`.
-
-        `counts`: muscles in each unit [-]; `factor`: of each unit's radius [-].
+        """Ratio of a design's radius to the one of its `radius_rule` [-]; `counts`: muscles in each
+        unit; `factor`: of each unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
@@ -277,8 +272,8 @@ class Space:
         else:
             counts = pad_rows(self.splits)
         if self.most_units is not None:
-            few = np.sum(counts > 0, axis=1) <= self.most_units
-            counts = counts[few, : max(1, self.most_units)]
+            allowed = np.sum(counts > 0, axis=1) <= self.most_units
+            counts = counts[allowed, : max(1, self.most_units)]
         counts, factor = _with_factors(counts, self.unit_factors)
         return counts, factor, self.scale(counts, factor)
 
@@ -287,10 +282,8 @@ def drawing_sizes(drawing: Muscle) -> Floats:
     """Length and radius [m], ratio of the wall to the radius [-] and braid angle [rad] of a
     `drawing`.
     """
-    length, radius, wall, angle = map(
-        float,
-        (drawing.length, drawing.outer_radius, drawing.wall_thickness, drawing.braid_angle),
-    )
+    sizes = (drawing.length, drawing.outer_radius, drawing.wall_thickness, drawing.braid_angle)
+    length, radius, wall, angle = map(float, sizes)
     return length, radius, wall / radius, angle
 
 
@@ -302,8 +295,8 @@ def _with_factors(
         return counts, np.full(counts.shape, factors[0])
     units, width = np.sum(counts > 0, axis=1), counts.shape[1]
     total = sum(len(factors) ** int(m) for m in units)
-    if total > MOST_SPLITS:
-        rule = f"lead to {total} kinds of bundle, more than {MOST_SPLITS}"
+    if total > MAX_SPLITS:
+        rule = f"lead to {total} kinds of bundle, more than {MAX_SPLITS}"
         remedy = "take fewer factors, muscles or motor units"
         raise InvalidInputError("unit_factors", rule, None, remedy)
     choices = [

@@ -34,13 +34,20 @@ from .catalog import Catalog, Product
 from .designs import Designs, Sizes, packed_radius
 from .evaluation import evaluate
 from .exhaustive_search import SearchResult
-from .outcome import MET, MOST_SETS, Demand, state_edges, sum_fed, visit
+from .outcome import (
+    FORCE_TOLERANCE,
+    MAX_FED_SETS,
+    Demand,
+    choose_states,
+    state_edges,
+    sum_pressurized,
+)
 from .tables import MIXED, UNIFORM, Resolution, every_level_table
 from .task import Task
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
-STANDARD_GRAVITY = 9.80665  # m/s²
+STANDARD_GRAVITY = 9.80665  # m/s², of ISO 80000-3
 _BATCH = 1024  # points computed together: some ten megabytes of forces at all levels
 
 Points = Float[np.ndarray, " point"]
@@ -48,10 +55,13 @@ Points = Float[np.ndarray, " point"]
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Load cases of a `task` for a bundle of `length` [m]: the `largest` force that it gives at
-    each [N] and the force to `spare` [N], negative where it isn't reached; the `state` that meets
-    it, counted from 0, and its throttled `pressure` [Pa], of free units that of the last one fed;
-    the `content` [m³] of each unit there: of air in normal volume, of liquid what flows in.
+    """Load cases of a `task` for a bundle of `length` [m].
+
+    - `largest`: force that it gives at each [N].
+    - `spare`: that force less the demanded one [N]; negative where it isn't reached.
+    - `state`: that meets it, counted from 0.
+    - `pressure`: throttled in that state [Pa]; of free units, that of the last one fed.
+    - `content`: of each unit [m³]: of air in normal volume, of liquid what flows in.
     """
 
     task: Task
@@ -65,7 +75,7 @@ class Cases:
     @property
     def reached(self) -> Bool[np.ndarray, " point"]:
         """Mask of the load cases that are reached."""
-        return self.spare >= -MET
+        return self.spare >= -FORCE_TOLERANCE
 
     @property
     def relative(self) -> Points:
@@ -130,35 +140,33 @@ def _states_used(
     resolution: Resolution,
     fluid: str,
 ) -> tuple[np.ndarray, ...]:
-    """Largest force and force to spare at each point [N], the state used, its throttled pressure
-    [Pa] and the content of each unit [m³].
-    """
+    """Fields of `Cases` after the length."""
     length, F = sizes.length[0], demand.force
     table, _ = every_level_table(drawing, sizes, demand, (), resolution)
     table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
-    sets, state_of = states_of(demand.scheme, len(counts)).sets(max_sets=MOST_SETS)
+    sets, state_of = states_of(demand.scheme, len(counts)).sets(max_sets=MAX_FED_SETS)
     low, high = state_edges(counts, table, sets)
-    cost = None if sets.nested else sum_fed(np.maximum(counts * table.volume, 0.0), sets)
-    visited = visit(demand, length, high, np.ones(sets.size, bool), low, cost)
-    full, throttled = sets.full[visited.state], sets.throttled[visited.state]
+    cost = None if sets.nested else sum_pressurized(np.maximum(counts * table.volume, 0.0), sets)
+    choice = choose_states(demand, length, high, np.ones(sets.size, bool), low, cost)
+    full, throttled = sets.full[choice.state], sets.throttled[choice.state]
     pressurized, forces = full | throttled, counts * table.levels
     if sets.independent:
         last, levels = _independent_levels(forces, full, throttled, F, resolution.level)
     else:
-        force = sets.sums(forces, forces[0], forces[-1])[visited.state, :, np.arange(len(F))]
+        force = sets.sums(forces, forces[0], forces[-1])[choice.state, :, np.arange(len(F))]
         last = _first_level(force, F, resolution.level)
         levels = np.where(throttled, last[:, None], full)
     # a case that isn't reached is as near as can be with all fed units at full supply
-    levels = np.where(visited.reached[:, None], levels, pressurized)
-    pressure = np.where(visited.reached, last, 1.0) * demand.supply
+    levels = np.where(choice.reached[:, None], levels, pressurized)
+    pressure = np.where(choice.reached, last, 1.0) * demand.supply
     content = table.volume
     if fluid == "air":
         filling = levels * demand.supply / ATMOSPHERE
         content = (1 + filling) * content + filling * sizes.muscle(drawing).volume(0 * sizes.length)
     top = high.max(axis=0)
-    largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * MET))
+    largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * FORCE_TOLERANCE))
     content = np.where(pressurized, counts * content, 0.0)
-    return largest, visited.spare, state_of[visited.state], pressure, content
+    return largest, choice.spare, state_of[choice.state], pressure, content
 
 
 def _independent_levels(
@@ -200,12 +208,17 @@ def _first_level(
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """A design's `label`, its numbers of `muscles` and `valves` [-] and its load `cases`; its
-    `diameter` with unfed units bowed out at the largest contraction, and `diameter_at_rest` [m];
-    the `product` that its muscles are sold as, if any; its `bladders`' volume [m³]; `mass` [kg],
-    which is that of whole muscles where the `product` gives it; `price` of muscles and valves,
-    `price_of_muscles`, and `cost_of_a_cycle` [-] in the catalog's currency. Unknown ones are
-    `None`.
+    """Summary of a design; unknown numbers are `None`.
+
+    - `label`, `muscles`, `valves`: its composition, and numbers of muscles and valves.
+    - `cases`: its load cases.
+    - `diameter`, `diameter_at_rest`: at the largest contraction, unfed units bowed out, and at rest
+      [m].
+    - `product`: that its muscles are sold as, if any.
+    - `bladders`: their volume [m³].
+    - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].
+    - `price`, `price_of_muscles`, `cost_of_a_cycle`: of muscles and valves, of muscles alone, and
+      of the fluid, in the catalog's currency [-].
     """
 
     label: str
@@ -243,10 +256,7 @@ class Summary:
 
 
 def summarize_result(result: SearchResult, index: int) -> Summary:
-    """Summary of one of the recorded designs of a search.
-
-    `result`: of the search; `index`: of the design among the recorded ones.
-    """
+    """Summary of the recorded design with an `index` in a search."""
     envelope = result.values.get("envelope")
     diameter = None if envelope is None else float(envelope[index])
     design = result.all_designs(np.array([index]))
@@ -280,29 +290,15 @@ def summarize(
         mass = product.mass * int(counts.sum())
     load_cases = cases(design, 0, task)
     price, muscle_price = float(catalog.price(design)[0]), float(catalog.muscle_price(design)[0])
-    return Summary(
-        label=design.labels[0],
-        muscles=int(counts.sum()),
-        valves=int(design.units[0]),
-        cases=load_cases,
-        diameter=diameter,
-        diameter_at_rest=2 * float(packed_radius(radius, counts)),
-        product=product,
-        bladders=bladders,
-        mass=mass,
-        price=None if np.isnan(price) else price,
-        price_of_muscles=None if np.isnan(muscle_price) else muscle_price,
-        cost_of_a_cycle=_fluid_cost(catalog, task, load_cases.fluid_of_a_cycle),
-    )
-
-
-def _fluid_cost(catalog: Catalog, task: Task, fluid: float) -> float | None:
-    """Cost of so much `fluid` [m³]; `None` where its price isn't known."""
+    cost, fluid, supply = None, load_cases.fluid_of_a_cycle, task.supply_pressure
     if task.fluid == "air" and catalog.air is not None:
-        return catalog.air * fluid
-    if catalog.energy is None:
-        return None
-    if task.fluid == "liquid":
-        return catalog.energy * task.supply_pressure * fluid
-    ratio = (task.supply_pressure + ATMOSPHERE) / ATMOSPHERE
-    return float(catalog.energy * ATMOSPHERE * fluid * np.log(ratio))
+        cost = catalog.air * fluid
+    elif catalog.energy is not None:
+        work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
+        cost = float(catalog.energy * work * fluid)
+    return Summary(
+        design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter,
+        2 * float(packed_radius(radius, counts)), product, bladders, mass,
+        None if np.isnan(price) else price, None if np.isnan(muscle_price) else muscle_price,
+        cost,
+    )  # fmt: skip

@@ -31,15 +31,15 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..io.atomic import holds_drafts_only, remove_abandoned, write, write_text
-from .cluster import revive
+from .cluster import restart_dead_workers, short_reason
 from .evaluation import Values, evaluate
 from .objectives import OBJECTIVES, Limit, check_search, recorded_objectives, with_reach_limits
 from .space import Space
 from .task import Task
 
 
-LARGEST = 4_000_000_000  # designs; an index is a 64-bit number, a journal has a line a block
-LARGEST_BLOCK = 2**20  # designs; their tables fit into a worker's memory
+MAX_DESIGNS = 4_000_000_000  # designs; an index is a 64-bit number, a journal has a line a block
+MAX_BLOCK = 2**20  # designs; their tables fit into a worker's memory
 DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
 _META = "zarr.json"  # describes a group, or an array
 _VERSION = version("fascicle")
@@ -51,8 +51,8 @@ _WORKER_TIMEOUT = 60.0  # s; a worker that died is up again after a few
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Designs of a `space` for a `task`, `names` of the objectives to record, their `senses`
-    and `limits`, which make the front in the end; `block`: designs computed together.
+    """Designs of a `space` to evaluate for a `task`; `names` of the recorded objectives, `senses`
+    and `limits`, which make the front in the end; `block`: number of designs computed together.
     """
 
     space: Space
@@ -72,7 +72,7 @@ class Study:
         extra: tuple[str, ...] = (),
         block: int = 4096,
     ) -> "Study":
-        """A study.
+        """Study of a space's designs for a task.
 
         **Arguments:**
 
@@ -90,10 +90,10 @@ class Study:
         limits = with_reach_limits(limits)
         names = recorded_objectives(senses, limits, extra)
         check_search(senses, limits)
-        if not 1 <= block <= LARGEST_BLOCK:
-            raise InvalidInputError("block", f"must lie in [1, {LARGEST_BLOCK}]", block)
-        if len(space) > LARGEST:
-            raise ValueError(f"the space holds {len(space)} designs, more than {LARGEST}.")
+        if not 1 <= block <= MAX_BLOCK:
+            raise InvalidInputError("block", f"must lie in [1, {MAX_BLOCK}]", block)
+        if len(space) > MAX_DESIGNS:
+            raise ValueError(f"the space holds {len(space)} designs, more than {MAX_DESIGNS}.")
         return cls(space, task, names, dict(senses), limits, block)
 
     @property
@@ -140,36 +140,29 @@ class Store:
 
     @classmethod
     def check(cls, folder: Path, study: Study, resume: bool) -> None:
-        """Refuse a folder that a study's results can't go into.
+        """Refuse a `folder` that a `study`'s results can't go into: it has none to `resume`,
+        another study's, or other files; `ValueError`.
 
         A run that was killed before its manifest was written leaves an empty folder, or hidden
         drafts in it: then the sweep begins.
-
-        **Arguments:**
-
-        - `folder`: of the results.
-        - `study`: to be computed.
-        - `resume`: true to go on with results in the folder.
-
-        **Raises:** `ValueError` where there are none to resume, another study's, or other files.
         """
         for path in (folder, *folder.parents):
             if not path.is_dir() and (path.exists() or path.is_symlink()):
                 raise ValueError(f"{folder}: {path} is no folder: name a new one.")
-        manifest = _read_manifest(folder)
-        is_own = manifest.get("study") == study.digest
-        fault = ""
+        # the attributes of the data name the study, too
+        contents = (_read(folder / MANIFEST), _read(folder / DATA / _META).get("attributes"))
+        manifests = (x for x in contents if isinstance(x, dict) and isinstance(x.get("study"), str))
+        manifest, fault = next(manifests, {}), ""
+        same_study, former = manifest.get("study") == study.digest, manifest.get("fascicle")
         if manifest and not resume:
-            remedy = "--resume goes on with it" if is_own else "another study's: name a new folder"
-            fault = f"holds a sweep already; {remedy}."
-        elif manifest and not is_own:
-            remedy, former = "sweep with the file that began it", manifest.get("fascicle", _VERSION)
-            if former != _VERSION:
+            other = "another study's: name a new folder"
+            fault = f"holds a sweep already; {'continue with --resume' if same_study else other}."
+        elif manifest and not same_study:
+            remedy = "sweep with the file that began it"
+            if former not in (None, _VERSION):
                 remedy = f"go on with fascicle {former}, which began it (this is {_VERSION})"
-            fault = (
-                "holds another study's results; nothing was changed. Name another folder, or"
-                f" {remedy}."
-            )
+            fault = "holds another study's results; nothing was changed."
+            fault = f"{fault} Name another folder, or {remedy}."
         elif not manifest and ((folder / MANIFEST).exists() or (folder / DATA / _META).exists()):
             fault = (
                 f"can't read the study of these results from {MANIFEST} or {DATA}/{_META};"
@@ -191,7 +184,13 @@ class Store:
         store, journal = cls(folder, study), folder / JOURNAL
         # the manifest first, and whole or not at all: it identifies the folder
         if _read(folder / MANIFEST).get("study") != study.digest:
-            store._write_manifest()
+            manifest = {
+                "format": 1, "study": study.digest, "fascicle": _VERSION,
+                "objectives": {name: OBJECTIVES[name].unit for name in study.names},
+                "task": study.task.name, "designs": len(study.space), "block": study.block,
+                "blocks": study.blocks,
+            }  # fmt: skip
+            write_text(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
         store._write_descriptions()
         # a torn last line must not run into the next one
         if journal.exists() and not journal.read_bytes().endswith(b"\n"):
@@ -213,14 +212,6 @@ class Store:
         for name, column in values.items():
             self._arrays[name][index[0] : index[-1] + 1] = column
         return digest_values(values)
-
-    def read(self, block: int) -> Values:
-        """Values [SI] of a `block` by objective."""
-        index = self.study.index(block)
-        return {
-            name: np.asarray(array[index[0] : index[-1] + 1])
-            for name, array in self._arrays.items()
-        }
 
     def all(self) -> Values:
         """Values [SI] of every design by objective, in memory."""
@@ -246,9 +237,12 @@ class Store:
 
     def _has_digest(self, block: int, digest: str) -> bool:
         try:
-            return digest_values(self.read(block)) == digest
+            index = self.study.index(block)
+            cut = slice(index[0], index[-1] + 1)
+            values = {name: np.asarray(array[cut]) for name, array in self._arrays.items()}
         except Exception:  # noqa: BLE001 zarr's errors for whatever a crash has left: not finished
             return False
+        return digest_values(values) == digest
 
     def remove_drafts(self) -> None:
         """Remove drafts of killed writers: files are written beside their targets, then moved."""
@@ -256,19 +250,6 @@ class Store:
             draft.unlink(missing_ok=True)
         for folder in (self.folder, self.folder / DATA, *(self.folder / DATA).iterdir()):
             remove_abandoned(folder)
-
-    def _write_manifest(self) -> None:
-        manifest = {
-            "format": 1,
-            "study": self.study.digest,
-            "fascicle": _VERSION,
-            "objectives": {name: OBJECTIVES[name].unit for name in self.study.names},
-            "task": self.study.task.name,
-            "designs": len(self.study.space),
-            "block": self.study.block,
-            "blocks": self.study.blocks,
-        }
-        write_text(self.folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
 
     def _write_descriptions(self) -> None:
         """Write Zarr's description of the arrays, except where it is on the disk."""
@@ -312,17 +293,9 @@ def _read(path: Path) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
-def _read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest, or else the attributes of the data, which name the study, too."""
-    for content in (_read(folder / MANIFEST), _read(folder / DATA / _META).get("attributes")):
-        if isinstance(content, dict) and isinstance(content.get("study"), str):
-            return content
-    return {}
-
-
 class BlockResult(NamedTuple):
-    """A written block: its digest, the time to compute and to write it [s], the worker's
-    largest memory so far [B] and its process.
+    """A written block: its digest, the time to compute and to write it [s], the largest memory so
+    far [B] of the worker and its process number.
     """
 
     block: int
@@ -365,7 +338,7 @@ def sweep(
 
     - `study`: what to compute.
     - `folder`: of the results.
-    - `client`: Dask's, of any deployment; left out, this process computes all.
+    - `client`: Dask's, of any deployment; default: this process computes all.
     - `resume`: true to go on with results in the folder.
     - `watch`: called with the progress.
     - `worker_timeout`: time without any worker after which the sweep ends [s].
@@ -399,11 +372,7 @@ _STORES: dict[tuple[str, str], Store] = {}  # a worker's last, with open arrays 
 
 
 def run_block(study: Study, folder: str, block: int) -> BlockResult:
-    """Compute and write a block: the task of a worker.
-
-    `study`: to be computed; `folder`: of the results, as the worker sees it; `block`: counted from
-    0 [-].
-    """
+    """Compute and write a block, counted from 0: the task of a worker; `folder`: of the results."""
     key = (folder, study.digest)
     if key not in _STORES:
         _STORES.clear()
@@ -442,7 +411,7 @@ def _distribute(
     try:
         while True:
             if (since := time.monotonic() - census) >= _CENSUS:  # workers may come and go
-                revive(client)
+                restart_dead_workers(client)
                 workers, census = len(client.nthreads()), time.monotonic()
                 idle += 0.0 if workers else min(since, 2 * _CENSUS)
             if idle >= worker_timeout:
@@ -463,5 +432,4 @@ def _distribute(
     except KilledWorker as error:
         raise ConnectionError(f"a block lost its worker again and again ({error})") from None
     except (CancelledError, CommClosedError, TimeoutError) as error:
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise ConnectionError(f"the scheduler is lost ({reason})") from None
+        raise ConnectionError(f"the scheduler is lost ({short_reason(error)})") from None

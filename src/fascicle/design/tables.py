@@ -44,11 +44,8 @@ MIXED = Resolution(33, 129)  # every design has muscles of its own
 def largest_force_table(
     drawing: Muscle, sizes: Sizes, demand: Demand, needs: tuple[str, ...], resolution: Resolution
 ) -> ForceTable:
-    """The table of muscles, with the largest force over all levels alone.
-
-    `drawing`: with material, laws and tuning of all muscles; `sizes`: of the muscles, NumPy's, on
-    one axis; `demand`: the task's; `needs`: "size" among them, where radius and bulge are needed;
-    `resolution`: of levels.
+    """Table of muscles of `sizes`, NumPy's, on one axis, with the largest force over all levels
+    alone; radius and bulge if "size" is among the `needs`.
     """
     muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
     law, strain, supply = muscle.law, demand.strain(sizes.length) + zero, demand.supply + zero
@@ -83,13 +80,8 @@ def every_level_table(
     resolution: Resolution,
     curves_to: Numbers | None = None,
 ) -> tuple[ForceTable, Numbers]:
-    """The table of muscles at every level, and their curves.
-
-    `drawing`: with material, laws and tuning of all muscles; `sizes`: of the muscles, on one axis,
-    NumPy's or JAX's; `demand`: the task's; `needs`: "size" among them, where radius and bulge are
-    needed; `resolution`: of levels, and strains of the curves; `curves_to`: strain to which the
-    curves go [-]; `None` for no curves. Returns the table, and forces along the curves [N] by
-    level, strain and muscle.
+    """Table of muscles of `sizes`, NumPy's or JAX's, on one axis, at every level; and their forces
+    [N] by level, strain and muscle along curves from rest to the strain `curves_to` [-], if given.
     """
     muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
     strain = demand.strain(sizes.length) + zero
@@ -110,11 +102,8 @@ def every_level_table(
 def force_curves(
     drawing: Muscle, sizes: Sizes, supply: float, resolution: Resolution
 ) -> tuple[Float[np.ndarray, "level strain"], float]:
-    """The curves of one muscle at every level, from rest to the free strain at the supply's.
-
-    `drawing`: with material, laws and tuning of the muscle; `sizes`: of the muscle, NumPy's;
-    `supply`: the supply's pressure [Pa]; `resolution`: of levels and strains. Returns forces [N],
-    and the free strain [-].
+    """Forces [N] of one muscle at every level, from rest to the free strain at the `supply`
+    pressure [Pa]; and that strain [-].
     """
     law, pressure = sizes.muscle(drawing).law, resolution.level * supply
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take

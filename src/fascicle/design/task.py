@@ -38,9 +38,9 @@ Points = Float[np.ndarray, " point"]
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """Demanded `force` [N], at `strain` [-] or after `stroke` [m], the other being `None`;
-    `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and `source` of the
-    figures; `time` [s] of each point, if it has one; the `fluid`.
+    """Task of load cases: demanded `force` [N], at `strain` [-] or after `stroke` [m], the other
+    being `None`; `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and
+    `source` of the figures; `time` [s] of each point, if it has one; the `fluid`.
     """
 
     force: Points
@@ -79,7 +79,7 @@ class Task:
         - `strain`: contractions at which they are demanded [-], none negative, or a number;
           `None` where the stroke is given.
         - `supply_pressure`: the supply's gauge pressure [Pa].
-        - `weight`: of each point in means [-]; left out, all the same.
+        - `weight`: of each point in means [-]; default: all the same.
         - `scheme`: one of `fascicle.schemes`, by name or as an object.
         - `name`: of the task.
         - `source`: of the figures.
@@ -92,7 +92,7 @@ class Task:
         both of strain and stroke are given, or neither.
         """
         if (strain is None) == (stroke is None):
-            rule = "in m or `strain` tells how far the bundle contracts"
+            rule = "in m or `strain` must give the contraction"
             remedy = f"give one of them, got {'neither' if strain is None else 'both'}"
             raise InvalidInputError("stroke", rule, None, remedy)
         if stroke is None:
@@ -110,8 +110,8 @@ class Task:
         if not F.shape == travel.shape == w.shape or F.ndim != 1:
             rule = f", `{name_of_travel}` and `weight` must be lists of one length"
             sizes = (F.size, travel.size, w.size)
-            shown = "{}, {} and {}".format(*sizes)
-            raise InvalidInputError("force", rule, sizes, shown=shown)
+            text = "{}, {} and {} values".format(*sizes)
+            raise InvalidInputError("force", rule, sizes, shown=text)
         if not 0 < F.size <= _MOST_POINTS:
             raise InvalidInputError("force", f"must hold 1 to {_MOST_POINTS} points", F.size)
         if not np.any((w > 0) & (F > 0) & (travel > 0)):
@@ -183,14 +183,11 @@ class Task:
         return self.force.size
 
 
-_MADE_UP = "made up, no measurement"
+_MADE_UP = "made up, no measurement"  # source of the examples' figures
 
 
 def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
-    """A knee that rises from a seat: most force at the start, less as the leg straightens.
-
-    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
-    """
+    """A knee that rises from a seat, supply in Pa: least force when the leg is straight."""
     time = np.linspace(0.0, 1.5, 16)  # s
     done = np.sin(0.5 * np.pi * time / time[-1]) ** 2  # share of the path
     force = 80.0 + 420.0 * (1 - done) ** 1.5
@@ -198,10 +195,7 @@ def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
 
 
 def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
-    """An arm that lifts loads of three sizes to three heights, mostly small ones.
-
-    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
-    """
+    """An arm that lifts loads of three sizes to three heights, mostly small ones; supply in Pa."""
     force = np.repeat([60.0, 150.0, 280.0], 3)
     strain = np.tile([0.06, 0.11, 0.16], 3) - np.repeat([0.0, 0.01, 0.03], 3)
     weight = np.repeat([6.0, 3.0, 1.0], 3)
@@ -210,10 +204,7 @@ def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
 
 
 def walking_ankle(supply_pressure: float = 413.7e3) -> Task:
-    """An ankle over one stride: the load builds up, pushes off, and the foot swings.
-
-    `supply_pressure`: the supply's [Pa]. Returns the task; its figures are made up.
-    """
+    """An ankle over one stride, supply in Pa: the load builds up, pushes off, the foot swings."""
     time = np.linspace(0.0, 1.1, 23)  # s
     s = time / time[-1]
     force = 20.0 + 430.0 * np.exp(-(((s - 0.48) / 0.12) ** 2)) + 60.0 * np.exp(-((s / 0.2) ** 2))
@@ -229,16 +220,12 @@ TASKS = {
 
 
 def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
-    """A named task.
+    """Named task of `TASKS`, with made-up figures.
 
     **Arguments:**
 
-    - `name`: a key of `TASKS`.
+    - `name`: a key of `TASKS`; `ValueError` for another, with the nearest.
     - `supply_pressure`: the supply's [Pa].
-
-    **Returns:** the task; its figures are made up.
-
-    **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
     return TASKS[check_choice(name, TASKS, "example")](supply_pressure)
 

@@ -30,9 +30,11 @@ if TYPE_CHECKING:
 
 
 SHARE = 0.01  # of an interval, and of the residual: far below the scatter of a measurement
-_MIN_DIGITS, _MAX_DIGITS = 3, 17  # with 17 digits every float is exact
+_MIN_DIGITS = 3  # of a rounded number: fewer look like a guess
+_MAX_DIGITS = 17  # every float is exact
 _ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
 _PRIOR_DIGITS = 10  # beyond the rounding of a coordinate's transformation
+# keys of the log that the muscle file repeats
 _SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse",
             "relative_rmse", "rest_length", "fitted_length", "rounded", "warnings")  # fmt: skip
 
@@ -40,14 +42,11 @@ _SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse
 def calibrated_files(
     calibration: Calibration, date: str, choice: "Selection | None" = None
 ) -> dict[str, str]:
-    """Texts of the muscle's file and of its log, by name.
+    """Texts of "muscle.toml" and of its log, "muscle.log.toml", by name; arguments as for
+    `provenance_of`.
 
     The muscle file has a summary in `[calibration]`, with the interval of each fitted constant;
     `provenance` reads both.
-
-    **Arguments:** as for `provenance_of`.
-
-    **Returns:** "muscle.toml" and "muscle.log.toml".
     """
     muscle, table = _rounded_with_provenance(calibration, date, choice)
     summary = {key: table[key] for key in _SUMMARY}
@@ -155,7 +154,7 @@ def laws_of(calibration: Calibration) -> dict[str, str]:
 
 
 def round_to_uncertainty(value: float, dimension: str, width: float) -> str:
-    """A fitted `value` [SI] and its unit, in the fewest digits, at least three, that keep it within
+    """Text of a fitted `value` [SI], in the fewest digits, at least three, that keep it within
     `SHARE` of its interval's `width` [SI].
     """
     for digits in range(_MIN_DIGITS, _MAX_DIGITS):
@@ -237,13 +236,16 @@ def _springs(calibration: Calibration) -> dict[str, Any]:
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:
-    width = estimate.high - estimate.low
-    values = {
-        key: round_to_uncertainty(getattr(estimate, key), estimate.dimension, width)
-        for key in ("value", "low", "high")
-    }
-    prior = pretty(estimate.start, estimate.dimension, _PRIOR_DIGITS)
-    return {"name": estimate.name, **values, "prior": prior, "identifiable": estimate.identifiable}
+    dimension, width = estimate.dimension, estimate.high - estimate.low
+    value, low, high = (
+        round_to_uncertainty(x, dimension, width)
+        for x in (estimate.value, estimate.low, estimate.high)
+    )
+    return {
+        "name": estimate.name, "value": value, "low": low, "high": high,
+        "prior": pretty(estimate.start, dimension, _PRIOR_DIGITS),
+        "identifiable": estimate.identifiable,
+    }  # fmt: skip
 
 
 def _force_text(force: Any) -> str:

@@ -13,7 +13,6 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import serializable_name
 from ..core.errors import InvalidInputError
-from ..core.parameters import Constant
 from ..core.validation import check_choice
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
@@ -25,20 +24,22 @@ from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
 from ..table_model import TableModel, did_you_mean, location_message
 from ..units import DIMENSIONS, exact, parse
-from .errors import FileLocation, check_kind, validate
 from .schema import (
     BundleSection,
+    FileLocation,
     HingeSection,
     LawSection,
-    MotorUnitSection,
     MuscleFile,
     MuscleSection,
     TuningSection,
+    check_kind,
+    validate,
 )
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
 _TABLES = ("material", "tuning", *LAWS)  # keys of a muscle that hold a table
+# dimensions of a muscle's sizes
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
 _CALIBRATION = "calibration"
@@ -81,15 +82,21 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
 
     **Raises:** as `load_muscle`.
     """
+
+    def read(path: Path) -> dict[str, Any]:
+        table = parse_file(read_text(path), str(path)).get(_CALIBRATION, {})
+        if not isinstance(table, dict):
+            rule = "must be a table of keys."
+            raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
+        return table
+
     path = Path(path)
-    table = _calibration_table(path)
+    table = read(path)
     log = table.get("log", "")
     if not isinstance(log, str) or Path(log).name != log:
         rule = "must be the name of a file in the same folder."
         raise ValueError(location_message(str(path), [_CALIBRATION, "log"], rule, log))
-    if log and (path.parent / log).is_file():
-        table = _calibration_table(path.parent / log) | table
-    return table
+    return read(path.parent / log) | table if log and (path.parent / log).is_file() else table
 
 
 def save(
@@ -99,12 +106,10 @@ def save(
 
     **Arguments:**
 
-    - `obj`: a `Muscle` or a `Bundle`.
+    - `obj`, `calibration`: as for `dumps`.
     - `path`: the file; an existing file is replaced.
-    - `calibration`: provenance, as for `dumps`.
 
-    **Raises:** `ValueError` for an object that a file can't describe; `OSError` if it can't be
-    written.
+    **Raises:** `OSError` if it can't be written; `ValueError` as `dumps`.
     """
     write_text(path, dumps(obj, calibration))
 
@@ -123,7 +128,6 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     **Raises:** `ValueError` for an object that a file can't describe.
     """
-    # lines, not tomlkit: it writes inline tables without spaces inside the braces
     if isinstance(obj, Muscle):
         muscles, lines = [obj], _table_lines("muscle", _muscle_tables(obj))
     elif isinstance(obj, Bundle):
@@ -201,16 +205,8 @@ def from_dict(data: dict[str, Any], source: str) -> Muscle | Bundle:
     return next(iter(muscles.values()))
 
 
-def _calibration_table(path: Path) -> dict[str, Any]:
-    table = parse_file(read_text(path), str(path)).get(_CALIBRATION, {})
-    if not isinstance(table, dict):
-        rule = "must be a table of keys."
-        raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
-    return table
-
-
 def _duplicate_key_message(message: str, text: str) -> str:
-    """An error of TOML, with the name and line of a key that is there twice."""
+    """Message of an error of TOML, with the name and line of a repeated key."""
     match = re.search(r"(not TOML: )Cannot overwrite a value \(at (?:line (\d+)|end)", message)
     if match is None:
         return message
@@ -218,11 +214,11 @@ def _duplicate_key_message(message: str, text: str) -> str:
     lines = text.rstrip().replace("\r\n", "\n").split("\n")
     number = int(match[2] or len(lines))
     key = lines[number - 1].partition("=")[0].strip()
-    return f"{message[: match.end(1)]}{key} is there twice, again on line {number}: keep one."
+    return f"{message[: match.end(1)]}{key} is repeated on line {number}: keep one of them."
 
 
 def _set_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> None:
-    """Give the muscle the length of its file's `[calibration]`, if there is one."""
+    """Give a muscle the length of its file's `[calibration]`, if there is one."""
     text = calibration.get("fitted_length") if isinstance(calibration, dict) else None
     if text is None:
         return
@@ -302,61 +298,69 @@ def _tuning(tuning: TuningSection, location: FileLocation) -> Tuning:
 def _bundle(
     section: BundleSection, muscles: Mapping[str, Muscle], location: FileLocation
 ) -> Bundle:
-    units = [
-        _motor_unit(unit, muscles, location.child("motor_unit", index))
-        for index, unit in enumerate(section.motor_unit)
-    ]
+    units, default = [], next(iter(muscles))
+    for index, unit in enumerate(section.motor_unit):
+        unit_location, name = location.child("motor_unit", index), unit.muscle
+        if name is None and len(muscles) > 1:
+            rule = f"missing, write the name of its muscle: {', '.join(muscles)}."
+            raise unit_location.error(("muscle",), rule)
+        if name is not None and name not in muscles:
+            names = [muscle for muscle in muscles if muscle]
+            hint = ", drop the key: the only one is [muscle]."
+            hint = did_you_mean(name, names) if names else hint
+            raise unit_location.error(("muscle",), f"no such muscle in the file{hint}")
+        muscle = muscles[default if name is None else name]
+        with unit_location.error_context():
+            units.append(MotorUnit(muscle, **({} if unit.count is None else {"count": unit.count})))
     with location.error_context():
         return Bundle(units, **section.model_dump(exclude_none=True, exclude={"motor_unit"}))
 
 
-def _motor_unit(
-    section: MotorUnitSection, muscles: Mapping[str, Muscle], location: FileLocation
-) -> MotorUnit:
-    name = section.muscle
-    if name is None and len(muscles) > 1:
-        rule = f"missing, write which muscle it has: {', '.join(muscles)}."
-        raise location.error(("muscle",), rule)
-    if name is not None and name not in muscles:
-        names = [muscle for muscle in muscles if muscle]
-        hint = did_you_mean(name, names) if names else ", drop the key: the only one is [muscle]."
-        raise location.error(("muscle",), f"no such muscle in the file{hint}")
-    muscle = next(iter(muscles.values())) if name is None else muscles[name]
-    with location.error_context():
-        return MotorUnit(muscle, **section.model_dump(exclude_none=True, include={"count"}))
-
-
-Tables = dict[str, dict[str, str]]  # TOML values by key, by name of the inner table
+Tables = dict[str, dict[str, Any]]  # entries by key, by name of the inner table
 
 
 def _table_lines(name: str, tables: Tables) -> list[str]:
     lines = []
     for inner, entries in tables.items():
         header = f"[{name}.{inner}]" if inner else f"[{name}]"
-        lines += ["", header, *(f"{key} = {text}" for key, text in entries.items())]
+        lines += ["", header, *(f"{key} = {_toml(value)}" for key, value in entries.items())]
     return lines[1:]
 
 
+def _toml(value: Any) -> str:
+    """Text of a name, number, list or inline table: tomlkit writes no spaces inside the braces."""
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_toml(entry)}' for key, entry in value.items())} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+
+
 def _muscle_tables(muscle: Muscle) -> Tables:
-    sizes = {name: _quantity(getattr(muscle, name), unit, name) for name, unit in _SIZES.items()}
-    laws = {}
+    material = muscle.material
+    if type(material) is not MooneyRivlin:
+        raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
+    names = (name for name, named in MATERIALS.items() if material == named)
+    entries: dict[str, Any] = {
+        name: _quantity(getattr(muscle, name), dimension, name)
+        for name, dimension in _SIZES.items()
+    }
+    entries["material"] = next(names, None) or _constants(material)
     for kind in LAWS:
         law = getattr(muscle, kind)
         if kind != "collapse" and is_written_out(kind, law):
-            name, numbers = _law_name(law, kind), _law_numbers(law)
-            laws[kind] = _inline_table({"law": name, **numbers}) if numbers else name
+            table = _law_table(law, kind)
+            entries[kind] = table if len(table) > 1 else table["law"]
+    collapse = _law_table(muscle.collapse, "collapse")
     rate = _number(muscle.transition_rate, "transition_rate")
-    collapse = {"law": _law_name(muscle.collapse, "collapse"), "transition_rate": rate}
-    tables = {
-        "": sizes | {"material": _material_text(muscle.material)} | laws,
-        "collapse": collapse | _law_numbers(muscle.collapse),
-    }
+    name = collapse.pop("law")
+    tables = {"": entries, "collapse": {"law": name, "transition_rate": rate, **collapse}}
     tuning = _tuning_entries(muscle.tuning)
     return tables | {"tuning": tuning} if tuning else tables
 
 
-def _tuning_entries(tuning: Tuning) -> dict[str, str]:
-    entries = {}
+def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
+    entries: dict[str, Any] = {}
     if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
         columns = (("pressure", "pressures", "pressure"), ("c1", "c1", "force"), ("c2", "c2", ""))
         for key, name, dimension in columns:
@@ -364,21 +368,15 @@ def _tuning_entries(tuning: Tuning) -> dict[str, str]:
             if np.ndim(values) != 1:
                 rule = f"has the shape {np.shape(values)}"
                 raise InvalidInputError(key, rule, None, "a file takes one list")
-            texts = [
-                f'"{exact(float(x), dimension)}"' if dimension else repr(float(x)) for x in values
-            ]
-            entries[key] = f"[{', '.join(texts)}]"
-    for key in ("youngs_modulus_factor", "collapse_moment_factor"):
+            numbers = [float(x) for x in values]
+            entries[key] = [exact(x, dimension) for x in numbers] if dimension else numbers
+    for key in ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor"):
         if _scalar(getattr(tuning, key), key) != 1:
             entries[key] = _number(getattr(tuning, key), key)
-    constant = _scalar(tuning.hinge_stiffness_factor, "hinge_stiffness_factor")
-    slope = _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope")
-    if slope:
-        slope_text = f'"{exact(slope, "inverse_pressure")}"'
-        hinge = {"constant": repr(constant), "slope": slope_text}
-        entries["hinge_stiffness_factor"] = _inline_table(hinge)
-    elif constant != 1:
-        entries["hinge_stiffness_factor"] = repr(constant)
+    key = "hinge_stiffness_factor"
+    if slope := _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope"):
+        constant = _scalar(tuning.hinge_stiffness_factor, key)
+        entries[key] = {"constant": constant, "slope": exact(slope, "inverse_pressure")}
     if tuning.transition_rate is not None:
         entries["transition_rate"] = _number(tuning.transition_rate, "transition_rate")
     if _scalar(tuning.dead_band, "dead_band"):
@@ -388,72 +386,61 @@ def _tuning_entries(tuning: Tuning) -> dict[str, str]:
 
 def _bundle_lines(bundle: Bundle) -> list[str]:
     tables: list[Tables] = []  # of each different muscle, in the order of their first unit
-    indices = []
+    motor_units = []
     for unit in bundle.motor_units:
         table = _muscle_tables(unit.muscle)
         if table not in tables:
             tables.append(table)
-        indices.append(tables.index(table))
-    names = [f"unit_{index + 1}" for index in range(len(tables))] if len(tables) > 1 else []
+        name = f"unit_{tables.index(table) + 1}"
+        motor_units.append({"count": int(unit.count), "muscle": name})
     lines = []
     for index, table in enumerate(tables):
-        lines += [*_table_lines(f"muscle.{names[index]}" if names else "muscle", table), ""]
-    lines.append("[bundle]")
-    if bundle.supply_pressure is not None:
-        supply = _quantity(bundle.supply_pressure, "pressure", "supply_pressure")
-        lines.append(f"supply_pressure = {supply}")
-    lines.append(f"scheme = {json.dumps(serializable_name(bundle.scheme))}")
+        name = f"muscle.unit_{index + 1}" if len(tables) > 1 else "muscle"
+        lines += [*_table_lines(name, table), ""]
+    entries = {"scheme": serializable_name(bundle.scheme)}
+    if (supply := bundle.supply_pressure) is not None:
+        entries = {"supply_pressure": _quantity(supply, "pressure", "supply_pressure")} | entries
     if bundle.plate_distance is not None:
-        lines.append(f"length = {_quantity(bundle.plate_distance, 'length', 'length')}")
-    for unit, index in zip(bundle.motor_units, indices, strict=True):
-        lines += ["", "[[bundle.motor_unit]]", f"count = {int(unit.count)}"]
-        lines += [f'muscle = "{names[index]}"'] if names else []
+        entries["length"] = _quantity(bundle.plate_distance, "length", "length")
+    lines += _table_lines("bundle", {"": entries})
+    for entries in motor_units:
+        if len(tables) == 1:
+            del entries["muscle"]
+        lines += ["", *_table_lines("[bundle.motor_unit]", {"": entries})]
     return lines
 
 
-def _law_name(law: Any, kind: str) -> str:
+def _law_table(law: Any, kind: str) -> dict[str, Any]:
+    """A law's name, and its constants and switches by key unless all are the defaults."""
     name, laws = getattr(law, "name", ""), LAWS[kind]
     if name not in laws or type(law) is not laws[name]:
         raise InvalidInputError(kind, f"can be saved if it is one of {', '.join(laws)}", law)
-    return json.dumps(name)
-
-
-def _law_numbers(law: AbstractLaw) -> dict[str, str]:
-    """A law's numbers and switches by key; none if all are the defaults."""
-    constants, switches = law.constants(), law.switches()
-    if all(getattr(law, c.name) == c.default for c in constants) and all(
-        getattr(law, switch.name) == switch.options[0] for switch in switches
+    switches = {switch.name: getattr(law, switch.name) for switch in law.switches()}
+    if all(getattr(law, c.name) == c.default for c in law.constants()) and all(
+        switches[switch.name] == switch.options[0] for switch in law.switches()
     ):
-        return {}
-    numbers = {c.name: _constant_text(getattr(law, c.name), c) for c in constants}
-    return numbers | {s.name: json.dumps(getattr(law, s.name)) for s in switches}
+        return {"law": name}
+    return {"law": name, **_constants(law), **switches}
 
 
-def _constant_text(value: Any, constant: Constant) -> str:
-    if DIMENSIONS[constant.dimension].unitless:
-        return _number(value, constant.name)
-    return _quantity(value, constant.dimension, constant.name)
-
-
-def _material_text(material: Any) -> str:
-    if type(material) is not MooneyRivlin:
-        raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
-    constants = {c.name: _constant_text(getattr(material, c.name), c) for c in material.constants()}
-    name = next((name for name, named in MATERIALS.items() if material == named), None)
-    return _inline_table(constants) if name is None else json.dumps(name)
-
-
-def _inline_table(entries: Mapping[str, str]) -> str:
-    return f"{{ {', '.join(f'{key} = {text}' for key, text in entries.items())} }}"
+def _constants(owner: Any) -> dict[str, Any]:
+    """Constants of a law or material by key, as a file has them."""
+    constants = {}
+    for constant in owner.constants():
+        key, dimension = constant.name, constant.dimension
+        unitless, value = DIMENSIONS[dimension].unitless, getattr(owner, key)
+        constants[key] = _number(value, key) if unitless else _quantity(value, dimension, key)
+    return constants
 
 
 def _quantity(value: Any, dimension: str, key: str) -> str:
-    return f'"{exact(_scalar(value, key), dimension)}"'
+    return exact(_scalar(value, key), dimension)
 
 
-def _number(value: Any, key: str) -> str:
+def _number(value: Any, key: str) -> float:
     number = _scalar(value, key)
-    return repr(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number)
+    # beyond 10^15 a float is no exact whole number
+    return int(number) if number.is_integer() and abs(number) < 1e15 else number
 
 
 def _scalar(value: Any, key: str) -> float:

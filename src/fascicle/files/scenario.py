@@ -17,23 +17,21 @@ from ..core.validation import check_choice
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..muscle import Muscle
 from ..table_model import did_you_mean
-from .errors import FileLocation, check_kind, validate
+from . import shipped_names, shipped_text
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
-from .scenario_schema import PARTS, PUMPED, choose_schema, pump_class
-from .shipped_files import shipped_names, shipped_text
+from .scenario_schema import INNER, PARTS, PUMPED, choose_schema, pump_class
+from .schema import FileLocation, check_kind, validate
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
-    from ..control import Cascade, Gains, PolicyChoice
+    from ..control import Cascade, PolicyChoice
 
 MEDIA = {"air": fluid.AIR, "nitrogen": fluid.NITROGEN, "oil": fluid.OIL, "water": fluid.WATER}
-_MAX_STEPS = 2_000_000
-# numbers of a run's results, a gigabyte: as many as of two motor units in that many steps
-_MAX_NUMBERS, _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 128_000_000, 40, 12
+_MAX_STEPS = 2_000_000  # of a run: some minutes
+_MAX_NUMBERS = 128_000_000  # of a run's results: a gigabyte, two motor units in that many steps
+_NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 40, 12  # of these: of the plant, and of each motor unit
 _STEP = 1e-3  # s: resolves valves and muscles
 _ROUNDING = 1e-6  # of a step, by which rounding may shift a time
-_GAINS = ("position_gain", "velocity_gain", "force_gain")
-_TIMES = ("integral_time", "force_integral_time", "pressure_time")
 _RENAMED = {"controlled": "control", "taking": "with_policy"}
 _SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
 
@@ -83,7 +81,7 @@ class ScenarioControl(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A plant with its commands or controller.
+    """A plant with its commands or controller, and its initial state.
 
     - `name`, `plant`: of the scenario.
     - `schedule`: commands in time, or `None` for a scenario with `control`.
@@ -145,7 +143,7 @@ class Scenario:
 def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     """Read a scenario file.
 
-    **Arguments:** `path`: the TOML file; bundles that it names by a path stand beside it.
+    **Arguments:** `path`: the TOML file; paths in it are relative to its folder.
 
     **Returns:** the scenario.
 
@@ -191,24 +189,20 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
     _check_list_lengths(tables, classes, units, root)
     parts = _parts(tables, classes, units, root)
-    run, run_location = file.run, root.child("run", kind="part")
-    options = {key: x for key in ("law", "volume") if (x := getattr(run, key)) is not None}
+    run = file.run
+    options = run.model_dump(exclude_none=True, include={"law", "volume"})
     with root.error_context():
         plant = Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
     if not np.subtract(*plant.stroke) < 0:
-        rule = "leaves no stroke on which all muscles' strains are valid: check its sizes."
+        rule = "leaves no stroke with valid strains of all muscles: check its sizes."
         raise root.error(("load",), rule)
-    dt, duration = _times(run, units, run_location)
+    dt, duration = _times(run, units, root.child("run", kind="part"))
     schedule = control = None
     if isinstance(data.get("control"), dict):
-        supply, pressures = plant.supply_pressure, run.pressures
-        if pressures is not None and np.max(pressures) > supply:
-            with run_location.error_context():
-                rule, highest = (
-                    f"must be at most the supply's {supply:g} Pa",
-                    float(np.max(pressures)),
-                )
-                raise InvalidInputError("pressures", rule, highest, shown=f"{highest:g} Pa")
+        highest = 0.0 if run.pressures is None else float(np.max(run.pressures))
+        if highest > plant.supply_pressure:
+            rule = f"must be at most the supply's {plant.supply_pressure:g} Pa, got {highest:g} Pa."
+            raise root.error(("run", "pressures"), rule)
         control = _control(file, plant, dt, duration, root)
         notes = control.notes
     else:
@@ -320,7 +314,7 @@ def _parts(
     parts: dict[str, Any] = {}
     for key, table in tables.items():
         kind, location = classes[key], root.child(key, kind="part")
-        for inner, inner_kind in (("stop", dynamics.Stop), ("line", fluid.Line)):
+        for inner, inner_kind in INNER.items():
             if inner in table:
                 with location.child(inner, kind="part").error_context():
                     table[inner] = inner_kind(**table[inner])
@@ -392,10 +386,7 @@ def _supply(
 
 def _times(run: Any, units: int, location: FileLocation) -> tuple[float, float]:
     """Step and duration of a run [s]."""
-    dt, duration = _STEP if run.dt is None else run.dt, run.duration
-    for key, value, example in (("dt", dt, _STEP), ("duration", duration, 10.0)):
-        if value <= 0:
-            raise location.error((key,), f"must be positive, such as {example:g} s.")
+    dt, duration = run.dt or _STEP, run.duration
     steps = round(duration / dt)
     if abs(steps - duration / dt) > _ROUNDING * max(1, steps):
         suggestion = f"{max(steps, 1) * dt:.12g} s"
@@ -412,17 +403,9 @@ def _schedule(
     rows: list[Any], plant: Plant, dt: float, duration: float, root: FileLocation
 ) -> tuple[Schedule, tuple[str, ...]]:
     """Commands in time, and notes on those that the run can't follow exactly."""
-    if not rows:
-        raise root.error(("schedule",), "is empty: write [[schedule]] with time and command.")
-    last, commands, notes = None, [], []
+    times, commands, notes = _rising_times(rows, "schedule", root), [], []
     for index, row in enumerate(rows):
-        location = root.child("schedule", index)
-        if last is None and row.time != 0:
-            raise location.error(("time",), "the first must be 0 s.")
-        if last is not None and row.time <= last:
-            raise location.error(("time",), f"times must rise, it comes after {last:g} s.")
-        last = row.time
-        count, size = plant.commands, np.size(row.command)
+        location, count, size = root.child("schedule", index), plant.commands, np.size(row.command)
         if size != count and (np.ndim(row.command) or size != 1):
             rule = f"must be one number, or a list of one for each command, {count}"
             raise location.error(("command",), f"{rule}, got {size}.")
@@ -434,44 +417,39 @@ def _schedule(
         elif abs(row.time / dt - round(row.time / dt)) > _ROUNDING:
             step = dt * np.ceil(row.time / dt)
             notes.append(f"{command} comes with the next step, at {step:g} s.")
-    times = np.array([row.time for row in rows])
     return Schedule(times, np.array(commands)), tuple(notes)
+
+
+def _rising_times(rows: list[Any], key: str, root: FileLocation) -> np.ndarray:
+    """Times of the rows of a table [s], which begin at 0 and rise."""
+    if not rows:
+        raise root.error((key,), f"is empty: write [[{key}]] with time and values.")
+    times = np.array([row.time for row in rows])
+    if times[0] != 0:
+        raise root.error((key, 0, "time"), "the first must be 0 s.")
+    for index in np.flatnonzero(np.diff(times) <= 0).tolist():
+        rule = f"times must rise, it comes after {times[index]:g} s."
+        raise root.error((key, index + 1, "time"), rule)
+    return times
 
 
 def _control(
     file: Any, plant: Plant, dt: float, duration: float, root: FileLocation
 ) -> ScenarioControl:
-    from ..control import cascade
+    from ..control import Gains, cascade
 
     output, reference = _reference(file, dt, duration, root)
-    values = _values(file.control)
+    values, location, default = _values(file.control), root.child("control", kind="part"), Gains()
     policy = values.pop("policy")
-    location = root.child("control", kind="part")
     if values.get("delay", 0.0) > duration:
         rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
         raise location.error(("delay",), rule)
-    options = {"gains": _gains(values, location), "dt": dt, **values}
-    with location.error_context():
-        controller = cascade(plant, "orderly", output, **options)
-        control = ScenarioControl(controller, reference, None, "orderly", options)
-        return control.with_policy(policy)
-
-
-def _gains(values: dict[str, Any], location: FileLocation) -> "Gains":
-    """Gains of a controller, taken out of the values of [control]."""
-    from ..control import Gains
-
-    for name in _GAINS:
-        if values.get(name, 0.0) < 0:
-            raise location.error((name,), "must not be below zero.")
-    for name in _TIMES:
-        if values.get(name, 1.0) <= 0:
-            raise location.error((name,), "must be positive; leave it out for none.")
-    default = Gains()
-    position = values.pop("position_gain", 0.0)
-    integral_time = values.pop("integral_time", np.inf)
-    force_integral_time = values.pop("force_integral_time", 1 / default.force_integral)
-    return Gains(
+    position, integral_time, force_integral_time = (
+        values.pop(key, missing)
+        for key, missing in (("position_gain", 0.0), ("integral_time", np.inf),
+                             ("force_integral_time", 1 / default.force_integral))
+    )  # fmt: skip
+    gains = Gains(
         position,
         position / integral_time,
         values.pop("velocity_gain", 0.0),
@@ -479,29 +457,25 @@ def _gains(values: dict[str, Any], location: FileLocation) -> "Gains":
         1 / force_integral_time,
         values.pop("pressure_time", default.pressure_time),
     )
+    options = {"gains": gains, "dt": dt, **values}
+    with location.error_context():
+        controller = cascade(plant, "orderly", output, **options)
+        control = ScenarioControl(controller, reference, None, "orderly", options)
+        return control.with_policy(policy)
 
 
 def _reference(file: Any, dt: float, duration: float, root: FileLocation) -> tuple[str, np.ndarray]:
     """The controlled output, "force" or "position", and its demand at each step [SI]."""
-    time = dt * np.arange(round(duration / dt))
-    if (file.demand is None) == (file.sine is None):
+    time, sine = dt * np.arange(round(duration / dt)), file.sine
+    if (file.demand is None) == (sine is None):
         rule = "write [[demand]] with time and force or position, or [sine], one of both."
         raise root.error(("demand",), rule)
-    if file.sine is not None:
-        if file.sine.frequency <= 0:
-            raise root.error(("sine", "frequency"), "must be positive.")
-        phase = 2 * np.pi * file.sine.frequency * time
-        return "position", file.sine.mean + file.sine.amplitude * np.sin(phase)
-    if not file.demand:
-        raise root.error(("demand",), "is empty: write [[demand]] with time and force.")
+    if sine is not None:
+        return "position", sine.mean + sine.amplitude * np.sin(2 * np.pi * sine.frequency * time)
+    times = _rising_times(file.demand, "demand", root)
     output = "force" if file.demand[0].force is not None else "position"
-    times, values = [], []
     for index, row in enumerate(file.demand):
-        location = root.child("demand", index)
         if (row.force is None) == (row.position is None) or getattr(row, output) is None:
-            raise location.error((output,), "write `force` in each row, or `position` in each.")
-        if (not times and row.time != 0) or (times and row.time <= times[-1]):
-            raise location.error(("time",), "times must begin at 0 s and rise.")
-        times.append(row.time)
-        values.append(getattr(row, output))
-    return output, np.interp(time, times, values)
+            rule = "write `force` in each row, or `position` in each."
+            raise root.error(("demand", index, output), rule)
+    return output, np.interp(time, times, [getattr(row, output) for row in file.demand])

@@ -13,13 +13,17 @@ from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 from .. import dynamics, fluid
 from ..table_model import Quantity, TableModel, did_you_mean
 from ..units import sample
-from .errors import FileLocation
+from .schema import FileLocation
 
 
 _CONTROL_DIMENSIONS = {
     "band": "force", "sample_time": "time", "delay": "time", "highest_pressure": "pressure",
     "flow_limit": "number", "co_contraction": "force", "integral_time": "time",
     "force_gain": "number", "force_integral_time": "time", "pressure_time": "time",
+}  # fmt: skip
+_RANGES = {  # of keys of [control]
+    "position_gain": {"ge": 0}, "velocity_gain": {"ge": 0}, "force_gain": {"ge": 0},
+    "integral_time": {"gt": 0}, "force_integral_time": {"gt": 0}, "pressure_time": {"gt": 0},
 }  # fmt: skip
 _DIMENSIONS = {
     "mass": "mass", "gravity": "acceleration", "damping": "damping", "rest": "length",
@@ -49,7 +53,7 @@ _CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
     fluid.VariablePump: {"band": "pressure"},
 }
 _NAME: tuple[Any, Any] = (str | None, None)
-_INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
+INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
 PUMPED = {"band": fluid.PressureBand, "relief": fluid.Relief}  # and in that of a supply with a pump
 
 
@@ -143,8 +147,8 @@ def choose_schema(
     run = create_model(
         "RunSection",
         __base__=TableModel,
-        duration=(Annotated[float, Quantity("time")], Field(examples=['"10 s"'])),
-        dt=_key("time", required=False),
+        duration=(Annotated[float, Quantity("time")], Field(gt=0, examples=['"10 s"'])),
+        dt=(Annotated[float, Quantity("time")] | None, Field(None, gt=0)),
         law=_NAME,
         volume=_NAME,
         pressures=_key("pressure", many=True, required=False),
@@ -178,8 +182,8 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
     for name, parameter in signature(kind).parameters.items():
         if name in part.supplied:
             continue
-        if name in _INNER:
-            inner: Any = _table(_NAMELESS, _INNER[name], rotary)
+        if name in INNER:
+            inner: Any = _table(_NAMELESS, INNER[name], rotary)
             keys[name] = (inner | None, None)
             continue
         dimension = dimensions.get(name) or _DIMENSIONS[name]
@@ -207,7 +211,10 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
         "position_gain": f"{prefix}stiffness",
         "velocity_gain": f"{prefix}damping",
     }
-    keys: dict[str, Any] = {name: _key(x, required=False) for name, x in dimensions.items()}
+    keys: dict[str, Any] = {
+        name: (Annotated[float, Quantity(dimension)] | None, Field(None, **_RANGES.get(name, {})))
+        for name, dimension in dimensions.items()
+    }
     policy: Any = (str, Field(examples=['"hand_over"']))
     control: Any = create_model(
         "ControlSection", __base__=TableModel, policy=policy,
@@ -219,7 +226,7 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
     )  # fmt: skip
     sine: Any = create_model(
         "SineSection", __base__=TableModel, mean=_key(position), amplitude=_key(position),
-        frequency=_key("frequency"),
+        frequency=(Annotated[float, Quantity("frequency")], Field(gt=0, examples=['"1 Hz"'])),
     )  # fmt: skip
     return {
         "control": (control, Field(examples=["[control]"])),

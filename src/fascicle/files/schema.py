@@ -1,16 +1,19 @@
 """Schemas of muscle, bundle, task and catalog files, format 1: their keys and kinds of values.
 
-A section knows units and types only. The laws' constructors check the values; `errors` adds the
-file's name and key to their messages. A key that is left out stays `None` here, so a default is
-written in one place, the constructor. The keys of a law are those of the constants that it
-declares.
+A section knows units and types only. The laws' constructors check the values, and refuse them by
+the argument's name; a `FileLocation` turns that into an error of one line with path, key, value and
+rule. A missing key is `None` here, so that a default is written once, in the constructor. The keys
+of a law are those of the constants that it declares.
 """
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
     Discriminator,
     Field,
@@ -18,6 +21,7 @@ from pydantic import (
     StrictInt,
     StrictStr,
     Tag,
+    ValidationError,
     create_model,
 )
 
@@ -25,8 +29,102 @@ from ..core.errors import InvalidInputError
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from ..table_model import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
+from ..table_model import (
+    PLAIN,
+    TABLE,
+    Quantity,
+    TableModel,
+    location_message,
+    plain_or_table,
+    validation_message,
+    value_at,
+)
 from ..units import parse, parse_list
+
+
+# keys of a constructor's arguments by kind of section, if they aren't the arguments' names
+_KEYS: dict[str, dict[str, tuple[str, ...]]] = {
+    "muscle": {
+        "transition_rate": ("collapse", "transition_rate"),
+        **{constant.name: ("material", constant.name) for constant in MooneyRivlin.constants()},
+    },
+    **{kind: {kind: ("law",)} for kind in LAWS},
+    "tuning": {
+        "pressures": ("pressure",),
+        "hinge_stiffness_slope": ("hinge_stiffness_factor", "slope"),
+    },
+    "bundle": {"motor_units": ("motor_unit",), "pressures": ("supply_pressure",)},
+    "design": {"drawings": ("muscle",), "most_units": ()},
+    "catalog": {"catalog": ()},
+    "objectives": {"objectives": ()},
+    "limits": {"objectives": ()},
+    # a plant's parts are tables of the file, its initial state stands in [run]
+    "scenario": {
+        **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
+        "units": ("spool",),
+    },
+    "motion": {"position": ("load",), "pressures": ("run", "pressures")},
+    "part": {"gas": ("medium",), "liquid": ("medium",)},
+}
+# tables that only one kind of file has, and its command; scenarios may have a muscle, too
+_KINDS = {
+    "scenario": (("load", "supply", "run", "schedule"), "`fascicle simulate` runs it"),
+    "task": (("task", "design"), "`fascicle design` takes it"),
+    "muscle or bundle": (
+        ("muscle", "bundle"), "`fascicle force` and `fascicle bundle` take it",
+    ),
+}  # fmt: skip
+
+
+class FileLocation(NamedTuple):
+    """A section of a file, for errors about it: the file's `source`, the `data` of all its tables,
+    the `keys` that lead to the section and its `kind`, a key of `_KEYS` or another word.
+    """
+
+    source: str
+    data: Any
+    keys: tuple[Any, ...] = ()
+    kind: str = ""
+
+    def child(self, *keys: Any, kind: str = "") -> "FileLocation":
+        """Location at `keys` below this one."""
+        return self._replace(keys=self.keys + keys, kind=kind)
+
+    def error(self, keys: tuple[Any, ...], rule: str) -> ValueError:
+        """Error for the value at `keys` below this location, which breaks a `rule`."""
+        path = self.keys + keys
+        # a single muscle has the empty name
+        names = [key for key in path if key != ""]
+        return ValueError(location_message(self.source, names, rule, value_at(self.data, path)))
+
+    @contextlib.contextmanager
+    def error_context(self) -> Iterator[None]:
+        """Context whose errors, also those of a file that is named here, get this location."""
+        try:
+            yield
+        except (ValueError, OSError) as error:
+            name = error.argument if isinstance(error, InvalidInputError) else ""
+            keys = _KEYS.get(self.kind, {}).get(name, (name,) if name else ())
+            raise self.error(keys, str(error)) from None
+
+
+def validate(model: type[BaseModel], data: Any, source: str) -> Any:
+    """Tables of a file as a `model`; `ValueError` in one line if they don't fit."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(validation_message(error, source, data, model)) from None
+
+
+def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:
+    """Refuse a file with tables of another kind than "muscle or bundle", "scenario" or "task"."""
+    if kind != "muscle or bundle" and any(key in data for key in _KINDS[kind][0]):
+        return
+    for actual, (keys, command) in _KINDS.items():
+        key = next((key for key in keys if key in data), None)
+        if actual != kind and key is not None:
+            rule = f"a {actual}, not a {kind}: {command}."
+            raise ValueError(location_message(source, [key], rule))
 
 
 Length = Annotated[float, Quantity("length")]
@@ -196,22 +294,18 @@ _PRICE = re.compile(
     r"\s*([€$£¥])?\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]{1,6}|[€$£¥])?\s*(?:(?:/|\bper\b)\s*(\S.*?))?\s*"
 )
 _MAX_PRICE = 1e9  # of a currency: more is a slip
+_MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
+_MAX_DRAWS = 100_000  # of a design: an hour
+# examples in errors, by dimension
 _EXAMPLES = {None: "95 EUR", "volume": "0.025 EUR/m^3", "energy": "0.30 EUR/kWh",
              "length": "40 EUR/m"}  # fmt: skip
 
 
 def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
-    """Parse a price; currencies aren't converted.
+    """Parse a price, such as "95 EUR" or "0.025 EUR/m^3"; currencies aren't converted.
 
-    **Arguments:**
-
-    - `text`: such as "95 EUR" or "0.025 EUR/m^3"; the m³ of air is a normal one.
-    - `name`: the key, for errors.
-    - `dimension`: a key of `DIMENSIONS`, for a price by a unit; default: the price of a piece.
-
-    **Returns:** the price.
-
-    **Raises:** `ValueError`, in one line, for anything else.
+    `name`: the key, for errors; `dimension`: a key of `DIMENSIONS`, for a price by a unit; default:
+    the price of a piece. Raises `ValueError`, in one line, for another text.
     """
     value = repr(text)
     value = value if len(value) <= 60 else f"{value[:40]}…{value[-1]}"
@@ -219,28 +313,28 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
     match = _PRICE.fullmatch(text) if isinstance(text, str) and len(text) <= 60 else None
     if match is None:
         raise ValueError(f"{rule}.")
-    sign, digits, word, unit = match.groups()
-    if bool(sign) == bool(word):
+    sign, digits, code, unit = match.groups()
+    if bool(sign) == bool(code):
         raise ValueError(f"{rule}: write one currency.")
     if bool(unit) != (dimension is not None):
-        remedy = "by which unit?" if dimension else "it is for one, drop the unit."
+        remedy = "add the unit." if dimension else "it is the price of one, drop the unit."
         raise ValueError(f"{rule}: {remedy}")
     amount = float(digits)
     if not math.isfinite(amount) or amount > _MAX_PRICE:
         raise ValueError(f"{rule}: it must lie in [0, {_MAX_PRICE:g}].")
     if dimension is None or not unit:
-        return Price(amount, sign or word)
+        return Price(amount, sign or code)
     # a normal cubic meter is often written Nm³
     plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
     try:
         size = parse(f"1 {plain}", dimension, name)
     except ValueError:
         raise ValueError(f"{rule}: {unit!r} is no unit of {dimension}.") from None
-    return Price(amount / size, sign or word)
+    return Price(amount / size, sign or code)
 
 
 def _price(dimension: str | None) -> BeforeValidator:
-    return BeforeValidator(lambda text, info: parse_price(text, str(info.field_name), dimension))
+    return BeforeValidator(lambda text, info: parse_price(text, info.field_name, dimension))
 
 
 def _quantities(dimension: str) -> BeforeValidator:
@@ -271,7 +365,6 @@ def _entries(kind: type, rule: str) -> BeforeValidator:
 
 
 PriceEach = Annotated[Price, _price(None)]
-PricePerLength = Annotated[Price, _price("length")]
 Names = Annotated[tuple[str, ...], _entries(str, "a name")]
 Integers = Annotated[tuple[int, ...], _entries(int, "a whole number")]
 Lengths = Annotated[tuple[float, ...], _quantities("length")]
@@ -312,7 +405,7 @@ class ProductSection(TableModel):
     least_length: Length | None = None
     most_length: Length | None = None
     price: PriceEach | None = None
-    price_per_length: PricePerLength | None = None
+    price_per_length: Annotated[Price, _price("length")] | None = None
     mass: Annotated[float, Quantity("mass")] | None = None
     mass_per_length: Annotated[float, Quantity("linear_density")] | None = None
     largest_pressure: Pressure | None = None
@@ -361,9 +454,9 @@ class DesignSection(TableModel):
 
 
 class SweepSection(TableModel):
-    """`[sweep]`: how many designs of a study are evaluated at once."""
+    """`[sweep]`: number of designs in a block."""
 
-    block: StrictInt | None = None
+    block: Annotated[StrictInt, Field(ge=1, le=_MAX_BLOCK)] | None = None
 
 
 class ScatterSection(TableModel):
@@ -371,7 +464,7 @@ class ScatterSection(TableModel):
 
     length: Number | None = None
     braid_angle: Angle | None = None
-    draws: StrictInt | None = None
+    draws: Annotated[StrictInt, Field(ge=2, le=_MAX_DRAWS)] | None = None
     calibrated: StrictBool | None = None
 
 

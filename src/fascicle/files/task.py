@@ -32,37 +32,41 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.dynamometer import Scatter
 from ..units import parse
-from .errors import FileLocation, check_kind, validate
+from . import examples, shipped_names, shipped_text
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
     DesignSection,
+    FileLocation,
     Price,
     PricesSection,
     ProductSection,
     ScatterSection,
     TaskFileSection,
     TaskSection,
+    check_kind,
+    validate,
 )
-from .shipped_files import examples, shipped_names, shipped_text
 
 
+# dimensions of objectives by their units
 _DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
-_BOUNDS = {"at_least": "least", "at_most": "most"}
-_WARNING = "warn_below"  # of a margin, in its table
-_LISTS = ("force", "strain", "stroke", "weight")
+_BOUNDS = {"at_least": "least", "at_most": "most"}  # keys of a limit, and their names in `Limit`
+_WARNING = "warn_below"  # key of a margin, in its table
+_LISTS = ("force", "strain", "stroke", "weight")  # keys whose single value stands for all points
+# keys of [design] that products have themselves
 _PRODUCT_KEYS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
-_RADII = ("outer_radius", "outer_diameter", "inner_diameter")
+_RADII = ("outer_radius", "outer_diameter", "inner_diameter")  # of which a product has one
 _BLOCK = 4096  # designs evaluated together: some 100 MB
-_MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
 _DRAWS = 200  # of the scatter: quantiles of 5 % rest on ten of them
+_MAX_VALVES = 1e6  # a limit above is none
 _MAX_DRAWINGS = 10_000  # more products are a slip in a list of lengths
 # more than any product's, a slip in the unit
 _MAX_VALUES = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
                "mass_per_length": (1e6, "kg/m")}  # fmt: skip
 
 
-class Chance(NamedTuple):
+class Uncertainty(NamedTuple):
     """Uncertainty of a design: fabrication `scatter`, number of `draws`, and `muscles` sampled from
     a calibration, or `None`.
     """
@@ -90,7 +94,7 @@ class TaskFile:
     - `task`, `space`: the task, and the designs to choose from.
     - `senses`, `limits`: "min" or "max", and bounds, by objective.
     - `catalog`: products with their prices.
-    - `chance`: scatter to evaluate, or `None`.
+    - `uncertainty`: scatter to evaluate, or `None`.
     - `block`: number of a study's designs that are evaluated together.
     - `data`: the file's tables.
     - `notes`: on products that aren't available, and on fit errors.
@@ -102,7 +106,7 @@ class TaskFile:
     senses: dict[str, str]
     limits: dict[str, Limit]
     catalog: Catalog
-    chance: Chance | None
+    uncertainty: Uncertainty | None
     block: int
     data: Mapping[str, Any]
     notes: tuple[str, ...] = ()
@@ -151,17 +155,15 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     space = _space(design, location, limits, folder, offer)
     prices = file.prices or PricesSection()
     catalog = _catalog(prices, root.child("prices"), design.density, offer)
-    block = _BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
-    if not 1 <= block <= _MAX_BLOCK:
-        raise root.error(("sweep", "block"), f"must lie in [1, {_MAX_BLOCK}] designs.")
+    block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
-    chance = None
+    uncertainty = None
     if file.scatter is not None:
         scatter_location = root.child("scatter")
         if len(space.drawings) > 1 or len(design.muscle) > 1:
             raise scatter_location.error((), "needs a space of one muscle, search each alone.")
-        chance = _chance(file.scatter, design, scatter_location, folder)
+        uncertainty = _uncertainty(file.scatter, design, scatter_location, folder)
     notes = [
         f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
         for name in design.muscle
@@ -169,7 +171,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     ]
     notes += () if offer is None else offer.notes
     return TaskFile(
-        task, space, senses, limits, catalog, chance, block, data, tuple(notes), least_margin
+        task, space, senses, limits, catalog, uncertainty, block, data, tuple(notes), least_margin
     )
 
 
@@ -215,53 +217,42 @@ def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[s
 
 
 def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[str, Limit], float]:
-    """Limits by objective, and the relative margin below which a design is warned of."""
+    """Limits by objective, and the relative margin below which a design has a warning."""
     limits, least_margin = {}, LEAST_MARGIN
-    for name, bounds in section.items():
+    for name, entry in section.items():
         with location.error_context():
             check_objectives([name])
-        if name == "margin" and not isinstance(bounds, dict):
-            least_margin = _margin(bounds, location, (name,))
-            continue
-        if not isinstance(bounds, dict):
+        is_margin, ends = name == "margin", {}
+        if not isinstance(entry, dict) and not is_margin:
             raise location.error((name,), "must be a table: write { at_most = … }.")
-        ends = dict(bounds)
-        if name == "margin" and _WARNING in ends:
-            least_margin = _margin(ends.pop(_WARNING), location, (name, _WARNING))
-            if not ends:
-                continue
-        limits[name] = _limit(name, ends, location)
+        if entry == {}:
+            raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
+        # a margin without a table is that of the warning
+        bounds = entry if isinstance(entry, dict) else {_WARNING: entry}
+        for key, text in bounds.items():
+            keys = (name, key) if bounds is entry else (name,)
+            warns = is_margin and key == _WARNING
+            if not warns and key not in _BOUNDS:
+                raise location.error(keys, "unknown key: write at_least or at_most.")
+            dimension = "number" if warns else _DIMENSIONS[OBJECTIVES[name].unit]
+            rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
+            rule += ' margin = { at_least = "50 N" }.'
+            try:
+                value = parse(text, dimension, keys[-1])
+            except ValueError as error:
+                raise location.error(keys, rule if warns else str(error)) from None
+            if warns and not 0 <= value <= 10:
+                raise location.error(keys, rule)
+            if name in SHARES and not 0 <= value < 1:
+                rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
+                raise location.error((name,), rule)
+            if warns:
+                least_margin = value
+            else:
+                ends[_BOUNDS[key]] = value
+        if ends:
+            limits[name] = Limit(**ends)
     return limits, least_margin
-
-
-def _margin(text: Any, location: FileLocation, keys: tuple[str, ...]) -> float:
-    """Margin as a share of the demanded force [-]."""
-    rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
-    try:
-        margin = parse(text, "number", keys[-1])
-    except ValueError:
-        raise location.error(keys, rule) from None
-    if not 0 <= margin <= 10:
-        raise location.error(keys, rule)
-    return margin
-
-
-def _limit(name: str, bounds: Mapping[str, Any], location: FileLocation) -> Limit:
-    dimension = _DIMENSIONS[OBJECTIVES[name].unit]
-    ends = {}
-    for key, text in bounds.items():
-        if key not in _BOUNDS:
-            raise location.error((name, key), "unknown key: write at_least or at_most.")
-        try:
-            ends[_BOUNDS[key]] = parse(text, dimension, key)
-        except ValueError as error:
-            raise location.error((name, key), str(error)) from None
-    if not ends:
-        raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
-    if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
-        rule = 'a share of the task: must lie in [0, 1), as "10 %" does: a part must be reached.'
-        raise location.error((name,), rule)
-    return Limit(**ends)
 
 
 def _space(
@@ -281,7 +272,7 @@ def _space(
     valves = limits["valves"].most if "valves" in limits else float("inf")
     if valves < 1:
         raise location.error((), "the space is empty: every bundle needs a valve.")
-    if valves < 1e6:
+    if valves < _MAX_VALVES:
         options["most_units"] = int(valves)
     with location.error_context():
         if len(splits) == 1 and splits[0] in SPLITS:
@@ -311,19 +302,14 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
         return muscle
 
 
-def _chance(
-    section: ScatterSection,
-    design: DesignSection,
-    location: FileLocation,
-    folder: Path,
-) -> Chance:
-    draws = _DRAWS if section.draws is None else section.draws
-    if not 2 <= draws <= 100_000:
-        raise location.error(("draws",), "must lie in [2, 100000].")
+def _uncertainty(
+    section: ScatterSection, design: DesignSection, location: FileLocation, folder: Path
+) -> Uncertainty:
     muscles = None
     with location.error_context():
-        options = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
-        scatter = Scatter(**options)
+        scatter = Scatter(
+            **section.model_dump(exclude_none=True, include={"length", "braid_angle"})
+        )
         if section.calibrated:
             from .calibration_files import sample_muscles
 
@@ -331,18 +317,15 @@ def _chance(
             if not path.exists():
                 rule = f"needs a muscle file, {design.muscle[0]!r} is none"
                 raise InvalidInputError("calibrated", rule, None)
-            muscles = sample_muscles(path)
             if design.buckling is not None:
                 rule = "constants hold for the law they were fitted with"
-                raise InvalidInputError("calibrated", rule, None)
-        return Chance(scatter, draws, muscles)
+                raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
+            muscles = sample_muscles(path)
+        return Uncertainty(scatter, section.draws or _DRAWS, muscles)
 
 
 def _catalog(
-    section: PricesSection,
-    location: FileLocation,
-    density: float | None,
-    offer: Offer | None,
+    section: PricesSection, location: FileLocation, density: float | None, offer: Offer | None
 ) -> Catalog:
     prices: dict[str, Price] = {key: price for key, price in section if price is not None}
     currency = "" if offer is None else offer.currency
@@ -352,8 +335,7 @@ def _catalog(
             rule = f"another price is in {currency}: give all in one currency."
             raise location.error((key,), rule)
     amounts = {key: price.amount for key, price in prices.items()}
-    products = {} if offer is None else offer.products
-    return Catalog(products, currency, density=density, **amounts)
+    return Catalog({} if offer is None else offer.products, currency, density=density, **amounts)
 
 
 def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offer | None:
@@ -369,30 +351,22 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
         raise location.error(("muscle",), rule)
     catalog, products = location.child("catalog", kind="catalog"), section.catalog
     if isinstance(products, str):
-        products, catalog = _catalog_file(products, catalog, folder)
+        name, path, shipped = products, folder / products, shipped_names("catalogs")
+        if name not in shipped and not path.exists():
+            with catalog.error_context():
+                check_choice(name, shipped, "catalog")
+        is_shipped = name in shipped
+        text = shipped_text("catalogs", name) if is_shipped else read_text(path)
+        source = name if is_shipped else str(path)
+        data = parse_file(text, source)
+        products = validate(CatalogFile, data, source).product
+        catalog = FileLocation(source, data, ("product",), "catalog")
     bases: dict[str | None, tuple[str, Muscle]] = {}
     for i, product in enumerate(products):
         name = product.muscle or section.muscle[0]
         name_location = location if product.muscle is None else catalog.child(i, kind="catalog")
         bases[product.muscle] = name, _drawing(name, section, name_location, folder)
     return _build_offer(products, catalog, section.length or (), bases)
-
-
-def _catalog_file(
-    name: str, location: FileLocation, folder: Path
-) -> tuple[Sequence[ProductSection], FileLocation]:
-    """Products of a shipped catalog or of a file, and the location of their list."""
-    path, shipped = folder / name, shipped_names("catalogs")
-    if name in shipped:
-        content, source = shipped_text("catalogs", name), name
-    else:
-        if not path.exists():
-            with location.error_context():
-                check_choice(name, shipped, "catalog")
-        content, source = read_text(path), str(path)
-    data = parse_file(content, source)
-    file = validate(CatalogFile, data, source)
-    return file.product, FileLocation(source, data, ("product",), "catalog")
 
 
 def _build_offer(
@@ -429,7 +403,7 @@ def _build_offer(
         for length in available:
             name = f"{section.name}, {1e3 * length:.6g} mm"
             if name in drawings:
-                raise location.error(("name",), "is there twice with this length.")
+                raise location.error(("name",), "repeats a product of this length.")
             with location.error_context():
                 drawings[name] = _product_muscle(section, base, length)
                 products[name] = _product(section, length)

@@ -24,6 +24,7 @@ from .design_summary import (
     headline,
     margin_warning,
     muscle_sizes,
+    objective_head,
     objective_label,
     summarize_search,
     task_requirement,
@@ -55,10 +56,10 @@ def report(
     - `result`: of the search.
     - `date`: of the day, such as "2026-05-04".
     - `files`: names of the files beside the page.
-    - `seconds`: duration of the search [s], or none.
-    - `spread`: scatter of the front's designs, or none.
-    - `notes`: on designs that the search left out.
-    - `answer`: of `summarize_search`; computed if left out.
+    - `seconds`: duration of the search [s], or `None`.
+    - `spread`: scatter of the front's designs, or `None`.
+    - `notes`: on omitted products and fit errors.
+    - `answer`: of `summarize_search`; default: it is computed.
     """
     answer = summarize_search(result) if answer is None else answer
     infeasible = answer if isinstance(answer, InfeasibleResult) else None
@@ -66,6 +67,11 @@ def report(
     index = infeasible.index if infeasible else result.cheapest
     assert index is not None
     rows, caption = case_rows(summary, _CASES)
+    requirement, complete = task_requirement(result), result.judged == len(result.index)
+    counts = f"of those that {requirement} and keep all limits, "
+    if complete:
+        reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
+        counts = f"{reaching} {requirement}, {allowed} also keep all limits; of these, "
     values: dict[str, Any] = {}
     if infeasible is None:
         facts = design_facts(result, summary)
@@ -73,25 +79,19 @@ def report(
             "headline": headline(result, summary),
             "warning": margin_warning(result, summary),
             "facts": [f"{name}: {text}" for name, text in facts.items()],
+            "compromise": compromise(result),
+            **_pictures(result),
+            **_tables(result, spread),
         }
-    if result.cheapest is not None:
-        values |= {"compromise": compromise(result), **_pictures(result), **_tables(result, spread)}
     return render(
         "design.html", title=f"Which bundle: {objective_label(result.task.name)}", date=date,
-        result=result, infeasible=infeasible, found=result.cheapest is not None, seconds=seconds,
-        heads=HEADS, caption=caption, counts=_limit_counts(result), notes=notes, scatter=spread,
+        result=result, infeasible=infeasible, seconds=seconds, heads=HEADS, caption=caption,
+        counts=counts, notes=notes, scatter=spread,
         rows=[[*row[:-1], mark(row[-1] != MISSED, row[-1], row[-1], "fails")] for row in rows],
         space=_plane(result, index, summary), files=files[:_LINKS], limit=_SHOWN,
         supply=pretty(result.task.supply_pressure, "pressure"),
-        requirement=task_requirement(result), terms=_terms(result), **values,
+        requirement=requirement, terms=_terms(result), **values,
     )  # fmt: skip
-
-
-def _limit_counts(result: SearchResult) -> str:
-    if result.judged > len(result.index):
-        return f"of those that {task_requirement(result)} and keep all limits "
-    reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
-    return f"{reaching} {task_requirement(result)}, {allowed} keep all limits too, of which "
 
 
 def _plane(result: SearchResult, index: int, summary: Summary) -> Any:
@@ -124,17 +124,16 @@ def compromise(result: SearchResult) -> list[str]:
     assert index is not None
     row, labels = result.front[index], result.designs.labels
     lines = [
-        f"Best compromise of the objectives: {labels[index]},"
-        f" {muscle_sizes(result, result.designs, index)}. Of the designs that no other betters it"
-        " is the one whose worst objective is least bad, each counted from the best to the worst on"
-        " the front."
+        f"Best compromise of all objectives: {labels[index]},"
+        f" {muscle_sizes(result, result.designs, index)}. Of the designs on the front, its worst"
+        " objective is least bad, on a scale from the best value on the front to the worst."
     ]
     for name, sense in result.senses.items():
         front = result.values[name][result.front]
         best, value = (front.max() if sense == "max" else front.min()), result.values[name][row]
         text = f"{objective_label(name)}: {format_objective(name, float(value))}"
         if value == best:
-            lines.append(f"{text}, the best there is on the front.")
+            lines.append(f"{text}, the best on the front.")
         else:
             label = labels[int(np.flatnonzero(front == best)[0])]
             best_text = format_objective(name, float(best))
@@ -173,7 +172,7 @@ def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
     bold = Markup("<strong>{}</strong>").format
     files = sorted({*range(min(len(designs), _SHOWN)), result.recommended or 0})
     tables: dict[str, Any] = {
-        "front_heads": ["", "units", "muscles", *map(objective_label, names)],
+        "front_heads": ["", "units", "muscles", *map(objective_head, names)],
         "front_rows": [
             [
                 index + 1,
@@ -193,7 +192,7 @@ def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
     if spread is not None:
         low, high, stays = spread.quantile(0.05), spread.quantile(0.95), spread.front(result.senses)
         heads = map(objective_label, result.senses)
-        tables["scatter_heads"] = ["", "units", "meets the task", *heads, "still on"]
+        tables["scatter_heads"] = ["", "units", "meets the task", *heads, "robust"]
         tables["scatter_rows"] = [
             [
                 index + 1, designs.labels[index], f"{100 * spread.probability[index]:.0f} %",
@@ -209,14 +208,8 @@ def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
 def _terms(result: SearchResult) -> list[str]:
     """Sentences on the task, objectives and limits."""
     fraction = allowed_miss_fraction(result.limits)
-    terms = [
-        f"Every design must {task_requirement(result)}."
-        + (
-            ""
-            if fraction
-            else " A share that may be missed would be given in [limits] not_reached."
-        )
-    ]
+    share = "" if fraction else " To allow it to miss a share, write [limits] not_reached."
+    terms = [f"Every design must {task_requirement(result)}.{share}"]
     senses = {"min": ", less is better", "max": ", more is better", None: ", only recorded"}
     for name in dict.fromkeys([*result.reported_objectives, *(n for n in SHARES if fraction)]):
         bounds = []

@@ -15,11 +15,12 @@ from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
 from ..units import DIMENSIONS, figures, pretty
 
 
-HEADS = ("case", "force", "stroke", "contraction", "gives up to", "to spare", "")
+HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "to spare", "")
 REACHED, MISSED = "reached", "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
 _REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "radius": "length", "length": "length"}
 _LITER = 1e-3  # m³
+_UNKNOWN = "unknown: "  # begins a fact without a number, and what to give in the task file
 
 
 def format_objective(name: str, value: float) -> str:
@@ -33,15 +34,13 @@ def objective_label(name: str) -> str:
     return name.replace("_", " ")
 
 
+def objective_head(name: str) -> str:
+    """Label of an objective for a column, with the unit if it isn't in the cells."""
+    return objective_label(name) + " [-]" * (OBJECTIVES[name].unit == "-")
+
+
 def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
-    """Sizes of a design's muscles in a line.
-
-    **Arguments:**
-
-    - `result`: of a search.
-    - `designs`: some of the search's designs.
-    - `index`: of the design among them.
-    """
+    """Sizes of the muscles of one of the `designs` of a search, with an `index`, in a line."""
     used = designs.counts[index] > 0
     radii = dict.fromkeys(figures(1e3 * r) for r in designs.radius[index][used])
     walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[index][used])
@@ -72,29 +71,44 @@ def composition_text(summary: Summary) -> str:
     return f"{summary.muscles} {muscles} in {summary.valves} motor units ({summary.label})"
 
 
+def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
+    """Lines on the recommended design for the terminal: at most ten, if there is no warning."""
+    recommendation, margin, reason = headline(result, summary)
+    facts, warning = design_facts(result, summary), margin_warning(result, summary)
+    lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), reason]
+    known = {name: text for name, text in facts.items() if not text.startswith(_UNKNOWN)}
+    lines += [f"{name}: {text}" for name, text in known.items()]
+    if unknown := [
+        f"{name} ({facts[name].removeprefix(_UNKNOWN)})" for name in facts if name not in known
+    ]:
+        lines.append(f"unknown: {', '.join(unknown)}")
+    if (index := result.compromise) is not None and index != result.recommended:
+        sizes = muscle_sizes(result, result.designs, index)
+        lines.append(
+            f"alternative: {result.designs.labels[index]}, {sizes}: the best compromise of all"
+            " objectives"
+        )
+    return lines
+
+
 def headline(result: SearchResult, summary: Summary) -> list[str]:
     """Sentences on the recommended design: its sizes, its margin, and the reason."""
     index = result.recommended
     assert index is not None
     allowed, complete = int(result.allowed.sum()), result.judged == len(result.index)
-    requirement = task_requirement(result)
+    requirement, sizes = task_requirement(result), muscle_sizes(result, result.designs, index)
     if allowed == 1 and complete:
         reason = (
-            f"It is the only one of {result.judged} designs that can {requirement} within all"
+            f"It is the only one of {result.judged} designs that can {requirement} and keeps all"
             " limits."
         )
     else:
-        designs = (
-            f"the {allowed} designs" if complete else f"those of {result.judged} judged designs"
-        )
+        designs = f"the {allowed}" if complete else f"{result.judged} evaluated"
         reason = (
-            f"It is the cheapest of {designs} that {requirement}, and keep all limits;"
+            f"It is the cheapest of {designs} designs that {requirement} and keep all limits;"
             f" cheapest: {describe_cheapest(result.catalog, result.space.drawings)}."
         )
-    sizes = muscle_sizes(result, result.designs, index)
-    return [
-        f"Take {composition_text(summary)}, {sizes}.", f"margin: {_margin(summary)}.", reason
-    ]  # fmt: skip
+    return [f"Take {composition_text(summary)}, {sizes}.", f"margin: {_margin(summary)}.", reason]
 
 
 def _margin(summary: Summary) -> str:
@@ -105,13 +119,12 @@ def _margin(summary: Summary) -> str:
     i = _closest(summary)
     spare = float(cases.spare[i])
     text = (
-        f"{_percent(summary.relative_margin)}, {pretty(spare, 'force')} to spare at case {i + 1},"
-        f" which could lift {pretty(float(cases.largest[i]), 'force')},"
-        f" {pretty(spare / STANDARD_GRAVITY, 'mass', 3)} more"
+        f"{_percent(summary.relative_margin)} at case {i + 1}: {_demand_and_supply(summary, i)},"
+        f" {pretty(spare, 'force')} to spare ({pretty(spare / STANDARD_GRAVITY, 'mass', 3)})"
     )
     if cases.tightest != i:
-        fewest = pretty(float(cases.spare[cases.tightest]), "force")
-        text += f"; the fewest newtons are {fewest}, at case {cases.tightest + 1}"
+        least = pretty(float(cases.spare[cases.tightest]), "force")
+        text += f"; least force to spare: {least} at case {cases.tightest + 1}"
     if np.isfinite(summary.load_factor):
         factor = figures(np.floor(1e3 * summary.load_factor) / 1e3)
         text += f"; all loads could be {factor} times as large"
@@ -124,6 +137,13 @@ def _closest(summary: Summary) -> int:
     return int(np.argmin(np.where(cases.reached, cases.relative, np.inf)))
 
 
+def _demand_and_supply(summary: Summary, case: int) -> str:
+    demanded, available = (
+        pretty(float(x[case]), "force") for x in (summary.cases.task.force, summary.cases.largest)
+    )
+    return f"{demanded} demanded, {available} available"
+
+
 def _percent(fraction: float) -> str:
     return f"{100 * fraction:.3g} %"
 
@@ -133,22 +153,18 @@ def margin_warning(result: SearchResult, summary: Summary) -> str:
     if Limit(least=result.least_margin).holds(summary.relative_margin):
         return ""
     i, threshold = _closest(summary), _percent(result.least_margin)
-    force, largest = (
-        pretty(x[i], "force") for x in (summary.cases.task.force, summary.cases.largest)
-    )
     text = (
-        f"the margin is {_percent(summary.relative_margin)}: case {i + 1} asks for {force}, where"
-        f" this bundle is computed to give {largest}. That is below {threshold} ([limits] margin)."
-        " Computed forces can be off by tens of percent, and by more where the braid angle is a"
-        " degree off, so it may not do the task."
+        f"the margin is {_percent(summary.relative_margin)}: {_demand_and_supply(summary, i)} at"
+        f" case {i + 1}. That is below {threshold} ([limits] margin). Computed forces can be off by"
+        " tens of percent, and by more if the braid angle is a degree off: it may fail the task."
     )
     if (index := result.cheapest_with_margin) is None:
-        return f"{text} No design of this search has {threshold}: look for larger or more muscles."
+        return f"{text} No design of this search has {threshold}: add larger or more muscles."
     better = result.all_designs(np.array([index]))
     return (
         f"{text} The cheapest design that has {threshold} is {better.labels[0]},"
-        f' {muscle_sizes(result, better, 0)}: relative_margin = {{ at_least = "{threshold}" }} in'
-        " [limits] takes it."
+        f" {muscle_sizes(result, better, 0)}: to get it, write"
+        f' relative_margin = {{ at_least = "{threshold}" }} in [limits].'
     )
 
 
@@ -156,7 +172,7 @@ def case_rows(summary: Summary, limit: int) -> tuple[list[list[str]], str]:
     """Rows of load cases under `HEADS`, at most `limit` with the least to spare, and a caption."""
     cases, task = summary.cases, summary.cases.task
     indices = np.arange(len(task))
-    caption = f"{len(task) - int(np.sum(~cases.reached))} of {len(task)} reached"
+    caption = f"{int(np.sum(cases.reached))} of {len(task)} reached"
     if len(task) > limit:
         indices = np.sort(np.argsort(cases.relative)[:limit])
         caption = f"the {limit} of {len(task)} with least to spare; {caption}"
@@ -174,48 +190,44 @@ def case_rows(summary: Summary, limit: int) -> tuple[list[list[str]], str]:
 
 def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
     """Facts on a design besides its load cases, by topic."""
-    cases, product = summary.cases, summary.product
-    stroke = cases.task.stroke_of(cases.length)
+    cases, product, catalog = summary.cases, summary.product, result.catalog
+    stroke, fluid, missed = cases.task.stroke_of(cases.length), cases.task.fluid, ~cases.reached
     facts = {
-        "stroke": f"{pretty(stroke.max(), 'length')} of {pretty(cases.length, 'length')} at rest",
-        "mass": _mass(summary, result.catalog.density),
-        cases.task.fluid: _fluid(summary),
-        f"cost of {cases.task.fluid}": _cost(result, summary),
-        "price": _price(result, summary),
-        "outer diameter": f"{pretty(summary.diameter_at_rest, 'length')} at rest,"
+        "size": f"stroke {pretty(stroke.max(), 'length')} of {pretty(cases.length, 'length')} at"
+        f" rest; outer diameter {pretty(summary.diameter_at_rest, 'length')} at rest,"
         f" {pretty(summary.diameter, 'length')} at the largest contraction"
         + (" with unfed units bowed out" if summary.valves > 1 else ""),
-        "valves": f"{summary.valves}, one for each motor unit",
+        "mass": _mass(summary, catalog.density),
+        fluid: _fluid(summary),
+        f"cost of {fluid}": f"{_UNKNOWN}give [prices] {'air or ' * (fluid == 'air')}energy",
+        "price": _price(result, summary),
     }
+    if summary.cost_of_a_cycle is not None:
+        cost = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
+        if fluid == "air" and catalog.air is None:
+            cost += ", compressed without losses: a compressor takes more"
+        facts[f"cost of {fluid}"] = cost
     if product is not None:
         source = f"; figures: {product.source}" if product.source else ""
-        facts["product"] = (
-            f"{summary.muscles} × {product.name}, {pretty(cases.length, 'length')}{source}"
-        )
-    missed = ~cases.reached
+        length = pretty(cases.length, "length")
+        facts["product"] = f"{summary.muscles} × {product.name}, {length}{source}"
     if allowed_miss_fraction(result.limits) > 0 and missed.any():
         weight = float(np.average(missed, weights=cases.task.weight))
         facts["missed"] = (
             f"{missed.sum()} of {len(cases.task)} load cases, {100 * weight:.3g} % by weight; the"
-            f" task file lets {100 * result.limits[BY_WEIGHT].most:.4g} % go"
+            f" task file allows {100 * result.limits[BY_WEIGHT].most:.4g} %"
         )
     return facts
 
 
 def _mass(summary: Summary, density: float | None) -> str:
-    if (
-        summary.product is not None
-        and summary.product.mass is not None
-        and summary.mass is not None
-    ):
-        return f"{pretty(summary.mass, 'mass', 3)} of muscles, by the catalog"
     rubber = f"{figures(1e6 * summary.bladders, 3)} cm³ of bladder"
     if summary.mass is None:
-        return f'not known: {rubber}, no density given ([design] density = "… kg/m^3")'
-    return (
-        f"{pretty(summary.mass, 'mass', 3)} of bladders ({rubber} at {density:g} kg/m³), without"
-        " braid and fittings"
-    )
+        return f"{_UNKNOWN}give [design] density; {rubber}"
+    mass = pretty(summary.mass, "mass", 3)
+    if summary.product is not None and summary.product.mass is not None:
+        return f"{mass} of muscles, by the catalog"
+    return f"{mass} of bladders ({rubber} at {density:g} kg/m³), without braid and fittings"
 
 
 def _fluid(summary: Summary) -> str:
@@ -232,29 +244,19 @@ def _fluid(summary: Summary) -> str:
     return f"{figures(mean, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
 
 
-def _cost(result: SearchResult, summary: Summary) -> str:
-    catalog, air = result.catalog, summary.cases.task.fluid == "air"
-    if summary.cost_of_a_cycle is None:
-        keys = 'air = "… EUR/m^3" or energy' if air else "energy"
-        return f'no price given ([prices] {keys} = "… EUR/kWh")'
-    text = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
-    if air and catalog.air is None:
-        text += ", compressed without losses: a compressor takes more"
-    return text
-
-
 def _price(result: SearchResult, summary: Summary) -> str:
     catalog = result.catalog
     if summary.price is not None:
         return f"{figures(summary.price, 6)} {catalog.currency}, of muscles and valves"
     if summary.price_of_muscles is not None:
-        muscles = figures(summary.price_of_muscles, 6)
-        missing = "a valve" if catalog.valve is None else "the muscles"
-        return f"muscles {muscles} {catalog.currency}; no price of {missing} given"
+        return (
+            f"{figures(summary.price_of_muscles, 6)} {catalog.currency}, of muscles; the price of a"
+            " valve is unknown"
+        )
     if catalog.valve is not None:
         valves = figures(summary.valves * catalog.valve, 6)
-        return f"valves {valves} {catalog.currency}; no price of the muscles given"
-    return "no price given ([prices] valve, muscle; or a catalog's)"
+        return f"{valves} {catalog.currency}, of valves; the price of the muscles is unknown"
+    return f"{_UNKNOWN}give [prices] valve and muscle, or a catalog"
 
 
 class InfeasibleResult:
@@ -263,18 +265,17 @@ class InfeasibleResult:
     """
 
     def __init__(self, result: SearchResult):
-        """**Arguments:** `result`: of a search that judged at least one design."""
+        """**Arguments:** `result`: of a search that evaluated at least one design."""
         assert result.nearest is not None
         self.result, self.index = result, result.nearest
-        self.summary: Summary = summarize_result(result, result.nearest)
-        self.design = result.all_designs(np.array([result.nearest]))
-        self.reaches = bool(result.reaches_task[result.nearest])
-        self.changes: list[Remedy] = []
-        if not self.reaches:
-            miss = allowed_miss_fraction(result.limits)
-            self.changes = remedies(
-                self.design, 0, result.task, miss, result.limits, self.summary.product
-            )
+        self.summary: Summary = summarize_result(result, self.index)
+        self.design = result.all_designs(np.array([self.index]))
+        self.reaches = bool(result.reaches_task[self.index])
+        miss, product = allowed_miss_fraction(result.limits), self.summary.product
+        self.changes: list[Remedy] = (
+            [] if self.reaches
+            else remedies(self.design, 0, result.task, miss, result.limits, product)
+        )  # fmt: skip
 
     @property
     def keeps(self) -> bool:
@@ -285,7 +286,7 @@ class InfeasibleResult:
         """All sentences: verdict, limits, nearest design, remedies."""
         lines = [self.verdict(), *self.limit_counts(), self.nearest()]
         if self.changes:
-            lines += ["What would reach it, each by itself:", *self.remedies()]
+            lines += ["Changes that would reach it, each by itself:", *self.remedies()]
         return lines
 
     def verdict(self) -> str:
@@ -299,7 +300,7 @@ class InfeasibleResult:
             )
         limits = "" if complete or not other_limits(result.limits) else " within the other limits"
         return (
-            f"No design is recommended: none of the {result.judged} that were judged can"
+            f"No design is recommended: none of the {result.judged} evaluated designs can"
             f" {requirement}{limits}."
         )
 
@@ -316,7 +317,7 @@ class InfeasibleResult:
                     f" they lie between {low} and {high}."
                 )
         excluded = result.excluded_products.items()
-        return lines + [f"{name} may not be used: {reason}." for name, reason in excluded]
+        return lines + [f"{name} must not be used: {reason}." for name, reason in excluded]
 
     def nearest(self) -> str:
         """Sentence on the nearest design and its largest miss."""
@@ -324,7 +325,7 @@ class InfeasibleResult:
         text = f"{composition_text(self.summary)}, {muscle_sizes(self.result, self.design, 0)}"
         limits = f" It breaks other limits: {', '.join(broken)}." if broken else ""
         if self.reaches:
-            return f"One that reaches all: {text}.{limits}"
+            return f"The nearest reaches every load case: {text}.{limits}"
         i, missed = cases.worst, int(np.sum(~cases.reached))
         demand, force = float(cases.task.force[i]), float(cases.largest[i])
         percent = f" ({-100 * float(cases.relative[i]):.3g} %)" if demand > 0 else ""
@@ -341,8 +342,8 @@ class InfeasibleResult:
         lines = [self._remedy_text(remedy) for remedy in self.changes]
         if self.result.task.stroke is None and any(map(self._too_far, self.changes)):
             lines.append(
-                "A braid with a smaller angle contracts further; a stroke in mm, stroke instead of"
-                " strain, asks less of longer muscles."
+                "A braid with a smaller angle contracts further. If your task is a stroke in mm,"
+                " write stroke instead of strain: longer muscles then need less contraction."
             )
         return lines
 
@@ -371,17 +372,17 @@ class InfeasibleResult:
             return f"{label}: {self._change_text(remedy, remedy.value)}."
         dimension = _REMEDY_DIMENSIONS.get(remedy.what, "")
         top = f"{remedy.most:.0f}" if muscles else _round_up(remedy.most, dimension)
-        none = "no number" if muscles else "none"
+        none = "no number" if muscles else "no value"
         if self._too_far(remedy):
             condition = f"at {top}" if remedy.what == "supply_pressure" else "at this pressure"
             range_ = f" up to {top}" if remedy.what == "length" else ""
             return (
-                f"{label}: {none}{range_} does: {condition} these muscles contract by"
-                f" {100 * remedy.free_strain:.3g} % at most, case {case} asks for"
+                f"{label}: {none}{range_} is enough: {condition} these muscles contract by"
+                f" {100 * remedy.free_strain:.3g} % at most, case {case} demands"
                 f" {100 * self._strain(remedy):.3g} %."
             )
         short = pretty(remedy.short, "force")
-        return f"{label}: {none} up to {top} does: there case {case} still misses {short}."
+        return f"{label}: {none} up to {top} is enough: there case {case} still misses {short}."
 
     def _change_text(self, remedy: Remedy, value: float) -> str:
         """A change, from the present value, and the limits that it breaks."""
@@ -394,7 +395,7 @@ class InfeasibleResult:
             text = f"{_round_up(value, dimension)} instead of {pretty(remedy.now, dimension)}"
             if remedy.what == "supply_pressure" and value > remedy.measured:
                 measured = pretty(remedy.measured, dimension)
-                text += f", beyond the {measured} that the tuning was measured up to"
+                text += f", above the {measured} up to which the tuning was measured"
             if remedy.what == "radius":
                 text += ", walls in proportion"
         broken = []
@@ -405,7 +406,7 @@ class InfeasibleResult:
                 f"{objective_label(name)} {format_objective(name, number)}, limited to"
                 f" {format_objective(name, end)}"
             )
-        return f"{text}; it breaks a limit then: {', '.join(broken)}" if broken else text
+        return f"{text}; it then breaks a limit: {', '.join(broken)}" if broken else text
 
 
 def summarize_search(result: SearchResult) -> Summary | InfeasibleResult:

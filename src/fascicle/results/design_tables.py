@@ -15,9 +15,9 @@ _ON_FRONT = "true if no other design is better in all objectives"
 
 
 def front_variables(result: SearchResult, spread: Spread | None = None) -> dict[str, Variable]:
-    """Front of a search, a design a row, and the recommended design if it isn't on the front.
+    """Table of the front, a design a row, and of the recommended design if it isn't on the front.
 
-    `spread`: the designs' robustness, or `None`. Objectives come first, then composition and sizes.
+    `spread`: the designs' scatter, or `None`. Objectives come first, then composition and sizes.
     """
     indices = result.reported
     recommended = np.zeros(len(indices), bool)
@@ -45,7 +45,7 @@ def front_variables(result: SearchResult, spread: Spread | None = None) -> dict[
 
 
 def case_variables(summary: Summary) -> Table:
-    """Performance of one design at each load case, a case a row, its mass and diameter."""
+    """Table of one design's load cases, a case a row, its mass and diameter."""
     cases = summary.cases
     task, fluid = cases.task, cases.task.fluid
     kind = "normal volume at 20 °C and 100 kPa (ISO 8778)" if fluid == "air" else "volume"
@@ -67,8 +67,8 @@ def case_variables(summary: Summary) -> Table:
     )
 
 
-def every_variables(result: SearchResult) -> Table:
-    """All evaluated designs, a row each, by index."""
+def all_design_variables(result: SearchResult) -> Table:
+    """Table of all evaluated designs, a row each."""
     front = np.zeros(len(result.index), bool)
     front[result.front] = True
     return build_table(
@@ -80,7 +80,7 @@ def every_variables(result: SearchResult) -> Table:
 
 
 def design_variables(designs: Designs) -> Table:
-    """Composition and sizes, a design a row."""
+    """Table of composition and sizes, a design a row."""
     names = list(designs.drawings)
     drawings = np.array([names[i] for i in designs.kind], object)
     radius, wall, angle = (
@@ -101,13 +101,8 @@ def design_variables(designs: Designs) -> Table:
 
 
 def _objectives(values: dict[str, np.ndarray], prefix: str = "", suffix: str = "") -> list[tuple]:
-    return [
-        (
-            f"{name}{suffix}",
-            "design",
-            column,
-            OBJECTIVES[name].unit,
-            prefix + OBJECTIVES[name].about,
-        )
-        for name, column in values.items()
-    ]
+    rows = []
+    for name, column in values.items():
+        unit, about = OBJECTIVES[name].unit, f"{prefix}{OBJECTIVES[name].about}"
+        rows.append((f"{name}{suffix}", "design", column, unit, about))
+    return rows

@@ -23,7 +23,7 @@ from ..io.atomic import write as write_whole
 if TYPE_CHECKING:
     import xarray
 
-SUFFIXES = (".nc", ".zarr", ".csv", ".json")
+SUFFIXES = (".nc", ".zarr", ".csv", ".json")  # of results, by which the format is chosen
 _ZARR_FILES = ("zarr.json", ".zgroup", ".zattrs")  # of a store in zarr's formats 3 and 2
 
 
@@ -75,19 +75,17 @@ def to_json(variables: Mapping[str, Variable]) -> str:
     lists = {}
     for name, variable in variables.items():
         values = np.asarray(variable.values)
-        if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
-            finite = np.isfinite(values)
-            values = values.astype(object)
-            values[~finite] = None
+        if values.dtype.kind == "f":
+            values = np.where(np.isfinite(values), values.astype(object), None)
         lists[name] = values.tolist()
     return json.dumps(lists, allow_nan=False)
 
 
 def to_csv(variables: Mapping[str, Variable]) -> str:
-    """Variables as a table: a row for each point of the first one that is no coordinate.
+    """CSV of variables: a row for each point of the first one that is no coordinate.
 
     **Arguments:** `variables`: by name; a variable with one more dimension takes a column for
-    each index along it, and is left out if it has still more.
+    each index along it; others are omitted.
 
     **Returns:** the text, with `name [unit]` as headings.
     """
@@ -99,10 +97,8 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
         extra = [dim for dim in variable.dims if dim not in dims]
         if len(extra) > 1 or (extra and len(variable.dims) == 1):
             continue
-        values, axes = (
-            np.asarray(variable.values),
-            [dims.index(d) for d in variable.dims if d in dims],
-        )
+        values = np.asarray(variable.values)
+        axes = [dims.index(dim) for dim in variable.dims if dim in dims]
         slices = np.moveaxis(values, variable.dims.index(extra[0]), 0) if extra else values[None]
         absent = [axis for axis in range(len(dims)) if axis not in axes]
         for index, selection in enumerate(slices):
@@ -155,12 +151,11 @@ class Table(dict[str, Variable]):
             sizes = zip(variable.dims, np.shape(variable.values), strict=True)
             shape = " × ".join(f"{dim} {size}" for dim, size in sizes)
             rows.append((name, f"[{variable.unit or '-'}]", shape, variable.about))
-        widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
-        lines = (
-            "  ".join([*(x.ljust(n) for x, n in zip(row, widths, strict=False)), row[3]]).rstrip()
-            for row in rows
+        a, b, c = (max((len(row[i]) for row in rows), default=0) for i in range(3))
+        return "\n".join(
+            f"{name:{a}}  {unit:{b}}  {shape:{c}}  {about}".rstrip()
+            for name, unit, shape, about in rows
         )
-        return "\n".join(lines)
 
 
 def build_table(*rows: tuple[Any, ...]) -> Table:
@@ -183,14 +178,7 @@ def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
 
 
 def check_result_path(path: str | os.PathLike[str]) -> Path:
-    """Refuse a path that no result can be written to, before the work begins.
-
-    **Arguments:** `path`: of the result.
-
-    **Returns:** the path.
-
-    **Raises:** as `write`.
-    """
+    """Refuse a path that no result can be written to, before the work begins; errors as `write`."""
     name = os.fspath(path)
     suffix = Path(name).suffix.lower()
     if suffix not in SUFFIXES:

@@ -6,7 +6,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import InvalidInputError, units
-from fascicle.files.errors import FileLocation
+from fascicle.files.schema import FileLocation
 
 
 def error_of(call):

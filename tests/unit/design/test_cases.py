@@ -18,21 +18,21 @@ def designs(muscle):
 
 
 @pytest.mark.parametrize("scheme", ["orderly", "batch"])
-def test_the_margin_is_the_one_that_designs_are_judged_by(designs, scheme):
+def test_margin_equals_the_objective(designs, scheme):
     task = Task.of([40.0, 150.0, 300.0, 900.0], [0.2, 0.1, 0.05, 0.02], SUPPLY, scheme=scheme)
     names = ["margin", "relative_shortfall", "points_not_reached"]
     judged = evaluate(designs, task, names)
-    for place in range(2):
-        found = cases(designs, place, task)
-        assert_allclose(found.spare.min(), judged["margin"][place], rtol=1e-9)
+    for index in range(2):
+        load_cases = cases(designs, index, task)
+        assert_allclose(load_cases.spare.min(), judged["margin"][index], rtol=1e-9)
         assert_allclose(
-            -found.relative[found.worst], judged["relative_shortfall"][place], rtol=1e-9
+            -load_cases.relative[load_cases.worst], judged["relative_shortfall"][index], rtol=1e-9
         )
-        assert found.reached.tolist() == [True, True, True, False]
-        assert found.tightest == 3 and found.worst == 3
+        assert load_cases.reached.tolist() == [True, True, True, False]
+        assert load_cases.tightest == 3 and load_cases.worst == 3
 
 
-def test_unlike_units(muscle):
+def test_different_units(muscle):
     same = Designs.of(muscle, [(2, 1)])
     radius = same.radius * np.array([[1.0, 1.3]])
     other = Designs(
@@ -44,30 +44,32 @@ def test_unlike_units(muscle):
     )
 
 
-def test_states_and_pressures_are_those_of_recruit(designs):
+def test_states_and_pressures_equal_recruit(designs):
     """Where the muscle pulls its force is linear in pressure, so levels in between are exact."""
     task = Task.of([60.0, 150.0, 320.0], [0.1, 0.1, 0.04], SUPPLY)
-    found = cases(designs, 0, task)
+    load_cases = cases(designs, 0, task)
     bundle = designs.bundle(0, task)
     exact = recruitment.recruit(bundle, task.force, task.strain)
-    assert (found.state + 1).tolist() == np.asarray(exact.state).tolist()
-    own = np.asarray(exact.pressures)[np.arange(3), found.state]
-    assert_allclose(found.pressure, own, rtol=1e-6)
+    assert (load_cases.state + 1).tolist() == np.asarray(exact.state).tolist()
+    own = np.asarray(exact.pressures)[np.arange(3), load_cases.state]
+    assert_allclose(load_cases.pressure, own, rtol=1e-6)
 
 
-def test_air_is_what_each_unit_is_filled_with(muscle, designs):
+def test_air_fills_each_unit_at_its_pressure(muscle, designs):
     task = Task.of([60.0, 320.0], [0.1, 0.04], SUPPLY, weight=[3, 1])
-    found = cases(designs, 0, task)
+    load_cases = cases(designs, 0, task)
     full, rest = (np.asarray(muscle.volume(np.array(e))) for e in ([0.1, 0.04], [0.0, 0.0]))
     # the first alone; then it at full pressure, and two throttled
-    p = found.pressure + ATMOSPHERE
+    p = load_cases.pressure + ATMOSPHERE
     filled = (p * full - ATMOSPHERE * rest) / ATMOSPHERE
     first = ((SUPPLY + ATMOSPHERE) * full - ATMOSPHERE * rest) / ATMOSPHERE
-    assert_allclose(found.fluid, [filled[0], first[1] + 2 * filled[1]], rtol=1e-12)
-    assert_allclose(found.fluid_of_a_cycle, (3 * found.fluid[0] + found.fluid[1]) / 4, rtol=1e-12)
+    assert_allclose(load_cases.fluid, [filled[0], first[1] + 2 * filled[1]], rtol=1e-12)
+    assert_allclose(
+        load_cases.fluid_of_a_cycle, (3 * load_cases.fluid[0] + load_cases.fluid[1]) / 4, rtol=1e-12
+    )
 
 
-def test_liquid_is_the_volume_that_is_gained(muscle, designs):
+def test_liquid_is_the_volume_change(muscle, designs):
     task = Task.of([60.0, 320.0], [0.1, 0.04], SUPPLY, fluid="liquid")
     gain = np.asarray(muscle.volume(np.array([0.1, 0.04]))) - float(muscle.volume(0.0))
     assert_allclose(cases(designs, 0, task).fluid, [1, 3] * gain, rtol=1e-12)
@@ -76,26 +78,26 @@ def test_liquid_is_the_volume_that_is_gained(muscle, designs):
     assert_allclose(cases(designs, 0, task).fluid_of_a_cycle * SUPPLY, energy, rtol=1e-9)
 
 
-def test_a_cycle_in_time_goes_through_all_and_back(muscle, designs):
+def test_cycle_in_time_covers_all_cases(muscle, designs):
     """Content rises from the first to the second, falls to the third, and rises to the first."""
     task = Task.in_time([0.0, 1.0, 2.0], [150.0, 150.0, 20.0], [0.05, 0.1, 0.02], SUPPLY)
-    found = cases(designs, 1, task)
-    a, b, c = found.content[:, 0]
+    load_cases = cases(designs, 1, task)
+    a, b, c = load_cases.content[:, 0]
     assert b > a > c
-    assert_allclose(found.fluid_of_a_cycle, (b - a) + (a - c), rtol=1e-12)
+    assert_allclose(load_cases.fluid_of_a_cycle, (b - a) + (a - c), rtol=1e-12)
 
 
-def test_more_points_than_one_call_takes(designs):
+def test_many_points_are_computed_in_batches(designs):
     generator = np.random.default_rng(1)
     strain = generator.uniform(0.01, 0.2, 700)
     task = Task.of(generator.uniform(0, 400, 700) * (1 - strain / 0.25), strain, SUPPLY)
-    found = cases(designs, 1, task)
+    load_cases = cases(designs, 1, task)
     for i in (0, 300, 699):
         alone = Task.of([task.force[i] + 1.0], [strain[i]], SUPPLY)
-        assert_allclose(cases(designs, 1, alone).spare[0], found.spare[i] - 1.0, atol=1e-9)
+        assert_allclose(cases(designs, 1, alone).spare[0], load_cases.spare[i] - 1.0, atol=1e-9)
 
 
-def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
+def test_tuning_range_has_one_warning(muscle):
     import fascicle as fs
     from fascicle.design.objectives import with_reach_limits
     from fascicle.design.remedies import remedies
@@ -115,5 +117,5 @@ def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
 
 def test_a_stroke_longer_than_the_bundle(designs):
     task = Task.of([0.0, 10.0], None, SUPPLY, stroke=[0.2, 0.01])
-    found = cases(designs, 0, task)
-    assert found.reached.tolist() == [False, True] and np.all(np.isfinite(found.fluid))
+    load_cases = cases(designs, 0, task)
+    assert load_cases.reached.tolist() == [False, True] and np.all(np.isfinite(load_cases.fluid))

@@ -30,7 +30,7 @@ def values(five, task):
     return evaluate(five, task, NAMES)
 
 
-def test_designs_of_one_muscle_alone_are_what_they_are_together(muscle, five, task):
+def test_uniform_designs_give_same_values_alone_and_together(muscle, five, task):
     together = evaluate(five, task, NAMES, COARSE)
     for row in (0, 1, 7, 15):
         single = design_outcome(
@@ -42,7 +42,7 @@ def test_designs_of_one_muscle_alone_are_what_they_are_together(muscle, five, ta
             assert_allclose(together[name][row], alone[name], rtol=1e-9, atol=1e-9, err_msg=name)
 
 
-def test_what_is_simple(muscle, five, task, values):
+def test_simple_objectives(muscle, five, task, values):
     blocked = float(muscle.blocked_force(task.supply_pressure))
     assert_allclose(values["largest_force"], 5 * blocked, rtol=1e-12)
     assert_allclose(values["force_resolution"], five.counts.max(axis=1) * blocked, rtol=1e-12)
@@ -61,13 +61,13 @@ def test_what_is_simple(muscle, five, task, values):
     assert np.all(values["worst_shortfall"] >= values["shortfall"])
 
 
-def test_a_design_alone_and_among_others(five, task, values):
+def test_single_design_equals_the_same_design_in_a_batch(five, task, values):
     alone = evaluate(five.take(np.array([9])), task, NAMES)
     for name in NAMES:
         assert_allclose(alone[name][0], values[name][9], rtol=1e-12, atol=1e-12)
 
 
-def test_unlike_units(muscle, task):
+def test_different_units(muscle, task):
     """One unit of two sizes is what two muscles of these sizes are."""
     names = ("largest_force", "envelope", "valves", "mean_efficiency", "not_reached")
     same = Designs.of(muscle, [(1, 1)])
@@ -81,23 +81,23 @@ def test_unlike_units(muscle, task):
     supply = np.full(2, task.supply_pressure)
     assert_allclose(values["largest_force"], bundle.force(supply, 0.0), rtol=1e-9)
     assert values["valves"] == [2]
-    found = fs.recruitment.recruit(bundle, task.force, task.strain)
-    reached = found.status == 0
+    solution = fs.recruitment.recruit(bundle, task.force, task.strain)
+    reached = solution.status == 0
     assert reached.tolist() == [True, True, True, False]
     assert_allclose(values["not_reached"], (task.weight * ~reached).sum() / task.weight.sum())
-    fed = np.arange(2) < found.state[:, None]
+    fed = np.arange(2) < solution.state[:, None]
     taken = (fed * fs.energetics.unit_volume_change(bundle, task.strain)).sum(axis=1)
     work = task.force * task.strain * float(bundle.length)
     share = np.where(reached, work / (task.supply_pressure * taken), 0.0)
     assert_allclose(values["mean_efficiency"], np.average(share, weights=task.weight), rtol=1e-9)
     # two side by side, at the task's largest strain, and the deeper bow of either up to there
     muscles, steps = [unit.muscle for unit in bundle.motor_units], np.linspace(0, 0.2, 401)
-    width = sum(float(one.braid.radius_at(0.2)) for one in muscles)
-    bow = max(float(one.deflection(0.0, steps).max()) for one in muscles)
+    width = sum(float(muscle.braid.radius_at(0.2)) for muscle in muscles)
+    bow = max(float(muscle.deflection(0.0, steps).max()) for muscle in muscles)
     assert_allclose(values["envelope"], 2 * (width + bow), rtol=1e-3)
 
 
-def test_unknown_objectives_and_designs_that_can_not_be(five, task):
+def test_unknown_objectives_and_invalid_designs_are_refused(five, task):
     with pytest.raises(ValueError, match="did you mean 'mean_efficiency'"):
         evaluate(five, task, ["mean_eficiency"])
     thick = Designs(
@@ -146,11 +146,11 @@ def test_all_partitions_of_thirty(muscle, task):
     names = ("mean_efficiency", "reversal_depth", "overlap_width")
     counts = partitions(30)
     every = evaluate(Designs.of(muscle, counts), task, names)
-    few = [4, 2500, 5603]
-    alone = evaluate(Designs.of(muscle, counts[few]), task, names)
+    indices = [4, 2500, 5603]
+    alone = evaluate(Designs.of(muscle, counts[indices]), task, names)
     for name in names:
         assert np.all(np.isfinite(every[name]))
-        assert_allclose(every[name][few], alone[name], rtol=1e-12, atol=1e-15)
+        assert_allclose(every[name][indices], alone[name], rtol=1e-12, atol=1e-15)
     # undivided, nothing can reverse; with a valve for each, little does
     assert every["reversal_depth"][0] == 0
     assert every["reversal_depth"][-1] < 0.1 * every["reversal_depth"].max()

@@ -10,7 +10,7 @@ from fascicle.design import Limit, Space, Task, hypervolume, search
 
 
 pytest.importorskip("pymoo", reason="needs the extra `design`")
-from fascicle.design.genetic import Coding, evolve
+from fascicle.design.genetic import GenomeDecoder, evolve
 
 
 SENSES = {"mean_efficiency": "max", "envelope": "min", "valves": "min"}
@@ -31,7 +31,7 @@ def evolved(space, task):
 
 
 @pytest.mark.slow
-def test_it_finds_the_exhaustive_front(muscle, task):
+def test_evolution_finds_the_exhaustive_front(muscle, task):
     """Of 38 448 designs it judges 10 000."""
     space = Space(
         {"m": muscle}, (6, 8, 10), length=(0.1, 0.11, 0.127, 0.15), radius=(0.016, 0.018, 0.02),
@@ -45,20 +45,20 @@ def test_it_finds_the_exhaustive_front(muscle, task):
     # a little worse than the worst of the front in each
     limit = points.max(axis=0) + 0.1 * np.ptp(points, axis=0)
     whole = hypervolume(points, limit)
-    found = hypervolume(evolved.points, limit)
+    result = hypervolume(evolved.points, limit)
     # no more than all of it, up to rounding of a design in two batches
-    assert 0.99 * whole <= found <= whole * (1 + 1e-9)
+    assert 0.99 * whole <= result <= whole * (1 + 1e-9)
     assert np.all(evolved.values["not_reached"] <= 0.5)
 
 
-def test_the_same_seed_is_the_same_front_and_a_checkpoint_goes_on(space, task, tmp_path, evolved):
-    kept = tmp_path / "search"
-    options = {"population": 32, "seed": 1, "continuous": False, "checkpoint": kept}
+def test_same_seed_gives_same_front_and_checkpoint_resumes(space, task, tmp_path, evolved):
+    path = tmp_path / "search"
+    options = {"population": 32, "seed": 1, "continuous": False, "checkpoint": path}
     evolve(space, task, SENSES, LIMITS, generations=9, **options)
     again = evolve(space, task, SENSES, LIMITS, generations=25, **options)
     assert again.judged == evolved.judged == 25 * 32
-    for name, one in evolved.values.items():
-        assert np.array_equal(one, again.values[name])
+    for name, column in evolved.values.items():
+        assert np.array_equal(column, again.values[name])
     with pytest.raises(ValueError, match="is another search's"):
         evolve(space, task, SENSES, LIMITS, generations=9, **(options | {"seed": 2}))
     # numbers for another task are another search's too
@@ -78,27 +78,27 @@ def gone_on(space, task, path):
     return evolve(space, task, SENSES, LIMITS, 8, 2, continuous=False, checkpoint=path)
 
 
-def test_a_checkpoint_that_is_none_is_refused_and_nothing_in_it_is_run(space, task, tmp_path):
+def test_invalid_checkpoint_is_refused_and_never_executed(space, task, tmp_path):
     class Run:
         def __reduce__(self):
             return Path.touch, (tmp_path / "run",)
 
-    kept = tmp_path / "kept"
+    path = tmp_path / "kept"
     for raw in (pickle.dumps(Run()), b"", b"PK", b"mine\n", b"{}\n", b"[" * 100_000 + b"\n"):
-        kept.write_bytes(raw)
+        path.write_bytes(raw)
         with pytest.raises(ValueError, match=r"kept: is no checkpoint .*: name a new file"):
-            gone_on(space, task, kept)
-        assert kept.read_bytes() == raw
+            gone_on(space, task, path)
+        assert path.read_bytes() == raw
     assert not (tmp_path / "run").exists()
     with pytest.raises(ValueError, match="a folder, not a checkpoint"):
         gone_on(space, task, tmp_path)
 
 
-def test_a_cut_off_checkpoint_resumes_with_its_whole_generations(space, task, tmp_path, checkpoint):
-    raw, kept = checkpoint.read_bytes(), tmp_path / "kept"
-    kept.write_bytes(raw[:-20])
-    gone_on(space, task, kept)
-    assert kept.read_bytes() == raw
+def test_truncated_checkpoint_resumes_from_complete_generations(space, task, tmp_path, checkpoint):
+    raw, path = checkpoint.read_bytes(), tmp_path / "kept"
+    path.write_bytes(raw[:-20])
+    gone_on(space, task, path)
+    assert path.read_bytes() == raw
 
 
 @pytest.mark.parametrize(
@@ -113,20 +113,20 @@ def test_a_cut_off_checkpoint_resumes_with_its_whole_generations(space, task, tm
         (2, "]", ""),
     ],
 )
-def test_a_changed_checkpoint_is_refused(space, task, tmp_path, checkpoint, line, old, new):
-    lines, kept = checkpoint.read_text().splitlines(keepends=True), tmp_path / "kept"
+def test_modified_checkpoint_is_refused(space, task, tmp_path, checkpoint, line, old, new):
+    lines, path = checkpoint.read_text().splitlines(keepends=True), tmp_path / "kept"
     lines[line] = lines[line].replace(old, new) if old != new else "[" * 100_000 + "\n"
-    kept.write_text("".join(lines))
+    path.write_text("".join(lines))
     with pytest.raises(ValueError, match=r"kept: .*: name a new file"):
-        gone_on(space, task, kept)
+        gone_on(space, task, path)
 
 
-def test_all_is_reached_unless_it_is_said(space, task, evolved):
+def test_whole_task_is_required_by_default(space, task, evolved):
     """The task's last point is beyond all of them: the nearest is told, and nothing else."""
-    found = evolve(space, task, SENSES, None, 32, 6, seed=1, continuous=False)
-    assert found.recommended is None and not found.front.size and found.nearest == 0
-    assert found.judged == 6 * 32 and len(found.index) == 1
-    miss = found.values["relative_shortfall"][0]
+    result = evolve(space, task, SENSES, None, 32, 6, seed=1, continuous=False)
+    assert result.recommended is None and not result.front.size and result.nearest == 0
+    assert result.judged == 6 * 32 and len(result.index) == 1
+    miss = result.values["relative_shortfall"][0]
     exhaustive = search(space, task, SENSES)
     least = exhaustive.values["relative_shortfall"].min()
     # a design at random is 0.05 to 0.4 worse than the nearest of all
@@ -135,21 +135,21 @@ def test_all_is_reached_unless_it_is_said(space, task, evolved):
     assert np.all(evolved.values["points_not_reached"] <= 0.5)
 
 
-def test_the_search_leads_to_what_reaches(muscle):
+def test_search_finds_rare_design_that_reaches_the_task(muscle):
     """A peak that one in forty of the space's designs reaches, and that counts a millionth."""
     space = Space({"m": muscle}, (2, 3, 4, 5), radius=(4e-3, 9e-3), length=(0.11, 0.15))
     peak = Task.of([60.0, 1450.0], [0.1, 0.03], 413.7e3, [1.0, 1e-6])
-    found = evolve(space, peak, SENSES, None, 32, 12, seed=3)
-    assert found.recommended is not None
-    assert np.all(found.values["margin"][found.allowed] >= -1e-9)
+    result = evolve(space, peak, SENSES, None, 32, 12, seed=3)
+    assert result.recommended is not None
+    assert np.all(result.values["margin"][result.allowed] >= -1e-9)
     # the cheapest is kept though fewer muscles are no objective
-    assert found.designs.units[found.recommended] == 1
+    assert result.designs.units[result.recommended] == 1
 
 
-def test_every_genome_is_a_design_of_the_space(space):
+def test_every_genome_gives_a_design_of_the_space(space):
     rng = np.random.default_rng(0)
-    coding = Coding(space, continuous=True)
-    designs = coding.designs(rng.uniform(size=(300, coding.genes)))
+    decoder = GenomeDecoder(space, continuous=True)
+    designs = decoder.designs(rng.uniform(size=(300, decoder.genes)))
     assert set(designs.counts.sum(axis=1)) == {3, 4, 5}
     assert np.all((designs.length >= 0.11) & (designs.length <= 0.15))
     section = np.sqrt(np.sum(designs.counts * designs.radius**2, axis=1))
@@ -157,19 +157,19 @@ def test_every_genome_is_a_design_of_the_space(space):
     there = designs.counts > 0
     assert np.all(there[:, :-1] | ~there[:, 1:])
     # the corners too
-    for corner in (np.zeros((1, coding.genes)), np.ones((1, coding.genes))):
-        assert len(coding.designs(corner)) == 1
+    for corner in (np.zeros((1, decoder.genes)), np.ones((1, decoder.genes))):
+        assert len(decoder.designs(corner)) == 1
 
 
 def test_no_more_units_than_valves(muscle):
     space = Space({"m": muscle}, (6,), most_units=2)
-    coding = Coding(space, continuous=True)
-    designs = coding.designs(np.random.default_rng(1).uniform(size=(50, coding.genes)))
+    decoder = GenomeDecoder(space, continuous=True)
+    designs = decoder.designs(np.random.default_rng(1).uniform(size=(50, decoder.genes)))
     assert designs.units.max() == 2 and np.all(designs.counts.sum(axis=1) == 6)
 
 
-def test_spaces_that_it_does_not_search(muscle):
+def test_unsupported_spaces_are_refused(muscle):
     with pytest.raises(ValueError, match="`drawings` must hold one"):
-        Coding(Space({"a": muscle, "b": muscle}, (2,)), continuous=True)
+        GenomeDecoder(Space({"a": muscle, "b": muscle}, (2,)), continuous=True)
     with pytest.raises(ValueError, match="`splits` must be 'all'"):
-        Coding(Space({"a": muscle}, (2,), splits="partitions"), continuous=True)
+        GenomeDecoder(Space({"a": muscle}, (2,), splits="partitions"), continuous=True)

@@ -13,7 +13,7 @@ def plain_front(points):
 
 
 @pytest.mark.parametrize("objectives", [1, 2, 3, 5])
-def test_the_front_is_by_the_definition(objectives):
+def test_front_matches_the_definition(objectives):
     rng = np.random.default_rng(objectives)
     # whole numbers: many ties and equal points
     points = rng.integers(0, 6, (700, objectives)).astype(float)
@@ -25,21 +25,21 @@ def test_a_nan_is_worse_than_all():
     assert non_dominated(np.array([[np.nan]])).tolist() == [False]
 
 
-def test_the_volume_of_boxes():
+def test_hypervolume_of_boxes():
     assert hypervolume(np.array([[1.0, 1.0]]), (3.0, 2.0)) == 2.0
     # two boxes that overlap in a unit square
     assert hypervolume(np.array([[0.0, 1.0], [1.0, 0.0]]), (2.0, 2.0)) == 3.0
     assert hypervolume(np.array([[5.0, 0.0]]), (2.0, 2.0)) == 0.0
 
 
-def test_what_is_not_a_number_has_no_volume():
+def test_nan_adds_no_hypervolume():
     points = np.array([[np.nan, 0.0], [1.0, np.nan], [1.0, 1.0]])
     assert hypervolume(points, (3.0, 2.0)) == 2.0
     assert hypervolume(points[:2], (3.0, 2.0)) == hypervolume(points[:0], (3.0, 2.0)) == 0.0
 
 
 @pytest.mark.parametrize("objectives", [2, 3, 4, 6])
-def test_the_volume_against_counting(objectives):
+def test_hypervolume_against_counting(objectives):
     rng = np.random.default_rng(objectives)
     points = rng.uniform(size=(12, objectives))
     tried = rng.uniform(size=(200_000, objectives))
@@ -50,7 +50,7 @@ def test_the_volume_against_counting(objectives):
     assert hypervolume(points, np.ones(objectives)) == pytest.approx(dominated.mean(), abs=6e-3)
 
 
-def test_objectives_are_turned_around():
+def test_maximized_objectives_change_sign():
     values = {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 4.0]), "c": np.zeros(2)}
     assert as_minimization(values, {"b": "max", "a": "min"}).tolist() == [[-3.0, 1.0], [-4.0, 2.0]]
     with pytest.raises(ValueError, match="`a` must be 'min' or 'max'"):

@@ -6,20 +6,20 @@ import pytest
 from fascicle.design import Limit
 from fascicle.design.objectives import (
     allowed_miss_fraction,
-    is_enough,
     other_limits,
     with_reach_limits,
     within_limits,
+    within_miss_limit,
 )
 
 
-def test_all_is_demanded_if_nothing_is_said():
+def test_default_limits_require_the_whole_task():
     limits = with_reach_limits({"valves": Limit(most=3)})
     assert limits["not_reached"].most == 0 and limits["points_not_reached"].most == 0
     assert allowed_miss_fraction(limits) == 0 and list(other_limits(limits)) == ["valves"]
 
 
-def test_a_share_that_may_be_missed_is_one_of_points_too():
+def test_missed_share_counts_points_and_weight():
     limits = with_reach_limits({"not_reached": Limit(most=0.1)})
     assert limits["points_not_reached"].most == 0.1 and allowed_miss_fraction(limits) == 0.1
     # once more changes nothing, and a tighter limit on points is kept
@@ -44,7 +44,7 @@ def test_a_share_that_may_be_missed_is_one_of_points_too():
 )
 def test_both_shares_must_be_small(missed, weight, share, expected):
     spare = np.where(missed, -1.0, 1.0)
-    assert bool(is_enough(spare, np.array(weight, float), share)) is expected
+    assert bool(within_miss_limit(spare, np.array(weight, float), share)) is expected
 
 
 def test_rounding_breaks_no_limit():

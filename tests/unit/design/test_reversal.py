@@ -36,9 +36,9 @@ def curves(muscle, sizes):
 
 def test_curves_are_those_of_the_muscle(muscle, sizes, curves):
     force, top = curves
-    one = sizes.muscle(muscle)
-    assert top == pytest.approx(float(one.free_strain(SUPPLY)), rel=1e-14)
-    expected = one.force(COARSE.level[:, None] * SUPPLY, top * np.linspace(0, 1, 65))
+    twin = sizes.muscle(muscle)
+    assert top == pytest.approx(float(twin.free_strain(SUPPLY)), rel=1e-14)
+    expected = twin.force(COARSE.level[:, None] * SUPPLY, top * np.linspace(0, 1, 65))
     assert_allclose(force, expected, rtol=1e-12, atol=1e-9)
 
 

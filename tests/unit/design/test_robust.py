@@ -30,17 +30,17 @@ def scattered(designs, reachable):
     return spread(designs, reachable, NAMES, limits, Scatter(0.01, 0.02), draws=64, seed=3)
 
 
-def test_without_chance_nothing_is_spread(designs, reachable):
-    found = spread(designs, reachable, NAMES, draws=64)
+def test_no_scatter_gives_no_spread(designs, reachable):
+    result = spread(designs, reachable, NAMES, draws=64)
     exact = evaluate(designs, reachable, NAMES)
     for name in NAMES:
-        assert np.ptp(found.values[name], axis=1).max() == 0
+        assert np.ptp(result.values[name], axis=1).max() == 0
         # edges over 33 levels, not 257: no demanded point is near one
-        assert_allclose(found.values[name][:, 0], exact[name], rtol=1e-9)
-    assert set(found.probability) <= {0.0, 1.0}
+        assert_allclose(result.values[name][:, 0], exact[name], rtol=1e-9)
+    assert set(result.probability) <= {0.0, 1.0}
 
 
-def test_all_must_be_reached_in_a_draw_unless_it_is_said(designs):
+def test_draw_must_reach_the_whole_task_by_default(designs):
     peak = Task.of([40.0, 5000.0], [0.1, 0.02], 413.7e3, [1.0, 1e-9])
     assert not spread(designs, peak, NAMES, draws=64).met.any()
     half = {"not_reached": Limit(most=0.5)}
@@ -58,9 +58,9 @@ def test_probability_quantiles_and_front(scattered):
     assert front[np.argmax(low["mean_efficiency"])] and front.sum() == 1
 
 
-def test_the_spread_of_the_blocked_force_is_that_of_the_angle(muscle, designs, reachable):
+def test_blocked_force_spreads_with_the_angle(muscle, designs, reachable):
     """Linearly: dF/dα of each unit times its own deviation."""
-    found = spread(designs, reachable, ("largest_force",), None, Scatter(0.0, 1e-4), draws=64)
+    result = spread(designs, reachable, ("largest_force",), None, Scatter(0.0, 1e-4), draws=64)
     h = 1e-5
 
     def blocked(angle):
@@ -70,7 +70,7 @@ def test_the_spread_of_the_blocked_force_is_that_of_the_angle(muscle, designs, r
     angle = float(muscle.braid_angle)
     slope = (blocked(angle + h) - blocked(angle - h)) / (2 * h)
     expected = abs(slope) * 1e-4 * np.sqrt([1 + 4, 3])
-    got = found.values["largest_force"].std(axis=1)
+    got = result.values["largest_force"].std(axis=1)
     # a deviation of 64 draws scatters by 9 %; three of these
     assert_allclose(got, expected, rtol=0.27)
 
@@ -80,19 +80,19 @@ def test_draws_of_a_calibrated_muscle(muscle, designs, reachable):
         lambda m: m.outer_radius, muscle, muscle.outer_radius * jnp.array([0.9, 1.1])
     )
     draws = eqx.tree_at(lambda m: m.wall_thickness, draws, muscle.wall_thickness * jnp.ones(2))
-    found = spread(designs, reachable, ("largest_force",), muscles=draws, draws=64, seed=1)
+    result = spread(designs, reachable, ("largest_force",), muscles=draws, draws=64, seed=1)
     # two kinds of draws, two values
-    assert len(np.unique(np.round(found.values["largest_force"][0], 6))) == 2
+    assert len(np.unique(np.round(result.values["largest_force"][0], 6))) == 2
 
 
 def test_sobol_indices(designs, reachable):
     pytest.importorskip("SALib", reason="needs the extra `design`")
     ranges = {"outer_radius": 0.05, "length": 0.05}
-    found = sensitivities(designs, 0, reachable, ranges, ("largest_force", "valves"), samples=128)
-    told = found["largest_force"]
+    result = sensitivities(designs, 0, reachable, ranges, ("largest_force", "valves"), samples=128)
+    indices = result["largest_force"]
     # the blocked force grows with the radius squared, and doesn't know the length; estimates
     # from 128 samples scatter by a few hundredths
-    assert_allclose(told["ST"], [1.0, 0.0], atol=0.1)
-    assert not np.any(found["valves"]["ST"])
+    assert_allclose(indices["ST"], [1.0, 0.0], atol=0.1)
+    assert not np.any(result["valves"]["ST"])
     with pytest.raises(ValueError, match="did you mean 'length'"):
         sensitivities(designs, 0, reachable, {"lenght": 0.1}, ("valves",))

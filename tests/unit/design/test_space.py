@@ -18,16 +18,16 @@ def test_every_design_has_an_index(muscle):
     )
     designs = every(space)
     assert len(space) == len(designs) == (2 + 4) * 2 * 2
-    told = {
+    designs_at = {
         (label, float(length), float(angle))
         for label, length, angle in zip(
             designs.labels, designs.length, designs.angle[:, 0], strict=True
         )
     }
-    assert len(told) == len(space)
+    assert len(designs_at) == len(space)
     # from the index alone, in any order
-    some = np.array([5, 0, 17])
-    assert space.at(some).labels == [designs.labels[i] for i in some]
+    indices = np.array([5, 0, 17])
+    assert space.at(indices).labels == [designs.labels[i] for i in indices]
     # what isn't listed is the drawing's own
     assert np.all(designs.radius == 6.35e-3) and np.all(designs.wall == 0.2 * designs.radius)
 
@@ -50,7 +50,7 @@ def test_packed_into_a_circle(muscle):
     assert_allclose(designs.radius[:, 0] * (1 + 2 / np.sqrt(3)), 0.02, rtol=1e-12)
 
 
-def test_two_unlike_circles_lie_side_by_side():
+def test_two_different_circles_lie_side_by_side():
     assert_allclose(packed_radius(np.array([[3.0, 1.0]]), np.array([[1, 1]])), 4.0)
     assert_allclose(packed_radius(np.array([[3.0, 1.0]]), np.array([[1, 0]])), 3.0)
 
@@ -61,12 +61,12 @@ def test_no_more_units_than_valves(muscle):
     assert designs.counts.shape == (5, 2)
 
 
-def test_chosen_splits(muscle):
+def test_listed_splits(muscle):
     space = Space({"m": muscle}, splits=((1, 4), (1, 1, 3)))
     assert every(space).labels == ["1+4", "1+1+3"]
 
 
-def test_what_is_derived_does_not_travel(muscle):
+def test_cached_properties_are_not_pickled(muscle):
     space = Space({"m": muscle}, (12,))
     assert len(space) == 2048
     again = pickle.loads(pickle.dumps(space))  # noqa: S301 just made
@@ -100,6 +100,6 @@ def test_designs_become_bundles(muscle, task):
         ({"muscles": (18,), "unit_factors": (1.0, 2.0, 3.0)}, "more than 2000000"),
     ],
 )
-def test_a_space_that_can_not_be(muscle, changed, message):
+def test_invalid_spaces_are_refused(muscle, changed, message):
     with pytest.raises(ValueError, match=message):
         Space(**({"drawings": {"m": muscle}, "muscles": (3,)} | changed))

@@ -6,7 +6,7 @@ import pytest
 from fascicle.core.errors import InvalidInputError
 from fascicle.design.designs import label
 from fascicle.design.space import (
-    MOST_SPLITS,
+    MAX_SPLITS,
     check_splits,
     compositions,
     number_of_splits,
@@ -20,7 +20,7 @@ def plain(rows):
 
 
 @pytest.mark.parametrize("muscles", [1, 2, 3, 5, pytest.param(8, marks=pytest.mark.slow)])
-def test_compositions_are_all_there_are(muscles):
+def test_compositions_are_complete(muscles):
     every = [
         row
         for units in range(1, muscles + 1)
@@ -52,7 +52,7 @@ def test_there_are_5604_partitions_of_thirty():
     assert label(counts[0]) == "30"
 
 
-def test_zeros_come_last():
+def test_empty_units_come_last():
     for counts in (compositions(6), partitions(6)):
         there = counts > 0
         assert np.all(there[:, :-1] | ~there[:, 1:])
@@ -75,14 +75,14 @@ def test_numbers_out_of_range(make, muscles):
 
 @pytest.mark.parametrize(("make", "kind"), [(compositions, "all"), (partitions, "partitions")])
 @pytest.mark.parametrize("muscles", [1, 2, 7, 12])
-def test_few_units_are_some_of_all_in_their_order(make, kind, muscles):
+def test_limited_units_are_a_subset_in_order(make, kind, muscles):
     every = make(muscles)
     for units in range(1, muscles + 2):
-        some = make(muscles, units)
-        width = some.shape[1]
+        rows = make(muscles, units)
+        width = rows.shape[1]
         assert width == min(units, muscles)
-        np.testing.assert_array_equal(some, every[(every > 0).sum(axis=1) <= units][:, :width])
-        assert len(some) == number_of_splits(muscles, kind, units)
+        np.testing.assert_array_equal(rows, every[(every > 0).sum(axis=1) <= units][:, :width])
+        assert len(rows) == number_of_splits(muscles, kind, units)
 
 
 def test_many_muscles_in_few_units():
@@ -93,13 +93,13 @@ def test_many_muscles_in_few_units():
 
 
 @pytest.mark.parametrize("numbers", [(60,), (100,), (22, 23), (1, 60)])
-def test_too_many_splits_are_refused_before_any_is_made(numbers):
+def test_too_many_splits_are_refused_at_once(numbers):
     """And what is told to do instead leaves few enough."""
     with pytest.raises(InvalidInputError) as refused:
         check_splits(numbers, "all")
     assert refused.value.argument == "muscles"
     units = int(refused.value.remedy.split()[0])
     check_splits(numbers, "all", units)
-    assert sum(number_of_splits(n, "all", units + 1) for n in numbers) > MOST_SPLITS
-    parted = sum(number_of_splits(n, "partitions") for n in numbers) <= MOST_SPLITS
+    assert sum(number_of_splits(n, "all", units + 1) for n in numbers) > MAX_SPLITS
+    parted = sum(number_of_splits(n, "partitions") for n in numbers) <= MAX_SPLITS
     assert ("partitions" in refused.value.remedy) is parted

@@ -19,37 +19,37 @@ def task():
 
 
 def test_size_mass_and_margin(muscle, designs, task):
-    found = summarize(designs, 0, task, Catalog(density=1100.0))
+    summary = summarize(designs, 0, task, Catalog(density=1100.0))
     r, t, length = 6.35e-3, 1.6e-3, 0.127
     bladders = 3 * np.pi * (r**2 - (r - t) ** 2) * length
-    assert_allclose([found.bladders, found.mass], [bladders, 1100 * bladders], rtol=1e-12)
-    assert (found.muscles, found.valves, found.label) == (3, 2, "1+2")
-    assert_allclose(found.diameter_at_rest, 2 * r * (1 + 2 / np.sqrt(3)), rtol=1e-12)
+    assert_allclose([summary.bladders, summary.mass], [bladders, 1100 * bladders], rtol=1e-12)
+    assert (summary.muscles, summary.valves, summary.label) == (3, 2, "1+2")
+    assert_allclose(summary.diameter_at_rest, 2 * r * (1 + 2 / np.sqrt(3)), rtol=1e-12)
     names = ["envelope", "margin"]
     judged = evaluate(designs, task, names)
-    assert_allclose([found.diameter, found.margin], [judged[n][0] for n in names], rtol=1e-9)
+    assert_allclose([summary.diameter, summary.margin], [judged[n][0] for n in names], rtol=1e-9)
     # all loads times that, and the tightest of those that are loaded is just reached
-    more = Task.of(task.force * found.load_factor, task.strain, task.supply_pressure)
-    spare = summarize(designs, 0, more, Catalog()).cases.spare[:2]
+    scaled = Task.of(task.force * summary.load_factor, task.strain, task.supply_pressure)
+    spare = summarize(designs, 0, scaled, Catalog()).cases.spare[:2]
     assert abs(spare.min()) < 1e-9
-    assert (found.price, found.cost_of_a_cycle, found.product) == (None, None, None)
+    assert (summary.price, summary.cost_of_a_cycle, summary.product) == (None, None, None)
 
 
-def test_what_isnt_known_is_none(designs, task):
-    found = summarize(designs, 0, task, Catalog(valve=10.0, currency="EUR"))
-    assert found.mass is None and found.price is None and found.price_of_muscles is None
+def test_unknown_numbers_are_none(designs, task):
+    summary = summarize(designs, 0, task, Catalog(valve=10.0, currency="EUR"))
+    assert summary.mass is None and summary.price is None and summary.price_of_muscles is None
 
 
 def test_prices_and_a_products_mass(designs, task):
     catalog = Catalog({"muscle": Product("p", price=20.0, mass=0.05)}, "EUR", 90.0, density=1100.0)
-    found = summarize(designs, 0, task, catalog)
-    assert (found.price, found.price_of_muscles) == (3 * 20.0 + 2 * 90.0, 60.0)
+    summary = summarize(designs, 0, task, catalog)
+    assert (summary.price, summary.price_of_muscles) == (3 * 20.0 + 2 * 90.0, 60.0)
     # the maker's is that of whole muscles
-    assert_allclose(found.mass, 0.15)
-    assert found.product.name == "p"
+    assert_allclose(summary.mass, 0.15)
+    assert summary.product.name == "p"
 
 
-def test_what_a_cycle_costs(designs, task):
+def test_cost_of_a_cycle(designs, task):
     air = summarize(designs, 0, task, Catalog(currency="EUR", air=0.02, energy=1e-7))
     volume = air.cases.fluid_of_a_cycle
     assert_allclose(air.cost_of_a_cycle, 0.02 * volume, rtol=1e-12)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Space, Task
-from fascicle.design.cluster import local, remote
+from fascicle.design.cluster import local_client, scheduler_client
 from fascicle.design.sweep import DATA, JOURNAL, MANIFEST, Store, Study, run_block, sweep
 
 
@@ -45,12 +45,12 @@ def chunks(folder):
     return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
-def test_blocks_make_the_whole(study, undisturbed):
+def test_blocks_equal_a_single_evaluation(study, undisturbed):
     assert study.blocks == 6 and len(study.space) == 96
     values = undisturbed.all()
     whole = Study.values(study_of(study.space.drawings["m"], study.task, block=96), 0)
-    for name, one in whole.items():
-        np.testing.assert_allclose(values[name], one, rtol=1e-12)
+    for name, column in whole.items():
+        np.testing.assert_allclose(values[name], column, rtol=1e-12)
     assert undisturbed.finished() == set(range(6))
 
 
@@ -65,14 +65,18 @@ def test_stopped_at_any_block_and_resumed(study, undisturbed, tmp_path):
     folder = tmp_path / "stopped"
     with pytest.raises(Stopped):
         sweep(study, folder, watch=stop)
-    told = []
-    sweep(study, folder, resume=True, watch=told.append)
+    progress_reports = []
+    sweep(study, folder, resume=True, watch=progress_reports.append)
     # what was done isn't done again
-    assert told[0].done == 1 and told[-1].done == 6 and told[-1].designs == 80
+    assert (
+        progress_reports[0].done == 1
+        and progress_reports[-1].done == 6
+        and progress_reports[-1].designs == 80
+    )
     assert chunks(folder) == chunks(undisturbed.folder)
 
 
-def test_a_torn_line_and_a_torn_chunk_are_computed_again(study, undisturbed, tmp_path):
+def test_torn_line_and_torn_chunk_are_recomputed(study, undisturbed, tmp_path):
     folder = tmp_path / "torn"
     store = sweep(study, folder)
     journal = folder / JOURNAL
@@ -144,21 +148,21 @@ def broken_manifest(root):
     [(emptied, 1), (cut, 1), (folder_instead, 1), (no_array, 6), (no_description, 0),
      (broken_description, 0), (another_description, 0), (nested_description, 0), (odd_journal, 0),
      (no_manifest, 0), (broken_manifest, 0)],
-    ids=lambda one: getattr(one, "__name__", ""),
+    ids=lambda case: getattr(case, "__name__", ""),
 )  # fmt: skip
-def test_what_a_crash_leaves_is_resumed(study, undisturbed, tmp_path, damage, again):
+def test_crashed_sweep_resumes(study, undisturbed, tmp_path, damage, again):
     """What can't be read counts as not done, and no more than that is done again."""
     folder = tmp_path / "crashed"
     shutil.copytree(undisturbed.folder, folder)
     damage(folder / DATA)
-    told = []
-    sweep(study, folder, resume=True, watch=told.append)
-    assert told[0].done == 6 - again
+    progress_reports = []
+    sweep(study, folder, resume=True, watch=progress_reports.append)
+    assert progress_reports[0].done == 6 - again
     assert chunks(folder) == chunks(undisturbed.folder)
     assert json.loads((folder / MANIFEST).read_text())["study"] == study.digest
 
 
-def test_whose_results_these_are_must_be_told_by_something(study, undisturbed, tmp_path):
+def test_results_of_an_unknown_study_are_refused(study, undisturbed, tmp_path):
     folder = tmp_path / "crashed"
     shutil.copytree(undisturbed.folder, folder)
     no_manifest(folder / DATA)
@@ -167,17 +171,17 @@ def test_whose_results_these_are_must_be_told_by_something(study, undisturbed, t
         sweep(study, folder, resume=True)
 
 
-def test_an_older_versions_sweep_is_told_to_end_with_it(study, undisturbed, tmp_path):
+def test_sweep_of_an_older_version_names_that_version(study, undisturbed, tmp_path):
     folder = tmp_path / "older"
     shutil.copytree(undisturbed.folder, folder)
     manifest = json.loads((folder / MANIFEST).read_text())
-    told = manifest | {"fascicle": "0.0.9", "study": "0" * 64}
-    (folder / MANIFEST).write_text(json.dumps(told))
+    progress_reports = manifest | {"fascicle": "0.0.9", "study": "0" * 64}
+    (folder / MANIFEST).write_text(json.dumps(progress_reports))
     with pytest.raises(ValueError, match=r"go on with fascicle 0\.0\.9, which began it"):
         sweep(study, folder, resume=True)
 
 
-def test_another_studys_results_are_left_alone(muscle, task, study, undisturbed):
+def test_results_of_another_study_stay_unchanged(muscle, task, study, undisturbed):
     before = chunks(undisturbed.folder)
     for other in (study_of(muscle, task, lengths=(0.1, 0.12, 0.15)), study_of(muscle, task, 8)):
         assert other.digest != study.digest
@@ -185,12 +189,12 @@ def test_another_studys_results_are_left_alone(muscle, task, study, undisturbed)
             sweep(other, undisturbed.folder, resume=True)
         with pytest.raises(ValueError, match="holds a sweep already; another study's"):
             sweep(other, undisturbed.folder)
-    with pytest.raises(ValueError, match="--resume goes on"):
+    with pytest.raises(ValueError, match="continue with --resume"):
         sweep(study, undisturbed.folder)
     assert chunks(undisturbed.folder) == before
 
 
-def test_a_folder_of_something_else(study, tmp_path):
+def test_folder_with_other_files_is_refused(study, tmp_path):
     (tmp_path / "thesis.txt").write_text("kept")
     with pytest.raises(ValueError, match="exists and is no sweep"):
         sweep(study, tmp_path)
@@ -199,13 +203,13 @@ def test_a_folder_of_something_else(study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
-def test_the_digest_tells_what_makes_the_numbers(muscle, task, study):
+def test_digest_depends_on_the_numbers(muscle, task, study):
     assert study_of(muscle, task).digest == study.digest
     other = Task.of(task.force, task.strain, 400e3, task.weight)
     assert study_of(muscle, other).digest != study.digest
 
 
-def test_a_manifest_and_units(undisturbed):
+def test_manifest_and_units(undisturbed):
     manifest = json.loads((undisturbed.folder / MANIFEST).read_text())
     assert manifest["designs"] == 96 and manifest["block"] == 16
     group = zarr.open_group(str(undisturbed.folder / DATA), mode="r")
@@ -213,7 +217,7 @@ def test_a_manifest_and_units(undisturbed):
     assert group["mean_efficiency"].chunks == (16,)
 
 
-def test_a_full_disk_keeps_what_is_done(study, undisturbed, tmp_path, monkeypatch):
+def test_full_disk_keeps_finished_blocks(study, undisturbed, tmp_path, monkeypatch):
     import errno
 
     write, folder = Store.write, tmp_path / "full"
@@ -229,9 +233,9 @@ def test_a_full_disk_keeps_what_is_done(study, undisturbed, tmp_path, monkeypatc
     monkeypatch.setattr(Store, "write", write)
     # as a writer leaves it that is killed before the chunk is moved to its place
     (folder / "designs.zarr" / study.names[0] / "c" / "1.0123.partial").write_bytes(b"half")
-    told = []
-    sweep(study, folder, resume=True, watch=told.append)
-    assert told[0].done == 2
+    progress_reports = []
+    sweep(study, folder, resume=True, watch=progress_reports.append)
+    assert progress_reports[0].done == 2
     assert chunks(folder) == chunks(undisturbed.folder)
 
 
@@ -252,26 +256,26 @@ def test_killed_workers(muscle, task, tmp_path):
                 os.kill(progress.last.process, signal.SIGKILL)
                 killed.append(progress.last.process)
 
-    with local(2) as client:
+    with local_client(2) as client:
         store = sweep(study, tmp_path / "killed", client, watch=kill)
     assert killed and os.getpid() not in killed
     assert chunks(store.folder) == chunks(whole.folder)
     assert store.finished() == set(range(24))
 
 
-def test_a_block_tells_what_it_took(study, tmp_path):
+def test_block_reports_its_process_and_memory(study, tmp_path):
     Store.begin(tmp_path / "one", study)
-    done = run_block(study, str(tmp_path / "one"), 3)
-    assert done.block == 3 and done.process == os.getpid() and done.memory > 2**20
+    result = run_block(study, str(tmp_path / "one"), 3)
+    assert result.block == 3 and result.process == os.getpid() and result.memory > 2**20
 
 
 def workers():
     """The workers of this process, however often they were started again."""
     psutil = pytest.importorskip("psutil")
-    for one in psutil.Process().children(recursive=True):
+    for process in psutil.Process().children(recursive=True):
         try:
-            if "spawn_main" in " ".join(one.cmdline()):
-                yield one
+            if "spawn_main" in " ".join(process.cmdline()):
+                yield process
         except psutil.Error:
             continue
 
@@ -285,8 +289,8 @@ class Storm(threading.Thread):
 
     def run(self):
         while time.monotonic() < self.until:
-            for one in list(workers()):
-                one.kill()
+            for process in list(workers()):
+                process.kill()
                 self.killed += 1
             time.sleep(0.5)
 
@@ -296,7 +300,7 @@ class Storm(threading.Thread):
 def test_all_workers_killed_again_and_again(muscle, task, tmp_path):
     study = study_of(muscle, task, block=4)
     whole = sweep(study, tmp_path / "alone")
-    with local(2) as client:
+    with local_client(2) as client:
         storm = Storm(15)
         storm.start()
         store = sweep(study, tmp_path / "killed", client)
@@ -306,9 +310,9 @@ def test_all_workers_killed_again_and_again(muscle, task, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_workers_that_never_come_up_are_given_up(muscle, task, tmp_path):
+def test_sweep_ends_without_workers(muscle, task, tmp_path):
     study, storm = study_of(muscle, task, block=4), Storm(120)
-    with local(2) as client:
+    with local_client(2) as client:
         storm.start()
         with pytest.raises(ConnectionError, match="no worker for 6 s"):
             sweep(study, tmp_path / "killed", client, worker_timeout=6.0)
@@ -317,38 +321,40 @@ def test_workers_that_never_come_up_are_given_up(muscle, task, tmp_path):
     # and none from the start
     storm = Storm(60)
     storm.start()
-    with pytest.raises(ConnectionError, match="no worker can be started"), local(2):
+    with pytest.raises(ConnectionError, match="no worker can be started"), local_client(2):
         pass
     storm.until = 0
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_the_local_scheduler_lets_in_its_own_workers_alone(study, tmp_path):
+def test_local_scheduler_refuses_other_clients(study, tmp_path):
     distributed = pytest.importorskip("distributed", reason="needs the extra `sweep`")
     psutil = pytest.importorskip("psutil")
-    with local(1) as client:
+    with local_client(1) as client:
         address = client.scheduler.address
         assert address.startswith("tls://127.0.0.1:")
         for stranger in (address, address.replace("tls", "tcp")):
             # in a process of its own, as a client that gets no answer leaves itself behind: as
             # Dask's scheduler, and for the garbage collection to wait for
             knock = f"import distributed; distributed.Client({stranger!r}, timeout=3)"
-            asked = [sys.executable, "-W", "ignore", "-c", knock]
-            done = subprocess.run(asked, capture_output=True, text=True, timeout=120)
-            assert done.returncode == 1
-            said = done.stderr.strip().splitlines()[-1]
-            assert any(name in said for name in ("OSError", "CommClosedError", "TypeError")), said
+            command = [sys.executable, "-W", "ignore", "-c", knock]
+            result = subprocess.run(command, capture_output=True, text=True, timeout=120)
+            assert result.returncode == 1
+            message = result.stderr.strip().splitlines()[-1]
+            assert any(name in message for name in ("OSError", "CommClosedError", "TypeError")), (
+                message
+            )
         me = psutil.Process()
         ports = [
-            one.laddr
+            connection.laddr
             for process in (me, *me.children(recursive=True))
-            for one in process.net_connections()
-            if one.status == "LISTEN"
+            for connection in process.net_connections()
+            if connection.status == "LISTEN"
         ]
-        assert ports and all(one.ip == "127.0.0.1" and one.port != 8787 for one in ports)
-        for one in ports:
+        assert ports and all(port.ip == "127.0.0.1" and port.port != 8787 for port in ports)
+        for port in ports:
             with pytest.raises(OSError):  # noqa: PT011 no page, or no HTTP at all
-                urllib.request.urlopen(f"http://127.0.0.1:{one.port}/status", timeout=3)
+                urllib.request.urlopen(f"http://127.0.0.1:{port.port}/status", timeout=3)
         sweep(study, tmp_path / "swept", client)
     # what reads and writes files afterwards doesn't ask a cluster that is gone
     with pytest.raises(ValueError, match=""):  # noqa: PT011 distributed's own: nobody is to be asked
@@ -375,14 +381,14 @@ def test_a_killed_scheduler(muscle, task, tmp_path):
                 scheduler.kill()
 
         try:
-            with remote(address) as client:
+            with scheduler_client(address) as client:
                 client.wait_for_workers(1, timeout=180)
                 with pytest.raises(ConnectionError, match="is lost"):
                     sweep(study, tmp_path / "lost", client, watch=kill)
         finally:
             scheduler.kill()
             worker.terminate()
-    told = []
-    store = sweep(study, tmp_path / "lost", resume=True, watch=told.append)
-    assert told[0].done >= 5
+    progress_reports = []
+    store = sweep(study, tmp_path / "lost", resume=True, watch=progress_reports.append)
+    assert progress_reports[0].done >= 5
     assert chunks(store.folder) == chunks(whole.folder)

@@ -57,7 +57,7 @@ def random_sizes(count, seed=3):
     ],
     ids=str,
 )
-def test_the_largest_force_is_that_of_the_whole_law(laws, count):
+def test_largest_force_equals_that_of_the_whole_law(laws, count):
     """At strains from rest to far beyond what any level pulls with."""
     muscle, sizes = drawing(laws), random_sizes(count)
     strain = np.concatenate([np.linspace(0.0, 0.42, 60), [1e-9, 0.6]])
@@ -83,7 +83,7 @@ def unlike(muscle, count, units=3):
     return Designs({"muscle": muscle}, np.zeros(count, int), counts, np.full(count, 0.12), *sizes)
 
 
-def test_unlike_designs_are_what_they_are_at_every_level():
+def test_batched_designs_equal_every_level_evaluation():
     """The reversal is asked for too, which needs every level."""
     designs = unlike(drawing({"tuning": TUNED}), 20)
     force, stroke = np.linspace(900.0, 0.0, 12), 0.12 * np.linspace(0.0, 0.3, 12)
@@ -100,7 +100,7 @@ def test_unlike_designs_are_what_they_are_at_every_level():
     assert 0 < quick["points_not_reached"].mean() < 1
 
 
-def test_a_drawing_of_other_arrays_is_judged_as_one_of_numbers():
+def test_drawing_of_arrays_equals_drawing_of_numbers():
     plain = drawing({})
     task = Task.of([100.0, 300.0], [0.1, 0.02], SUPPLY)
     same = jax.tree.map(jnp.asarray, plain)

@@ -6,18 +6,18 @@ from fascicle.design import Task, example_task
 from fascicle.design.task import TASKS
 
 
-def test_points_in_time_count_for_as_long_as_they_last():
+def test_points_in_time_have_their_duration_as_weight():
     task = Task.in_time([0.0, 1.0, 3.0], [10.0, 20.0, 5.0], [0.0, 0.1, 0.2], 4e5)
     assert_allclose(task.weight, [0.5, 1.5, 1.0])
     assert task.largest_strain == 0.2 and len(task) == 3
 
 
-def test_two_points_in_time_count_the_same():
+def test_two_points_in_time_have_equal_weights():
     assert_allclose(Task.in_time([0.0, 2.0], [1.0, 2.0], [0.1, 0.2], 4e5).weight, [1.0, 1.0])
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_examples_say_that_they_are_made_up(name):
+def test_examples_have_made_up_as_source(name):
     task = example_task(name, 3e5)
     assert task.supply_pressure == 3e5 and task.name == name
     assert "made up" in task.source
@@ -37,7 +37,7 @@ def test_examples_say_that_they_are_made_up(name):
         ({"force": [], "strain": []}, "1 to 100000 points, got 0"),
     ],
 )
-def test_what_can_not_be_demanded(changed, message):
+def test_invalid_demands_are_refused(changed, message):
     given = {"force": [1.0, 2.0], "strain": [0.1, 0.2], "supply_pressure": 4e5} | changed
     with pytest.raises(ValueError, match=message):
         Task.of(**given)
@@ -54,6 +54,6 @@ def test_an_unknown_example():
         example_task("walking_ancle")
 
 
-def test_a_share_of_no_force_is_one_of_the_largest():
+def test_reference_of_zero_force_is_the_largest_force():
     task = Task.of([0.0, 20.0, 5.0], [0.1, 0.1, 0.0], 4e5)
     assert_allclose(task.reference, [20.0, 20.0, 5.0])

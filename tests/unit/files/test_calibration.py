@@ -54,7 +54,7 @@ def test_without_a_report_it_is_empty(tmp_path):
     assert "calibration" not in dumps(MUSCLE)
 
 
-def test_beside_a_bundle_too(tmp_path):
+def test_provenance_of_a_bundle(tmp_path):
     bundle = example("kim2021_bundle_1_4")
     save(bundle, tmp_path / "b.toml", REPORT)
     assert provenance(tmp_path / "b.toml") == REPORT
@@ -72,7 +72,7 @@ tables = st.dictionaries(texts, values, max_size=4)
 @given(
     st.dictionaries(texts, values | tables | st.lists(tables, min_size=1, max_size=3), max_size=5)
 )
-def test_anything_reads_back(table):
+def test_provenance_reads_back(table):
     assert shown(read_back(table)) == shown(table)
 
 
@@ -90,7 +90,7 @@ def test_arrays_are_lists():
         ({"a": [1, {"b": 2}]}, "got a dict for 'a'"),
     ],
 )
-def test_refuses_what_toml_has_no_place_for(table, words, tmp_path):
+def test_unsupported_values_are_refused(table, words, tmp_path):
     with pytest.raises(ValueError, match=words) as caught:
         save(MUSCLE, tmp_path / "m.toml", table)
     assert "\n" not in str(caught.value)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.files.shipped_files import descriptions
+from fascicle.files import descriptions
 from fascicle.files.task import load_task, loads_task
 
 
@@ -51,7 +51,7 @@ def test_a_product_of_two_lengths_is_two_drawings():
     assert any("wall, braid angle, rubber and laws are taken" in note for note in file.notes)
 
 
-def test_a_product_has_all_of_its_drawings_laws(tmp_path):
+def test_product_has_the_laws_of_its_base(tmp_path):
     ends = fs.ends.Compliant(inactive_length=4e-3)
     own = fs.example("kim2021_figure_6").replace(ends=ends, buckling="kim2021_series")
     fs.save(own, tmp_path / "own.toml")
@@ -72,7 +72,7 @@ def test_a_catalog_of_one_table_and_of_diameters():
     assert_allclose([float(muscle.outer_radius), float(muscle.braid_angle)], [0.01, np.radians(25)])
 
 
-def test_what_is_cut_to_order_has_the_lengths_that_are_asked_for():
+def test_cut_lengths_are_those_of_the_design():
     lengths = 'length = ["20 mm", "100 mm", "2 m"]\n'
     table = '[[design.catalog]]\nname = "a"\nouter_radius = "6 mm"\nleast_length = "40 mm"\n'
     file = loads_task(PLAIN + lengths + table)
@@ -80,7 +80,7 @@ def test_what_is_cut_to_order_has_the_lengths_that_are_asked_for():
     assert "a isn't made 20 mm long, but 40 mm." in file.notes
 
 
-def test_the_shipped_catalog_says_where_it_is_from():
+def test_shipped_catalog_has_its_source():
     assert "festo_dmsp" in descriptions("catalogs")
     file = loads_task(PLAIN + 'length = ["100 mm", "300 mm"]\ncatalog = "festo_dmsp"\n')
     names = {product.name for product in file.catalog.products.values()}
@@ -92,7 +92,7 @@ def test_the_shipped_catalog_says_where_it_is_from():
         assert_allclose(inner, float(product.name.removeprefix("DMSP-")), rtol=1e-12)
 
 
-def test_a_catalog_in_a_file_of_its_own_with_its_own_muscles(tmp_path):
+def test_catalog_file_with_its_own_muscles(tmp_path):
     fs.save(fs.example("kim2021_slenderness_8"), tmp_path / "fitted.toml")
     (tmp_path / "makers.toml").write_text(
         'format = 1\n[[product]]\nname = "a"\nouter_radius = "6 mm"\nmuscle = "fitted.toml"\n'
@@ -114,7 +114,7 @@ def test_a_catalog_in_a_file_of_its_own_with_its_own_muscles(tmp_path):
         (THIN.replace("name", "nmae"), 'unknown key, did you mean "name"?'),
         (THIN.replace('outer_radius = "6 mm"', ""), "give one of them, got none"),
         (THIN + 'outer_diameter = "3 mm"\n', "got outer_radius and outer_diameter"),
-        (THIN + THIN, "is there twice with this length"),
+        (THIN + THIN, "repeats a product of this length"),
         (THIN + 'wall_thickness = "6 mm"\n', "`wall_thickness` must be less than"),
         (THIN + 'braid_angle = "60 deg"\n', "`braid_angle` must lie in"),
         (THIN + 'least_length = "1 m"\n', "products is available: thin isn't made 100, 200"),
@@ -126,7 +126,7 @@ def test_a_catalog_in_a_file_of_its_own_with_its_own_muscles(tmp_path):
         (THIN + '[scatter]\nlength = "1 %"\n', "needs a space of one muscle"),
     ],
 )  # fmt: skip
-def test_what_a_catalog_can_not_say(more, message):
+def test_invalid_catalogs_are_one_line(more, message):
     with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
         loads_task(PLAIN + more, "t.toml")
     line = str(refused.value)

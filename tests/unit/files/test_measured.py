@@ -55,7 +55,7 @@ def saved(made, folder):
     return load_scenario(folder / "scenario.toml")
 
 
-def test_the_plant_has_what_was_found(made, tmp_path):
+def test_plant_has_the_measured_springs(made, tmp_path):
     scenario = saved(made, tmp_path)
     if made.friction.law is None:
         plain = loads_scenario(SCENARIO.replace(FRICTION, ""), folder=tmp_path)
@@ -73,7 +73,7 @@ def test_the_plant_has_what_was_found(made, tmp_path):
     assert_allclose(made.friction.half_width(4e5), 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03)
 
 
-def test_the_fit_is_as_it_was(made):
+def test_friction_leaves_the_fit_unchanged(made):
     # separate from the static law: asking for it changes no number of the muscle
     before = made.muscle
     assert made.friction is not None
@@ -89,14 +89,14 @@ def test_the_fit_is_as_it_was(made):
         (('bundle = "muscle.toml"', 'bundle = "kim2021_figure_6"'), "must name the calibrated"),
     ],
 )
-def test_what_was_not_measured_is_refused(edit, said, tmp_path):
+def test_unmeasured_friction_is_refused(edit, said, tmp_path):
     fs.save(NOMINAL, tmp_path / "nominal.toml")
     fs.save(NOMINAL, tmp_path / "muscle.toml")
     with pytest.raises(ValueError, match=said):
         loads_scenario(SCENARIO.replace(*edit), folder=tmp_path)
 
 
-def test_springs_of_a_joint_s_muscles_are_drawn_along():
+def test_joint_takes_the_measured_springs():
     from fascicle.files import example_text
 
     springs = '[hysteresis]\nkind = "maxwell_slip"\nstiffness = "4 N/mm"\nslip_force = "1 N"\n[run]'

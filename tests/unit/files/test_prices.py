@@ -34,7 +34,7 @@ def test_prices_are_read(text, per, amount, currency):
         ("-5 EUR", None, 'such as "95 EUR"'),
         ("€95 EUR", None, "write one currency"),
         ("95 EUR/m^3", None, "drop the unit"),
-        ("95 EUR", "volume", "by which unit?"),
+        ("95 EUR", "volume", "add the unit"),
         ("95 EUR/s", "volume", "'s' is no unit of volume"),
         ("95 EUR/m^3", "energy", "'m^3' is no unit of energy"),
         ("1" + "0" * 12 + " EUR", None, "must lie in"),
@@ -43,7 +43,7 @@ def test_prices_are_read(text, per, amount, currency):
         ("95\nEUR\n/m\n", "volume", "is no unit"),
     ],
 )
-def test_what_is_no_price_is_one_line(text, per, message):
+def test_invalid_prices_are_one_line(text, per, message):
     with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
         parse_price(text, "valve", per)
     line = str(refused.value)

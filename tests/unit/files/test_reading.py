@@ -43,7 +43,7 @@ def test_sizes_are_the_floats_that_python_would_write():
     )  # fmt: skip
 
 
-def test_what_is_left_out_is_the_constructors_default():
+def test_missing_keys_take_the_default():
     given = loads(MUSCLE)
     default = Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     assert str(given) == str(default)
@@ -164,7 +164,7 @@ def test_windows_files_and_byte_order_marks(tmp_path):
         ("33 deg", "-5 deg", 'muscle.braid_angle = "-5 deg": `braid_angle` must lie in'),
         # TOML
         ("[muscle]", "[muscle", "not TOML: Expected ']'"),
-        ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", "length is there twice, again on"),
+        ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", "length is repeated on"),
         ("[muscle]", "x = " + "[" * 5000 + "\n[muscle]", "not TOML: "),
         (MUSCLE, "format = 1\nmuscle = 5", "muscle = 5: must be a table of keys"),
         (MUSCLE, "", "format: missing"),
@@ -239,7 +239,7 @@ def test_refuses_further_keys(more, message):
 def test_several_muscles_need_a_bundle_that_names_them():
     assert "several muscles (thin, thick) and no [bundle]" in refusal(TWO)
     nameless = refusal(TWO + "[bundle]\n" + UNIT)
-    assert nameless.startswith("bundle.motor_unit[0].muscle: missing, write which muscle it has")
+    assert nameless.startswith("bundle.motor_unit[0].muscle: missing, write the name of its muscle")
     wrong = refusal(TWO + "[bundle]\n" + UNIT + 'muscle = "thinn"\n')
     assert 'muscle = "thinn": no such muscle in the file, did you mean "thin"?' in wrong
 

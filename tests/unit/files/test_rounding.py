@@ -32,7 +32,7 @@ def noisy():
     return calibration(2.0)
 
 
-def test_the_file_reads_back_within_what_is_known(noisy, tmp_path):
+def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
     _, made = noisy
     path = tmp_path / "m.toml"
     path.write_text(calibrated_text(made, "2026-01-02"), encoding="utf-8")
@@ -45,7 +45,7 @@ def test_the_file_reads_back_within_what_is_known(noisy, tmp_path):
     assert "1% of its interval" in provenance(path)["rounded"]
 
 
-def test_what_was_fitted_has_few_digits_and_degrees(noisy):
+def test_fitted_constants_have_few_digits(noisy):
     text = calibrated_text(noisy[1], "2026-01-02").partition("[calibration]")[0]
     angle = re.search(r'braid_angle = "([\d.]+) deg"', text)
     radius = re.search(r'outer_radius = "([\d.]+) mm"', text)
@@ -54,7 +54,7 @@ def test_what_was_fitted_has_few_digits_and_degrees(noisy):
     assert not re.search(r"\d{8}", text)
 
 
-def test_its_report_has_as_many_digits_as_are_known(noisy):
+def test_log_is_rounded_to_the_uncertainty(noisy):
     _, made = noisy
     text = "[calibration]" + calibrated_text(made, "2026-01-02").partition("[calibration]")[2]
     # but for the coordinates and their covariance, which belong together
@@ -71,14 +71,14 @@ def test_its_report_has_as_many_digits_as_are_known(noisy):
             assert abs(off) <= 0.01 * width, name
 
 
-def test_a_fitted_constant_has_the_digits_of_its_interval():
+def test_constant_is_rounded_to_its_interval():
     assert round_to_uncertainty(0.1234567, "length", 0.1) == "123 mm"
     assert round_to_uncertainty(0.1234567, "length", 1e-3) == "123.46 mm"
     assert round_to_uncertainty(0.1234567, "length", 0.0) == "123.4567 mm"
     assert round_to_uncertainty(1 / 3, "number", 0.0) == repr(1 / 3)
 
 
-def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
+def test_file_has_the_fitted_length(noisy, tmp_path):
     text = calibrated_text(noisy[1], "2026-01-02")
     assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
     with pytest.warns(UserWarning, match="of 200 mm and its length is now 300 mm"):
@@ -95,7 +95,7 @@ def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
     assert "\n" not in str(refused.value)
 
 
-def test_what_was_given_stays_as_it_was(noisy):
+def test_unfitted_constants_stay_unchanged(noisy):
     start, made = noisy
     rounded, _ = rounded_muscle(made)
     assert rounded.wall_thickness == start.wall_thickness

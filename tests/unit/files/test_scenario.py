@@ -63,7 +63,7 @@ def test_water_and_nitrogen_flow_as_such():
     assert nitrogen.chamber.gas == fluid.NITROGEN
 
 
-def test_the_room_is_everybodys():
+def test_room_reaches_every_part():
     warm = ("conductance =", 'room_temperature = "30 °C"\nroom_pressure = "90 kPa"\nconductance =')
     tank = ('kind = "constant"', 'kind = "tank"\nvolume = "5 L"')
     for edits in ([warm], [warm, tank]):
@@ -91,7 +91,7 @@ def test_a_pump_its_band_and_its_relief_valve_reach_the_supply():
     assert supply.band is None and supply.relief is None
 
 
-def test_a_bundle_may_be_written_out_or_stand_beside(tmp_path):
+def test_bundle_is_inline_or_a_file(tmp_path):
     bundle = fs.example("kim2021_bundle_1_4")
     fs.save(bundle, tmp_path / "mine.toml")
     name = 'bundle = "kim2021_bundle_1_4"'
@@ -103,7 +103,7 @@ def test_a_bundle_may_be_written_out_or_stand_beside(tmp_path):
     assert fs.load(tmp_path / "mine.toml") == bundle
 
 
-def test_what_isnt_done_as_written_is_noted():
+def test_inexact_commands_have_notes():
     late = loads_scenario(edited(GAS, ('time = "5 s"', 'time = "7 s"')))
     assert late.notes == ("the command at 7 s never comes: the run ends at 6 s.",)
     between = loads_scenario(edited(GAS, ('time = "5 s"', 'time = "5.0005 s"')))
@@ -175,7 +175,7 @@ MOVED = "\n".join(
         (PUMPED, [('"fixed"  ', '"variable"\npressure = "4 bar"\nband = "1 bar"')], "supply.band"),
         (GAS, [('"-20 mm"', '"40 mm"')], "load.stop.low = \"40 mm\": `low` must be less than"),
         (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
-        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no stroke on which all muscles' strains"),
+        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no stroke"),
         (JOINT, [('["kim2021_bundle_1_1", ', "["), ], "bundle: must be a list of two for a joint"),
         (GAS, [("_1_4", "_1_5")], 'did you mean "kim2021_bundle_1_4"?'),
         (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle: must name a bundle or its file"),
@@ -192,7 +192,7 @@ def test_bad_input_is_one_line_with_its_key(text, edits, told):
 @pytest.mark.parametrize(
     "name", ["lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped"]
 )
-def test_named_scenarios_say_what_they_are(name):
+def test_named_scenarios_have_descriptions(name):
     assert name in scenarios() and len(scenarios()[name]) > 30
     assert "made up" in fs.example(name).source
 
@@ -217,7 +217,7 @@ def test_a_scenario_is_no_muscle(tmp_path):
         ("", "name", "lift_gas"),
     ],
 )  # fmt: skip
-def test_a_kind_that_is_no_name_is_one_line(table, key, name, kind):
+def test_kind_must_be_a_name(table, key, name, kind):
     data = tomllib.loads(example_text(name))
     section = data
     for part in filter(None, table.split(".")):
@@ -232,14 +232,14 @@ def test_a_kind_that_is_no_name_is_one_line(table, key, name, kind):
 @pytest.mark.parametrize(
     "compliance", ["", 'compliance = "0 m^3/Pa"', 'compliance = ["0 m^3/Pa", "2e-11 m^3/Pa"]']
 )
-def test_a_liquid_that_doesnt_give_way_is_refused_beforehand(compliance):
+def test_incompressible_liquid_is_refused(compliance):
     text = re.sub(r"(?m)^compliance = .*$", compliance, example_text("lift_oil"))
     with pytest.raises(ValueError, match=r"^x\.toml: fluid\.compliance") as refused:
         loads_scenario(text, "x.toml")
     assert 'write compliance = "2e-11 m^3/Pa"' in str(refused.value)
 
 
-def test_what_cant_be_run_is_refused_beforehand():
+def test_runs_that_are_too_large_are_refused():
     rows = "[[bundle.motor_unit]]\ncount = 1\n" * 100
     many = RAMP.replace("[[bundle.motor_unit]]\ncount = 1\n", rows, 1)
     many = edited(many, ('["265 kPa", "0 kPa"]', '"0 kPa"'), ('"2 s"', '"500 s"'))
@@ -250,7 +250,7 @@ def test_what_cant_be_run_is_refused_beforehand():
         loads_scenario(late, "x.toml")
 
 
-def test_at_rest_the_exact_law_is_asked_for_its_force_alone(monkeypatch):
+def test_exact_law_runs_at_rest(monkeypatch):
     plant = loads_scenario(edited(GAS, ('dt = "1 ms"', 'dt = "1 ms"\nvolume = "geometric"'))).plant
     units = [unit.muscle for unit in plant.bundles[0].motor_units]
     exact = Exact.from_muscles(units, 5e5, plant.muscles.strains)

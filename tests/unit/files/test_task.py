@@ -36,7 +36,7 @@ def test_units_and_lists():
     assert len(file.space) == 3 * (2 + 4)
     # what usually matters
     assert file.senses["mean_efficiency"] == "max" and file.senses["valves"] == "min"
-    assert file.block == 4096 and file.chance is None
+    assert file.block == 4096 and file.uncertainty is None
 
 
 def test_limits_have_units_and_valves_bound_the_space():
@@ -56,7 +56,7 @@ def test_limits_have_units_and_valves_bound_the_space():
      ('margin = { warn_below = "35 %" }\n', 0.35, None),
      ('margin = { at_least = "50 N", warn_below = 0.35 }\n', 0.35, 50.0)],
 )  # fmt: skip
-def test_the_margin_below_which_one_is_warned(limits, share, least):
+def test_margin_of_the_warning(limits, share, least):
     file = loads_task(f"{PLAIN}muscles = 2\n[limits]\n{limits}")
     assert file.least_margin == share
     assert ("margin" in file.limits) is (least is not None)
@@ -87,7 +87,7 @@ def test_prices_in_one_currency():
     assert (catalog.energy, catalog.currency, catalog.density) == (None, "EUR", 1100.0)
 
 
-def test_splits_written_out_and_another_law():
+def test_listed_splits_and_another_law():
     file = loads_task(PLAIN + 'splits = ["1+4", "2+3"]\nbuckling = "elastica"\n')
     assert file.space.at(np.arange(2)).labels == ["1+4", "2+3"]
     assert next(iter(file.space.drawings.values())).buckling.name == "elastica"
@@ -101,17 +101,17 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     )
     file = load_task(tmp_path / "task.toml")
     assert list(file.space.drawings) == ["mine.toml"]
-    assert file.chance.draws == 50 and file.chance.muscles is None
-    assert_allclose(file.chance.scatter.braid_angle, np.radians(1.0))
+    assert file.uncertainty.draws == 50 and file.chance.muscles is None
+    assert_allclose(file.uncertainty.scatter.braid_angle, np.radians(1.0))
 
 
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must lie in"),
+        ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must be"),
         ("muscles = 2\n[scatter]\ncalibrated = true\n", "needs a muscle file"),
         ('muscles = 2\n[scatter]\nlength = "30 %"\n', "`length` must lie in"),
-        ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must lie in"),
+        ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
         ("muscles = 2.5\n", "must be a whole number, or a list of them"),
         ('muscles = [3]\nsplits = ["1+4"]\n', "must be left out where the splits are written out"),
         ("muscles = 2\n[limits]\nvalves = {}\n", "empty: write { at_most"),
@@ -123,16 +123,16 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),
         (
             'muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n',
-            "a part must be reached",
+            "must lie in [0, 1)",
         ),
-        ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "nothing can be both"),
+        ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "no design can be both"),
         ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
         ('muscles = 2\ndensity = "1 g/m^3"\n', "must lie in [1, 30000] kg/m^3"),
         ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "another price is in EUR"),
         ('muscles = 2\n[prices]\nwater = "90 EUR"\n', "unknown key, choose one of air, energy"),
     ],
 )
-def test_what_a_task_file_can_not_say(more, message):
+def test_invalid_task_files_are_one_line(more, message):
     with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
         loads_task(PLAIN + more, "t.toml")
     line = str(refused.value)
@@ -155,7 +155,7 @@ def test_what_a_task_file_can_not_say(more, message):
         ('scheme = "batch"', 'fluid = "aire"', "did you mean 'air'?"),
     ],
 )
-def test_what_can_not_be_demanded(old, new, message):
+def test_invalid_demands_are_refused(old, new, message):
     assert old in PLAIN
     with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
         loads_task(PLAIN.replace(old, new, 1) + "muscles = 2\n", "t.toml")
@@ -163,7 +163,7 @@ def test_what_can_not_be_demanded(old, new, message):
     assert line.startswith("t.toml: ") and message in line and "\n" not in line
 
 
-def test_what_a_calibration_is_off_by_is_noted(tmp_path):
+def test_fit_error_is_noted(tmp_path):
     muscle = fs.example("kim2021_slenderness_10")
     fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
     text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"

@@ -104,7 +104,7 @@ def test_examples_read_back_through_a_file(name, tmp_path):
     assert bits(load(path)) == bits(example(name))
 
 
-def test_writes_what_people_would():
+def test_text_is_as_people_write_it():
     text = dumps(example("kim2021_slenderness_8"))
     for line in (
         'length = "102 mm"',

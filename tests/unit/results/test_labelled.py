@@ -23,7 +23,7 @@ VARIABLES = {
 }
 
 
-def test_json_has_null_for_what_is_not_finite():
+def test_json_has_null_for_non_finite_numbers():
     found = json.loads(results.to_json(VARIABLES))
     assert found["force"] == [[1.5, None], [-2.0, 0.1], [3.0, 4.0]]
     assert found["collapse"] == [0.1, None, None]
@@ -54,7 +54,7 @@ def test_csv_of_coordinates_alone():
     assert results.to_csv({"pressure": VARIABLES["pressure"]}).startswith("pressure [Pa]\n0.0\n")
 
 
-def test_datasets_say_unit_meaning_and_source():
+def test_datasets_have_unit_meaning_and_source():
     found = results.dataset(VARIABLES, title="a test", source="ourselves")
     assert found["force"].attrs == {
         "units": "N", "long_name": "pulling force", "source": "a paper, (27)",
@@ -66,7 +66,7 @@ def test_datasets_say_unit_meaning_and_source():
 
 
 @pytest.mark.parametrize("name", ["x.nc", "x.zarr"])
-def test_what_is_written_reads_back(tmp_path, name):
+def test_written_results_read_back(tmp_path, name):
     if name == "x.zarr" and importlib.util.find_spec("zarr") is None:
         pytest.skip("zarr comes with an extra")
     for _ in range(2):  # the second replaces the first
@@ -85,7 +85,7 @@ def test_text_formats_by_their_ending(tmp_path):
     assert (tmp_path / "x.JSON").read_text() == results.to_json(VARIABLES) + "\n"
 
 
-def test_zarr_that_is_not_there_is_named(tmp_path, monkeypatch):
+def test_missing_zarr_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
     with pytest.raises(
         ValueError, match=r"needs the package zarr: pip install 'fascicle\[sweep\]'"
@@ -93,14 +93,14 @@ def test_zarr_that_is_not_there_is_named(tmp_path, monkeypatch):
         results.check_result_path(tmp_path / "x.zarr")
 
 
-def test_a_folder_that_is_no_store_is_kept(tmp_path, monkeypatch):
+def test_folder_without_a_store_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
     (tmp_path / "x.zarr").mkdir()
     with pytest.raises(ValueError, match="it isn't replaced"):
         results.check_result_path(tmp_path / "x.zarr")
 
 
-def test_a_failure_leaves_what_was_there(tmp_path):
+def test_failure_leaves_the_former_file(tmp_path):
     path = tmp_path / "x.nc"
     path.write_bytes(b"old")
     broken = VARIABLES | {"bad": Variable(("pressure",), np.zeros(7), "-")}

@@ -29,7 +29,7 @@ def ran():
     return read, found, audit(read.plant, found)
 
 
-def test_all_of_a_run_is_told_with_units(ran):
+def test_run_table_has_units(ran):
     read, found, audited = ran
     data = fs.tables.simulated(read.plant, found, audited).dataset(title="t", source="s")
     assert data.sizes == {"time": 41, "motor_unit": 2, "valve": 2, "balance": 5, "event": 0}
@@ -59,7 +59,7 @@ def test_a_table_of_a_joint_has_radians():
     assert "balance" not in table
 
 
-def test_csv_and_json_hold_it_too(ran):
+def test_run_table_as_csv_and_json(ran):
     table = fs.tables.simulated(ran[0].plant, *ran[1:])
     head, *rows = table.to_csv().splitlines()
     assert head.startswith("time [s],position [m],velocity [m/s]") and len(rows) == 41
@@ -67,7 +67,7 @@ def test_csv_and_json_hold_it_too(ran):
     assert json.loads(table.to_json())["closes"] == [True] * 5
 
 
-def test_no_peak_is_lost_where_a_curve_is_thinned():
+def test_thinned_curve_keeps_its_peak():
     values = np.sin(np.linspace(0, 40, 100_000))
     values[31_415], values[77_777] = 3.0, -2.0
     kept = thinned(values)
@@ -75,7 +75,7 @@ def test_no_peak_is_lost_where_a_curve_is_thinned():
     assert thinned(values[:100]).tolist() == list(range(100))
 
 
-def test_what_is_negative_comes_from_the_other_side(ran):
+def test_negative_terms_change_sides(ran):
     from fascicle.dynamics import Balance
 
     went = {"pull": 3.0, "stored": -1.0, "tiny": 1e-9, "none": 0.0}
@@ -95,7 +95,7 @@ def test_pictures_are_labelled(ran):
     assert any(re.match(r"supplied .* J, 1?[0-9.]+ %", text) for text in texts)
 
 
-def test_the_page_says_whether_to_believe_it(ran):
+def test_page_reports_whether_the_balances_close(ran):
     read, found, audited = ran
     page = report(read, found, audited, [], "2026-05-04")
     for part in ("All 5 balances close", "nothing on this page was measured", "made up",

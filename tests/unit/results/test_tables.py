@@ -28,7 +28,7 @@ def every_table():
 
 
 @pytest.mark.parametrize(("name", "table"), every_table().items())
-def test_tables_leave_with_units_in_every_form(name, table, tmp_path):
+def test_tables_have_units_in_every_format(name, table, tmp_path):
     data = table.dataset(title=name)
     assert set(data.variables) == set(table) and data.title == name
     for key, variable in table.items():
@@ -42,7 +42,7 @@ def test_tables_leave_with_units_in_every_form(name, table, tmp_path):
     assert (tmp_path / "table.json").read_text(encoding="utf-8").strip() == table.to_json()
 
 
-def test_tables_hold_what_the_laws_say():
+def test_tables_equal_the_laws():
     tables = every_table()
     assert all(isinstance(table, Table) for table in tables.values())
     force = tables["muscle_force"]["force"].values

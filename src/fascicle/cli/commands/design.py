@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from ...reports.design_summary import InfeasibleResult
 
 
-_PRINTED, _SAVED = 20, 30  # designs of the front in the table, which fits a screen, and in files
-_CASES = 20  # load cases in the table
+_PRINTED = 8  # designs of the front in the table; the report has more
+_SAVED = 30  # designs of the front as files: more would be hard to choose from
+_CASES = 10  # load cases in the table, those with the least to spare; the report has more
 
 
 def run(
@@ -35,7 +36,7 @@ def run(
         metavar="FOLDER",
     ),
     also: str | None = option(
-        "Further objectives to record, besides the front's: reversal_depth,largest_force.",
+        "Further objectives to record, such as reversal_depth,largest_force.",
         metavar="LIST",
     ),
     generations: int | None = option(
@@ -54,8 +55,8 @@ def run(
 ) -> int:
     """Recommend the cheapest bundle for a task, and alternatives.
 
-    Exit code 3 if no design reaches every load case: the nearest design is printed then, with what
-    it misses and what would reach it.
+    Exit code 3 if no design reaches every load case: then you get the nearest design, its misses
+    and the changes that would reach the task.
     """
     folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
     if generations is not None:
@@ -94,13 +95,13 @@ def run(
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
         update("evaluating the best of them")
-        scatter, chance = None, file.chance
-        if chance is not None and result.reported.size:
+        scatter, uncertainty = None, file.uncertainty
+        if uncertainty is not None and result.reported.size:
             from ...design.robust import spread
 
             scatter = spread(
-                result.designs, result.task, tuple(result.values), result.limits, chance.scatter,
-                chance.muscles, chance.draws,
+                result.designs, result.task, tuple(result.values), result.limits,
+                uncertainty.scatter, uncertainty.muscles, uncertainty.draws,
             )  # fmt: skip
         seconds = time.perf_counter() - begin
         answer = summarize_search(result)
@@ -113,52 +114,38 @@ def run(
         return 0 if result.recommended is not None else INCOMPLETE
     code = print_answer(result, answer, file.notes)
     if scatter is not None and result.recommended is not None:
-        probability = scatter.probability[result.recommended]
-        print(
-            f"with scatter of fabrication, it meets the task with a probability of"
-            f" {probability:.2f}"
-        )
+        probability = 100 * scatter.probability[result.recommended]
+        print(f"with fabrication scatter, {probability:.0f} % of such bundles meet the task")
     if paths:
-        names = paths if len(paths) < 5 else [*paths[:3], f"{len(paths) - 3} more files"]
-        print_line(f"wrote {', '.join(names)}")
+        page, *others = paths
+        print_line(f"wrote {page} with all details, and {len(others)} other files beside it")
     return code
 
 
 def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = ()) -> int:
-    """Print the recommended design and the front; or the nearest design.
+    """Print the recommended design, its load cases and the front; or the nearest design.
 
     **Arguments:**
 
     - `result`: of a search.
     - `answer`: its `Summary` or `InfeasibleResult`, by `summarize_search`.
-    - `notes`: on what the search omitted.
+    - `notes`: on omitted products and fit errors.
 
     **Returns:** the exit code: 0, or `INCOMPLETE`.
     """
     from ...reports import design_summary
-    from ...reports.design import compromise
 
-    for note in notes:
-        print_line(f"note: {note}")
     infeasible, summary = _split(answer)
-    if infeasible is None:
-        recommendation, margin, *reasons = design_summary.headline(result, summary)
-        warning = design_summary.margin_warning(result, summary)
-        warnings = [f"warning: {warning}"] if warning else []
-        for line in (recommendation, margin, *warnings, *reasons):
-            print_line(line)
+    is_feasible = infeasible is None
+    lines = design_summary.summary_lines(result, summary) if is_feasible else infeasible.lines()
+    for line in [*lines, *(f"note: {note}" for note in notes)]:
+        print_line(line)
     rows, caption = design_summary.case_rows(summary, _CASES)
     title = f"Load cases, {design_summary.composition_text(summary)}"
     print_table(title, list(design_summary.HEADS), rows, caption)
-    if infeasible is not None:
-        for line in infeasible.lines():  # last, next to the prompt
-            print_line(line)
+    if not is_feasible:
         return INCOMPLETE
-    for name, text in design_summary.design_facts(result, summary).items():
-        print_line(f"{name}: {text}")
     _print_front(result)
-    for line in compromise(result):
-        print_line(line)
     return 0
 
 
@@ -179,8 +166,7 @@ def _print_front(result: "SearchResult") -> None:
     if result.judged == len(result.index):
         reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
         requirement = design_summary.task_requirement(result)
-        counts = f" {reaching} {requirement}, {allowed} keep all limits too,"
-    print(f"{result.judged} designs,{counts} {len(result.front)} on the front")
+        counts = f" {reaching} {requirement}, {allowed} also keep all limits,"
     marks = {result.compromise: "c", result.recommended: "*"}
     if result.compromise == result.recommended:
         marks[result.recommended] = "* c"
@@ -195,13 +181,15 @@ def _print_front(result: "SearchResult") -> None:
         ]
         for index in sorted(map(int, indices))
     ]  # fmt: skip
-    objectives = map(design_summary.objective_label, result.reported_objectives)
-    caption = "*: recommended, c: best compromise"
+    objectives = map(design_summary.objective_head, result.reported_objectives)
+    caption = f"{result.judged} designs,{counts} {len(result.front)} on the front"
+    caption += "; *: recommended, c: best compromise"
     if result.cheapest not in result.front:
         caption += "; the recommended one isn't on the front"
     if omitted := len(result.reported) - len(rows):
         caption += f"; {omitted} more are in the files"
-    print_table("Designs on the Pareto front", ["", "units", *objectives, "muscles"], rows, caption)
+    heads = ["", "units", *objectives, "muscles"]
+    print_table("Front: no other design is better in all objectives", heads, rows, caption)
 
 
 def _write(
@@ -213,7 +201,7 @@ def _write(
     folder: Path,
     overwrite: bool,
 ) -> list[str]:
-    """Write report, data and bundles; returns the files' paths."""
+    """Write report, data and bundles; returns their paths, the report's first."""
     from ...files import dumps
     from ...reports.design import report
     from ...results import design_tables
@@ -223,7 +211,7 @@ def _write(
         f"bundle_{index + 1}.toml": dumps(result.designs.bundle(index, result.task))
         for index in range(min(len(result.reported), _SAVED))
     }
-    data: dict[str, Any] = {"designs.nc": design_tables.every_variables(result)}
+    data: dict[str, Any] = {"designs.nc": design_tables.all_design_variables(result)}
     infeasible, summary = _split(answer)
     if infeasible is None and result.recommended is not None:
         recommended = dumps(result.designs.bundle(result.recommended, result.task))

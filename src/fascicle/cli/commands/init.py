@@ -32,7 +32,8 @@ def run(
         raise UserError("--task and --from: a task has no example to copy, drop one.")
     if task and scenario:
         raise UserError("--task and --scenario: only one file is written, drop one.")
-    path = path or ("task.toml" if task else "scenario.toml" if scenario else "muscle.toml")
+    kind = "task" if task else "scenario" if scenario else "muscle"
+    path = path or f"{kind}.toml"
     check_file("", path, overwrite)
     if scenario:
         example = example or "lift_gas"
@@ -40,13 +41,15 @@ def run(
             names = ", ".join(scenarios())
             raise UserError(f"--from {example}: not a scenario: choose one of {names}.")
     with user_errors():
-        text = example_text(example) if example else template("task" if task else "muscle")
+        text = example_text(example) if example else template(kind)
     write_text("", path, overwrite, text)
-    print_line(f"wrote {path}")
+    is_scenario = scenario or example in scenarios()
+    command = "design" if task else "simulate" if is_scenario else "free-strain"
+    print_line(f"wrote {path}: edit it, then run `fascicle {command} {path}`")
 
 
 def template(kind: str) -> str:
-    """Commented file of a kind, "muscle" or "task"."""
+    """Text of the commented file of a kind, "muscle" or "task"."""
     values = {}
     if kind == "muscle":
         with status("loading the laws"):

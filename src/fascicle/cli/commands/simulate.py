@@ -66,7 +66,7 @@ def run(
 
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
-    from ...results.run_tables import simulated
+    from ...results.tables import simulated
 
     with user_errors():
         result = study.run()
@@ -102,7 +102,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     from ...control import POLICIES
     from ...plot.trajectory import PolicyCosts, policies
     from ...reports import simulation as pages
-    from ...results.run_tables import policy_table
+    from ...results.tables import policy_table
 
     runs: dict[str, Any] = {}
     with status("simulating") as update:

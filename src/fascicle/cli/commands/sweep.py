@@ -15,7 +15,7 @@ from ..outputs import SOURCE, check_file, print_line, status, write_file
 from .design import print_answer
 
 
-_RESUME = "finished blocks are kept in {}, --resume goes on with them."
+_RESUME = "the finished blocks are in {}: continue with --resume."
 _QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
 _FRONT = 5_000_000  # designs: the front of more does not fit into memory
 
@@ -71,7 +71,7 @@ def run(
 
 @contextlib.contextmanager
 def _resumable(folder: Path) -> Iterator[None]:
-    """Explain how a sweep that was stopped is resumed, in one line."""
+    """Context whose interruptions and errors say in one line how to resume the sweep."""
     hint = _RESUME.format(folder)
     try:
         yield
@@ -82,7 +82,7 @@ def _resumable(folder: Path) -> Iterator[None]:
         raise StoppedError(f"{error}; {hint}") from None
     except OSError as error:
         path = error.filename or folder
-        raise UserError(f"{path}: {error.strerror or error}; once that is mended, {hint}") from None
+        raise UserError(f"{path}: {error.strerror or error}; remove the cause; {hint}") from None
 
 
 def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
@@ -115,12 +115,14 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     if workers == 0:
         yield None
         return
-    from ...design.cluster import local, remote
+    from ...design.cluster import local_client, scheduler_client
 
     with contextlib.ExitStack() as stack:
         try:
             with status("starting the workers"):
-                cluster = local(workers) if scheduler is None else remote(scheduler)
+                cluster = (
+                    local_client(workers) if scheduler is None else scheduler_client(scheduler)
+                )
                 client = stack.enter_context(cluster)
         except ConnectionError as error:
             if scheduler is None:
