@@ -45,7 +45,7 @@ def written(tmp_path):
 @pytest.mark.parametrize("options", [[], ["--json"], ["--csv"]])
 @pytest.mark.parametrize("trusted", [True, False])
 def test_of_a_scenario(fascicle, written, options, trusted):
-    from fascicle.files import example_text
+    from fascicle.files.shipped_files import example_text
 
     text = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
     if not trusted:
@@ -58,7 +58,7 @@ def test_of_a_scenario(fascicle, written, options, trusted):
 
 def test_of_policies(fascicle, written, monkeypatch):
     from fascicle.control import POLICIES
-    from fascicle.files import example_text
+    from fascicle.files.shipped_files import example_text
 
     two = {name: POLICIES[name] for name in ("threshold", "hand_over")}
     monkeypatch.setattr("fascicle.control.POLICIES", two)

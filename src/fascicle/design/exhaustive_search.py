@@ -115,9 +115,9 @@ def nearest(
     `values`: objectives of at least one design [SI]; `permitted`: mask of designs of products that
     may be used.
     """
-    within = within_limits(values, other_limits(limits)) & permitted
+    keeps_limits = within_limits(values, other_limits(limits)) & permitted
     # of those that miss as much, up to rounding, the one with fewer valves
-    keys = (values["valves"], np.round(values["relative_shortfall"], _DIGITS), ~within)
+    keys = (values["valves"], np.round(values["relative_shortfall"], _DIGITS), ~keeps_limits)
     return int(np.lexsort(keys)[0])
 
 

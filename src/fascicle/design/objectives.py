@@ -280,10 +280,10 @@ Values = Mapping[str, Float[np.ndarray, " design"]]
 
 def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
     """Mask of designs within all limits; `values` [SI] and `limits` [SI] by objective."""
-    within = np.ones(len(next(iter(values.values()))), bool)
+    mask = np.ones(len(next(iter(values.values()))), bool)
     for name, limit in limits.items():
-        within &= limit.holds(values[name])
-    return within
+        mask &= limit.holds(values[name])
+    return mask
 
 
 def check_search(senses: Mapping[str, str], limits: Limits) -> None:

@@ -11,7 +11,6 @@ objective.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import jax
@@ -20,9 +19,8 @@ import numpy as np
 from jax import Array
 
 from ..core.errors import InvalidInputError
-from ..core.types import Float, Int
+from ..core.types import Float
 from ..core.validation import check_choice
-from ..muscle import Muscle
 from .designs import Designs, Sizes
 from .evaluation import design_outcome, evaluate
 from .objectives import OBJECTIVES, SHARES, check_objectives, needs, objective_values
@@ -83,22 +81,44 @@ def refine_sizes(
     design = designs.take(np.array([index]))
     design = design.take(np.array([0]), int(design.units[0]))
     demand, counts, sizes = Demand.from_task(task), design.counts[0], design.sizes(0)
+    drawing = list(design.drawings.values())[int(design.kind[0])]
     low, high, first = _coordinates(sizes, bounds)
     initial = float(evaluate(design, task, [name])[name][0]) or 1.0
-    rng = np.random.default_rng(seed)
-    random = rng.uniform(-_STARTS, _STARTS, (starts - 1, first.size))
-    z = jnp.asarray(np.concatenate([first[None], random]))
     sign = (1.0 if sense == "min" else -1.0) / abs(initial)
+
+    def sizes_at(z: Array) -> Sizes:
+        """Sizes at coordinates `z`; those without bounds unchanged."""
+        values = low + (high - low) / (1 + jnp.exp(-z))
+        length, radius, wall, angle = sizes
+        new = {"length": length, "radius": radius, "wall_ratio": wall / radius, "angle": angle}
+        start = 0
+        for key in bounds:
+            stop = start + (1 if key == "length" else radius.size)
+            new[key] = values[start:stop] + 0.0 * new[key]  # the length for every unit
+            start = stop
+        return Sizes(new["length"], new["radius"], new["wall_ratio"] * new["radius"], new["angle"])
+
+    def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
+        """Cost of a start, with the objective and the distance from the task."""
+        outcome = design_outcome(drawing, counts, sizes_at(z), demand, needs((name,)))
+        names = (name, "relative_shortfall", *SHARES)
+        objective, worst, *missed = objective_values(outcome, names)
+        mean = jnp.mean(outcome.shortfall / outcome.reference)
+        enough = jnp.max(jnp.stack(missed)) <= may_miss
+        miss = jnp.where(enough, 0.0, worst + mean)
+        return sign * objective + weight * miss, (sign * objective, miss)
+
+    gradient = jax.value_and_grad(cost, has_aux=True)
+    slopes = jax.jit(lambda *start: jax.lax.map(lambda row: gradient(*row), start))
+    random = np.random.default_rng(seed).uniform(-_STARTS, _STARTS, (starts - 1, first.size))
+    z = jnp.asarray(np.concatenate([first[None], random]))
     adam: Any = optax.adam(_RATE)
     state, weight = jax.vmap(adam.init)(z), np.full(starts, penalty)
     # the best that reaches the task, and the nearest to it
     best, least_miss = np.full(starts, np.inf), np.full(starts, np.inf)
     best_z = nearest_z = np.asarray(z)
     for _ in range(steps + 1):
-        (_, (value, miss)), slope = _slopes(
-            list(design.drawings.values())[int(design.kind[0])], counts, sizes, demand, z, low,
-            high, sign, jnp.asarray(weight), may_miss, name=name, bounded=tuple(bounds),
-        )  # fmt: skip
+        (_, (value, miss)), slope = slopes(z, jnp.asarray(weight))
         miss, position = np.asarray(miss), np.asarray(z)
         value = np.where(miss > 0, np.inf, np.asarray(value))
         best_z = np.where((value < best)[:, None], position, best_z)
@@ -109,42 +129,10 @@ def refine_sizes(
         update, state = jax.vmap(adam.update)(slope, state)
         z = jnp.clip(z + update, -_LARGEST_COORDINATE, _LARGEST_COORDINATE)
     positions = np.where(np.isfinite(best)[:, None], best_z, nearest_z)
-    refined = [_sizes_at(sizes, jnp.asarray(z), low, high, tuple(bounds)) for z in positions]
+    refined = [sizes_at(jnp.asarray(z)) for z in positions]
     length, radius, wall, angle = (np.stack(arrays) for arrays in zip(*refined, strict=True))
     copies = design.take(np.zeros(starts, int))
     return replace(copies, length=length[:, 0], radius=radius, wall=wall, angle=angle), best
-
-
-@partial(jax.jit, static_argnames=("name", "bounded"))
-def _slopes(
-    drawing: Muscle,
-    counts: Int[np.ndarray, " unit"],
-    sizes: Sizes,
-    demand: Demand,
-    z: Float[Array, "start coordinate"],
-    low: Array,
-    high: Array,
-    sign: Array | float,
-    weight: Float[Array, " start"],
-    may_miss: Array | float,
-    *,
-    name: str,
-    bounded: tuple[str, ...],
-) -> tuple[Any, Float[Array, "start coordinate"]]:
-    """Cost of each start, with the objective and the distance from the task; its slopes."""
-
-    def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
-        refined = _sizes_at(sizes, z, low, high, bounded)
-        outcome = design_outcome(drawing, counts, refined, demand, needs((name,)))
-        names = (name, "relative_shortfall", *SHARES)
-        objective, worst, *missed = objective_values(outcome, names)
-        mean = jnp.mean(outcome.shortfall / outcome.reference)
-        enough = jnp.max(jnp.stack(missed)) <= may_miss
-        miss = jnp.where(enough, 0.0, worst + mean)
-        return sign * objective + weight * miss, (sign * objective, miss)
-
-    gradient = jax.value_and_grad(cost, has_aux=True)
-    return jax.lax.map(lambda start: gradient(*start), (z, weight))
 
 
 def _coordinates(
@@ -165,16 +153,3 @@ def _coordinates(
     low, high, fraction = (np.concatenate([[], *x]) for x in (lows, highs, fractions))
     fraction = np.clip(fraction, _INSIDE, 1 - _INSIDE)
     return jnp.asarray(low), jnp.asarray(high), np.log(fraction / (1 - fraction))
-
-
-def _sizes_at(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str, ...]) -> Sizes:
-    """Sizes at coordinates `z`; those without bounds as they are."""
-    values = low + (high - low) / (1 + jnp.exp(-z))
-    length, radius, wall, angle = sizes
-    new = {"length": length, "radius": radius, "wall_ratio": wall / radius, "angle": angle}
-    start = 0
-    for key in bounded:
-        stop = start + (1 if key == "length" else radius.size)
-        new[key] = values[start:stop] + 0.0 * new[key]  # the length for every unit
-        start = stop
-    return Sizes(new["length"], new["radius"], new["wall_ratio"] * new["radius"], new["angle"])

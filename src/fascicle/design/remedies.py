@@ -155,14 +155,14 @@ def _smallest_change(
         return bool(within_miss_limit(spare(value, points), task.weight[points], may_miss))
 
     present, most = float(grid[0]), float(grid[-1])
-    every = points = np.arange(len(task))
+    all_points = points = np.arange(len(task))
     if may_miss == 0 and len(task) > _FEW:
         # where all must be reached the hardest decide; which they are may change with the value
-        points = np.argsort(spare(present, every))[:_FEW]
+        points = np.argsort(spare(present, all_points))[:_FEW]
     while True:
         first = next((i for i, value in enumerate(grid) if reaches(float(value), points)), None)
         if first is None:
-            excess = spare(most, every)
+            excess = spare(most, all_points)
             worst = int(np.argmin(excess / task.reference))
             largest = float(excess[worst] + task.force[worst])
             return Remedy(what, present, None, most, worst, float(-excess[worst]), largest)
@@ -171,6 +171,6 @@ def _smallest_change(
             middle = 0.5 * (low + high)
             middle = float(np.floor(middle)) if what == "muscles" else middle
             low, high = (low, middle) if reaches(middle, points) else (middle, high)
-        if reaches(float(high), every):
+        if reaches(float(high), all_points):
             return Remedy(what, present, float(high), most)
-        points = np.union1d(points, np.argsort(spare(float(high), every))[:_FEW])
+        points = np.union1d(points, np.argsort(spare(float(high), all_points))[:_FEW])

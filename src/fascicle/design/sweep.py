@@ -155,8 +155,9 @@ class Store:
         manifest, fault = next(manifests, {}), ""
         same_study, former = manifest.get("study") == study.digest, manifest.get("fascicle")
         if manifest and not resume:
-            other = "another study's: name a new folder"
-            fault = f"holds a sweep already; {'continue with --resume' if same_study else other}."
+            remedy = "another study's: name a new folder"
+            remedy = "continue with --resume" if same_study else remedy
+            fault = f"holds a sweep already; {remedy}."
         elif manifest and not same_study:
             remedy = "sweep with the file that began it"
             if former not in (None, _VERSION):

@@ -51,8 +51,8 @@ def largest_force_table(
     law, strain, supply = muscle.law, demand.strain(sizes.length) + zero, demand.supply + zero
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
         vented = law.at(zero)
-        unfed, full = vented.force(strain)[0], _pull(law, supply, strain)
-        largest, pressure = maximum(unfed, full), resolution.level[1:] * demand.supply
+        vented_force, full = vented.force(strain)[0], _pull(law, supply, strain)
+        largest, pressure = maximum(vented_force, full), resolution.level[1:] * demand.supply
         # a tuning's tables bend what is linear
         if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
             step = max(1, _BATCH // largest.size)
@@ -63,13 +63,15 @@ def largest_force_table(
         points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
         step = max(1, _BATCH // max(1, points.size * len(pressure)))
         for start in range(0, muscles.size, step):
-            part = np.ix_(points, muscles[start : start + step])
-            few = sizes.take(part[1][0])
-            pressurized = few.muscle(drawing).law.at(pressure[:, None, None] + 0.0 * few.length)
-            force = np.where(pushes[part], pressurized.force(strain[part])[0], -np.inf)
-            full[part] = where(pushes[part], force[-1], full[part])
-            largest[part] = maximum(largest[part], force.max(axis=0))
-        return _table(muscle, demand, needs, vented, unfed, full, largest[None])
+            block = np.ix_(points, muscles[start : start + step])
+            block_sizes = sizes.take(block[1][0])
+            pressurized = block_sizes.muscle(drawing).law.at(
+                pressure[:, None, None] + 0.0 * block_sizes.length
+            )
+            force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
+            full[block] = where(pushes[block], force[-1], full[block])
+            largest[block] = maximum(largest[block], force.max(axis=0))
+        return _table(muscle, demand, needs, vented, vented_force, full, largest[None])
 
 
 def every_level_table(
@@ -124,7 +126,7 @@ def _table(
     demand: Demand,
     needs: tuple[str, ...],
     vented: Pressurized | None,
-    unfed: Numbers,
+    vented_force: Numbers,
     full: Numbers,
     levels: Numbers,
 ) -> ForceTable:
@@ -139,7 +141,7 @@ def _table(
         radius, bulge = muscle.braid.radius_at(largest), vented.deflection(deepest).max(axis=0)
     volume = muscle.braid.volume(strain) - muscle.braid.volume(zero)
     blocked = muscle.law.tension.force(demand.supply + zero, zero)
-    return ForceTable(unfed, full, levels, volume, blocked, muscle.length, radius, bulge)
+    return ForceTable(vented_force, full, levels, volume, blocked, muscle.length, radius, bulge)
 
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:

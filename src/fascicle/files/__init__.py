@@ -1,13 +1,10 @@
 """Muscles, bundles, scenarios and tasks as TOML files, and the shipped ones.
 
-Shipped are muscles and bundles of the literature, scenarios that drive them, and catalogs; each
-file begins with a line that describes it, and names its source. Names are imported at their first
-use: the shell's completion, which lists the examples, needs neither pydantic nor JAX.
+Names are imported at their first use: the shell's completion, which lists the examples, needs
+neither pydantic nor JAX.
 """
 
-import difflib
 import os
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +14,7 @@ from ..core.lazy import attach_lazy
 if TYPE_CHECKING:
     from .muscle_files import dumps, loads, provenance, save
     from .scenario import Scenario, load_scenario, loads_scenario
+    from .shipped_files import example_text, examples, scenarios
 
 __all__ = [
     "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",
@@ -25,10 +23,10 @@ __all__ = [
 
 _HOMES = {
     **dict.fromkeys(("dumps", "loads", "provenance", "save"), "muscle_files"),
+    **dict.fromkeys(("example_text", "examples", "scenarios"), "shipped_files"),
     **dict.fromkeys(("Scenario", "load_scenario", "loads_scenario"), "scenario"),
 }
 _MOVED = {"calibrated": "files.calibration_files"}
-_SIMILARITY = 0.4  # of a name to suggest: "lift" is near "lift_gas"
 
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)
 
@@ -64,6 +62,8 @@ def example(name: str) -> Any:
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
+    from .shipped_files import example_text, scenarios
+
     content = example_text(name)
     if name in scenarios():
         from .scenario import loads_scenario
@@ -72,48 +72,3 @@ def example(name: str) -> Any:
     from .muscle_files import loads
 
     return loads(content, source=name)
-
-
-def shipped_names(kind: str) -> list[str]:
-    """Names of the shipped files of a kind, "examples", "scenarios" or "catalogs", sorted."""
-    names = [file.name for file in (files("fascicle.files") / kind).iterdir()]
-    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
-
-
-def shipped_text(kind: str, name: str) -> str:
-    """Text of a shipped file."""
-    return (files("fascicle.files") / kind / f"{name}.toml").read_text(encoding="utf-8")
-
-
-def descriptions(kind: str) -> dict[str, str]:
-    """First line of each shipped file of a kind, by name."""
-    texts = {name: shipped_text(kind, name) for name in shipped_names(kind)}
-    return {name: text.partition("\n")[0].lstrip("# ") for name, text in texts.items()}
-
-
-def examples() -> dict[str, str]:
-    """Descriptions of the named muscles and bundles, by name."""
-    return descriptions("examples")
-
-
-def scenarios() -> dict[str, str]:
-    """Descriptions of the named scenarios, by name."""
-    return descriptions("scenarios")
-
-
-def example_text(name: str) -> str:
-    """Read the file of a named example.
-
-    **Arguments:** `name`: one of `examples()` or `scenarios()`.
-
-    **Returns:** the TOML with its comments.
-
-    **Raises:** `ValueError` for an unknown name; the nearest is suggested.
-    """
-    kinds = {key: kind for kind in ("scenarios", "examples") for key in shipped_names(kind)}
-    if name not in kinds:
-        similar = difflib.get_close_matches(str(name), kinds, n=1, cutoff=_SIMILARITY)
-        hint = f"choose one of {', '.join(sorted(kinds))}."
-        hint = f"did you mean {similar[0]}?" if similar else hint
-        raise ValueError(f"no example is named {str(name)[:60]!r}: {hint}")
-    return shipped_text(kinds[name], name)

@@ -17,10 +17,10 @@ from ..core.validation import check_choice
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..muscle import Muscle
 from ..table_model import did_you_mean
-from . import shipped_names, shipped_text
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
 from .scenario_schema import INNER, PARTS, PUMPED, choose_schema, pump_class
 from .schema import FileLocation, check_kind, validate
+from .shipped_files import shipped_names, shipped_text
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it

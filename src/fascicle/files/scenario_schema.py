@@ -21,7 +21,7 @@ _CONTROL_DIMENSIONS = {
     "flow_limit": "number", "co_contraction": "force", "integral_time": "time",
     "force_gain": "number", "force_integral_time": "time", "pressure_time": "time",
 }  # fmt: skip
-_RANGES = {  # of keys of [control]
+_RANGES: Mapping[str, dict[str, Any]] = {  # of keys of [control]
     "position_gain": {"ge": 0}, "velocity_gain": {"ge": 0}, "force_gain": {"ge": 0},
     "integral_time": {"gt": 0}, "force_integral_time": {"gt": 0}, "pressure_time": {"gt": 0},
 }  # fmt: skip
@@ -147,8 +147,8 @@ def choose_schema(
     run = create_model(
         "RunSection",
         __base__=TableModel,
-        duration=(Annotated[float, Quantity("time")], Field(gt=0, examples=['"10 s"'])),
-        dt=(Annotated[float, Quantity("time")] | None, Field(None, gt=0)),
+        duration=_key("time", gt=0),
+        dt=_key("time", required=False, gt=0),
         law=_NAME,
         volume=_NAME,
         pressures=_key("pressure", many=True, required=False),
@@ -169,10 +169,14 @@ def pump_class(data: Mapping[str, Any], location: FileLocation) -> type:
     return _class("pump", _PUMPS, table, location.child("supply", kind="part"))
 
 
-def _key(dimension: str, many: bool = False, required: bool = True) -> tuple[Any, Any]:
-    """Type and default of a key."""
+def _key(
+    dimension: str, many: bool = False, required: bool = True, **limits: Any
+) -> tuple[Any, Any]:
+    """Type and default of a key, with pydantic's `limits`."""
     kind: Any = Annotated[Any, Quantity(dimension, many)]
-    return kind, Field(examples=[sample(dimension)]) if required else None
+    if required:
+        return kind, Field(examples=[sample(dimension)], **limits)
+    return kind, Field(None, **limits)
 
 
 def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
@@ -212,7 +216,7 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
         "velocity_gain": f"{prefix}damping",
     }
     keys: dict[str, Any] = {
-        name: (Annotated[float, Quantity(dimension)] | None, Field(None, **_RANGES.get(name, {})))
+        name: _key(dimension, required=False, **_RANGES.get(name, {}))
         for name, dimension in dimensions.items()
     }
     policy: Any = (str, Field(examples=['"hand_over"']))
@@ -226,7 +230,7 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
     )  # fmt: skip
     sine: Any = create_model(
         "SineSection", __base__=TableModel, mean=_key(position), amplitude=_key(position),
-        frequency=(Annotated[float, Quantity("frequency")], Field(gt=0, examples=['"1 Hz"'])),
+        frequency=_key("frequency", gt=0),
     )  # fmt: skip
     return {
         "control": (control, Field(examples=["[control]"])),

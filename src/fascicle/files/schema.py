@@ -334,7 +334,7 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
 
 
 def _price(dimension: str | None) -> BeforeValidator:
-    return BeforeValidator(lambda text, info: parse_price(text, info.field_name, dimension))
+    return BeforeValidator(lambda text, info: parse_price(text, str(info.field_name), dimension))
 
 
 def _quantities(dimension: str) -> BeforeValidator:

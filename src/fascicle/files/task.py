@@ -32,7 +32,6 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.dynamometer import Scatter
 from ..units import parse
-from . import examples, shipped_names, shipped_text
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
@@ -47,6 +46,7 @@ from .schema import (
     check_kind,
     validate,
 )
+from .shipped_files import examples, shipped_names, shipped_text
 
 
 # dimensions of objectives by their units

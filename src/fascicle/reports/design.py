@@ -208,8 +208,8 @@ def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
 def _terms(result: SearchResult) -> list[str]:
     """Sentences on the task, objectives and limits."""
     fraction = allowed_miss_fraction(result.limits)
-    share = "" if fraction else " To allow it to miss a share, write [limits] not_reached."
-    terms = [f"Every design must {task_requirement(result)}.{share}"]
+    hint = "" if fraction else " To allow it to miss a share, write [limits] not_reached."
+    terms = [f"Every design must {task_requirement(result)}.{hint}"]
     senses = {"min": ", less is better", "max": ", more is better", None: ", only recorded"}
     for name in dict.fromkeys([*result.reported_objectives, *(n for n in SHARES if fraction)]):
         bounds = []

@@ -76,12 +76,14 @@ def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
     recommendation, margin, reason = headline(result, summary)
     facts, warning = design_facts(result, summary), margin_warning(result, summary)
     lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), reason]
-    known = {name: text for name, text in facts.items() if not text.startswith(_UNKNOWN)}
-    lines += [f"{name}: {text}" for name, text in known.items()]
-    if unknown := [
-        f"{name} ({facts[name].removeprefix(_UNKNOWN)})" for name in facts if name not in known
-    ]:
-        lines.append(f"unknown: {', '.join(unknown)}")
+    gaps = []
+    for name, text in facts.items():
+        if text.startswith(_UNKNOWN):
+            gaps.append(f"{name} ({text.removeprefix(_UNKNOWN)})")
+        else:
+            lines.append(f"{name}: {text}")
+    if gaps:
+        lines.append(f"unknown: {', '.join(gaps)}")
     if (index := result.compromise) is not None and index != result.recommended:
         sizes = muscle_sizes(result, result.designs, index)
         lines.append(
@@ -123,8 +125,8 @@ def _margin(summary: Summary) -> str:
         f" {pretty(spare, 'force')} to spare ({pretty(spare / STANDARD_GRAVITY, 'mass', 3)})"
     )
     if cases.tightest != i:
-        least = pretty(float(cases.spare[cases.tightest]), "force")
-        text += f"; least force to spare: {least} at case {cases.tightest + 1}"
+        smallest = pretty(float(cases.spare[cases.tightest]), "force")
+        text += f"; least force to spare: {smallest} at case {cases.tightest + 1}"
     if np.isfinite(summary.load_factor):
         factor = figures(np.floor(1e3 * summary.load_factor) / 1e3)
         text += f"; all loads could be {factor} times as large"

@@ -38,9 +38,9 @@ def front_variables(result: SearchResult, spread: Spread | None = None) -> dict[
     if spread is not None:
         about = "share of draws that meet the task and all limits"
         rows.append(("probability", "design", spread.probability, "-", about))
-        for share in (0.05, 0.5, 0.95):
-            prefix, suffix = f"{100 * share:g} % quantile of: ", f"_q{100 * share:02.0f}"
-            rows += _objectives(spread.quantile(share), prefix, suffix)
+        for fraction in (0.05, 0.5, 0.95):
+            prefix, suffix = f"{100 * fraction:g} % quantile of: ", f"_q{100 * fraction:02.0f}"
+            rows += _objectives(spread.quantile(fraction), prefix, suffix)
     return {**build_table(*rows), **design_variables(result.designs)}
 
 
@@ -87,15 +87,15 @@ def design_variables(designs: Designs) -> Table:
         np.where(designs.counts == 0, np.nan, sizes)
         for sizes in (designs.radius, designs.wall, designs.angle)
     )
-    unit, at_rest = np.arange(1, designs.counts.shape[1] + 1), "of the unit's muscles at rest"
+    unit, about_sizes = np.arange(1, designs.counts.shape[1] + 1), "of the unit's muscles at rest"
     return build_table(
         ("unit", "unit", unit, "-", "motor unit, in the order of recruitment"),
         ("composition", "design", np.array(designs.labels, object), "-"),
         ("drawing", "design", drawings, "-", "muscle that gives material and laws"),
         ("count", "design unit", designs.counts, "-", "muscles in the unit"),
         ("length", "design", designs.length, "m", "of the muscles at rest"),
-        ("outer_radius", "design unit", radius, "m", at_rest),
-        ("wall_thickness", "design unit", wall, "m", at_rest),
+        ("outer_radius", "design unit", radius, "m", about_sizes),
+        ("wall_thickness", "design unit", wall, "m", about_sizes),
         ("braid_angle", "design unit", angle, "rad", "from the axis, at rest"),
     )
 

@@ -72,11 +72,11 @@ def to_json(variables: Mapping[str, Variable]) -> str:
 
     **Returns:** the text; numbers that aren't finite are null.
     """
-    lists = {}
+    lists, null = {}, np.array(None)
     for name, variable in variables.items():
         values = np.asarray(variable.values)
         if values.dtype.kind == "f":
-            values = np.where(np.isfinite(values), values.astype(object), None)
+            values = np.where(np.isfinite(values), values.astype(object), null)
         lists[name] = values.tolist()
     return json.dumps(lists, allow_nan=False)
 

@@ -101,7 +101,7 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     )
     file = load_task(tmp_path / "task.toml")
     assert list(file.space.drawings) == ["mine.toml"]
-    assert file.uncertainty.draws == 50 and file.chance.muscles is None
+    assert file.uncertainty.draws == 50 and file.uncertainty.muscles is None
     assert_allclose(file.uncertainty.scatter.braid_angle, np.radians(1.0))
 
 

@@ -117,8 +117,8 @@ def run(
         probability = 100 * scatter.probability[result.recommended]
         print(f"with fabrication scatter, {probability:.0f} % of such bundles meet the task")
     if paths:
-        page, *others = paths
-        print_line(f"wrote {page} with all details, and {len(others)} other files beside it")
+        page, *data_files = paths
+        print_line(f"wrote {page} with all details, and {len(data_files)} other files beside it")
     return code
 
 

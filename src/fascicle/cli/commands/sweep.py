@@ -17,7 +17,7 @@ from .design import print_answer
 
 _RESUME = "the finished blocks are in {}: continue with --resume."
 _QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
-_FRONT = 5_000_000  # designs: the front of more does not fit into memory
+_FRONT = 5_000_000  # designs: the front of more may not fit into memory
 
 
 def run(
@@ -60,13 +60,14 @@ def run(
         _resumable(folder),
     ):  # fmt: skip
         store = sweep(designs, folder, client, resume, watch, **wait)
-    count = len(designs.space)
-    print_line(f"{count} designs in {designs.blocks} blocks: {folder / 'designs.zarr'}")
+    count, code = len(designs.space), 0
     if count > _FRONT:
-        print(f"no front: {count} designs are more than {_FRONT}")
-        return 0
-    with user_errors():
-        return _conclude(store, task, folder / "front.nc", overwrite or resume)
+        print(f"no front: {count} designs are more than {_FRONT}, too many for the memory")
+    else:
+        with user_errors():
+            code = _conclude(store, task, folder / "front.nc", overwrite or resume)
+    print_line(f"wrote {count} designs in {designs.blocks} blocks: {folder / 'designs.zarr'}")
+    return code
 
 
 @contextlib.contextmanager
