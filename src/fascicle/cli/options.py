@@ -25,6 +25,7 @@ _PRINTED = {"--json": ".json", "--csv": ".csv"}  # options with an optional file
 _PARAMETERS = {
     "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
     "strains": "strain", "forces": "force", "names": "fit", "units": "unit", "columns": "column",
+    "constants": "constant", "zeros": "zero", "signs": "sign",
 }  # fmt: skip
 
 

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..units import pretty
 from .errors import UserError, user_errors
-from .inputs import read_quantity
 from .options import argument, flag, option
 
 
@@ -56,8 +55,6 @@ ATMOSPHERE = option("Atmosphere to subtract from absolute pressures.", metavar="
 CLIPPED_AT_ZERO = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero")
 PUSH_POSITIVE = flag("Sign of the file's forces: positive for a push.", "--push-positive")
 
-_DIMENSIONS = {"displacement": "length"}  # of roles that aren't dimensions themselves
-
 
 def read_pairs(texts: list[str] | None, name: str) -> dict[str, str]:
     """Read values by name of an option's `NAME=VALUE`s."""
@@ -73,7 +70,6 @@ def read_pairs(texts: list[str] | None, name: str) -> dict[str, str]:
 
 
 def read_options(
-    rest_length: str | None = None,
     unit: list[str] | None = None,
     column: list[str] | None = None,
     columns: str | None = None,
@@ -81,39 +77,25 @@ def read_options(
     constant: list[str] | None = None,
     zero: list[str] | None = None,
     sign: list[str] | None = None,
-    atmosphere: str | None = None,
     *,
     clipped_at_zero: bool = False,
     push_positive: bool = False,
     **settings: Any,
 ) -> dict[str, Any]:
     """Arguments of `records.load` from the texts of the options of this module."""
-    headers, signs = read_pairs(column, "--column"), read_pairs(sign, "--sign")
+    headers = read_pairs(column, "--column")
     if columns is not None and headers:
         raise UserError("--columns names all columns: leave out --column.")
-    constants = {
-        role: read_quantity(text, _DIMENSIONS.get(role, role), f"--constant {role}")
-        for role, text in read_pairs(constant, "--constant").items()
-        if _check_role("--constant", role, "pressure, force, strain, length, displacement")
-    }
-    zeros = {
-        role: read_quantity(text, _DIMENSIONS.get(role, role), f"--zero {role}")
-        for role, text in read_pairs(zero, "--zero").items()
-        if _check_role("--zero", role, "pressure, force, displacement")
-    }
-    if pressure is not None:
-        constants["pressure"] = read_quantity(pressure, "pressure", "--pressure")
-    if push_positive:
-        signs["force"] = "pushing positive"
-    quantities = {"rest_length": (rest_length, "length"), "atmosphere": (atmosphere, "pressure")}
-    for name, (text, dimension) in quantities.items():
-        if text is not None:
-            settings[name] = read_quantity(text, dimension, f"--{name.replace('_', '-')}")
+    constants = read_pairs(constant, "--constant")
+    signs = read_pairs(sign, "--sign")
     return settings | {
-        "units": read_pairs(unit, "--unit"), "columns": headers if columns is None else columns,
-        "constants": constants, "zeros": zeros, "signs": signs,
+        "columns": headers if columns is None else columns,
+        "units": read_pairs(unit, "--unit"),
+        "constants": constants | ({} if pressure is None else {"pressure": pressure}),
+        "zeros": read_pairs(zero, "--zero"),
+        "signs": signs | ({"force": "pushing"} if push_positive else {}),
         "clipped_at_zero": clipped_at_zero or None,
-    }  # fmt: skip
+    }
 
 
 def read_record(
@@ -157,12 +139,6 @@ def read_record(
         f"rest length not given: strains refer to the muscle's length, {pretty(length, 'length')}"
     )
     return record, (remark,) if assumed else ()
-
-
-def _check_role(name: str, role: str, roles: str) -> bool:
-    if role not in roles.split(", "):
-        raise UserError(f"{name} {role}: no such quantity: choose of {roles}.")
-    return True
 
 
 def _option(argument: str, role: str, value: str) -> str:

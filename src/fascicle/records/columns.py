@@ -148,11 +148,13 @@ def _places(names: Sequence[str]) -> list[tuple[str, int, str]]:
         else:
             if text:
                 hint = f"choose of {', '.join(ROLES)}, with a unit such as force[N], or - to skip"
-                raise InvalidInputError("columns", f"has the unknown name {text!r}", text, hint, "")
+                raise InvalidInputError(
+                    "columns in order", f"has the unknown name {text!r}", text, hint, ""
+                )
             continue
         if any(role == place[0] for place in places):
             hint = "write - for the one to skip"
-            raise InvalidInputError("columns", f"names {role} twice", text, hint, "")
+            raise InvalidInputError("columns in order", f"names {role} twice", text, hint, "")
         places.append((role, index, unit))
     return places
 

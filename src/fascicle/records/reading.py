@@ -16,7 +16,7 @@ from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
 from .formats import unpack
-from .headers import DIMENSIONS
+from .headers import DIMENSIONS, ROLES
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
 from .sidecar import CONSTANTS, ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Cells, Table, open_table
@@ -157,47 +157,47 @@ def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
     return list(dict.fromkeys(files))
 
 
-def _overrule(
-    info: Sidecar, columns: Any = None, units: Mapping[str, str] | None = None, **options: Any
-) -> Sidecar:
+def _overrule(info: Sidecar, **options: Any) -> Sidecar:
     """The sidecar's information, overruled by the caller's arguments of `load`."""
-    constants, zeros = options.pop("constants", None) or {}, options.pop("zeros", None) or {}
-    changes: dict[str, Any] = {k: v for k, v in options.items() if v is not None and k != "signs"}
-    if columns is not None and not isinstance(columns, Mapping):
-        changes["names"], columns = split_names(columns), None
-    tables = [("columns", columns or {}), ("units", units or {})]
-    for argument, mapping in tables:
-        check_roles(mapping, argument)
-        changes[argument] = {**getattr(info, argument), **mapping}
-    check_roles(constants, "constants", CONSTANTS)
-    check_roles(zeros, "zeros", ZEROS)
-    values = {
-        **constants, **{f"{role}_at_rest": value for role, value in zeros.items()},
-        **{key: changes.pop(key) for key in ("rest_length", "atmosphere") if key in changes},
-    }  # fmt: skip
-    for name, value in values.items():
-        unit = {"rest_length": "m", "atmosphere": "Pa"}.get(name) or _SI_UNITS[name.split("_")[0]]
-        number = to_si(value, name, unit)
+    changes: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
+    if unknown := set(changes) - set(Sidecar.model_fields) - {"constants", "zeros"}:
+        raise TypeError(f"unexpected arguments: {', '.join(sorted(unknown))}")
+    if not isinstance(columns := changes.get("columns", {}), Mapping):
+        changes["names"], changes["columns"] = split_names(columns), {}
+    roles = {"columns": ROLES, "units": ROLES, "signs": tuple(Signs.model_fields),
+             "constants": CONSTANTS, "zeros": ZEROS}  # fmt: skip
+    for argument, choices in roles.items():
+        check_roles(changes.get(argument, {}), argument, choices)
+    for argument in ("columns", "units"):
+        changes[argument] = {**getattr(info, argument), **changes.get(argument, {})}
+    if signs := changes.pop("signs", {}):
+        full = {role: _direction(role, text) for role, text in signs.items()}
+        changes["signs"] = info.signs.model_copy(update=full)
+    quantities = {role: (role, value) for role, value in changes.pop("constants", {}).items()}
+    for role, value in changes.pop("zeros", {}).items():
+        quantities[f"{role}_at_rest"] = role, value
+    for name, role in (("rest_length", "length"), ("atmosphere", "pressure")):
+        if name in changes:
+            quantities[name] = role, changes[name]
+    for name, (role, value) in quantities.items():
+        # a constant's name alone would be that of the muscle's size
+        label = f"constant {name}" if name == role else name
+        number = parse(value, _dimension(role), label) if isinstance(value, str) else value
+        number = float(to_si(number, role, _SI_UNITS[role]))
         if not np.isfinite(number) or (name == "rest_length" and number <= 0):
             rule = f"must be {'positive and ' if name == 'rest_length' else ''}finite"
-            raise InvalidInputError(name, rule, number, shown=f"{number} {unit}")
-        changes[name] = float(number)
-    if signs := options.get("signs"):
-        changes["signs"] = info.signs.model_copy(update=_check_signs(signs))
+            raise InvalidInputError(name, rule, number, shown=f"{number} {_SI_UNITS[role]}")
+        changes[name] = number
     return info.model_copy(update=changes)
 
 
-def _check_signs(signs: Mapping[str, str]) -> dict[str, str]:
-    """Directions by role, in full: "pushing" is "pushing positive"."""
-    full = {}
-    check_roles(signs, "signs", tuple(Signs.model_fields))
-    for role, text in signs.items():
-        choices = get_args(get_args(Signs.model_fields[role].annotation)[0])
-        full[role] = f"{text.removesuffix('positive').strip()} positive"
-        if full[role] not in choices:
-            rule = f"of {role} must be {' or '.join(choices)}"
-            raise InvalidInputError("signs", rule, text)
-    return full
+def _direction(role: str, text: str) -> str:
+    """A direction in full: "pushing" is "pushing positive"."""
+    choices = get_args(get_args(Signs.model_fields[role].annotation)[0])
+    direction = f"{text.removesuffix('positive').strip()} positive"
+    if direction not in choices:
+        raise InvalidInputError("signs", f"of {role} must be {' or '.join(choices)}", text)
+    return direction
 
 
 def _read_name(path: Path, pattern: str) -> dict[str, float]:
@@ -259,7 +259,7 @@ def _read_record(
         column_notes = (*(text for text in column_notes if text != column.note()), note)
     raws = {r: cells.numbers[c.index] for r, c in columns.items() if r not in _TEXT_ROLES}
     if constants:
-        raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
+        raws |= {role: np.full(len(cells.lines), value) for role, value in constants.items()}
         columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
         rest_notes += (f"all readings at {_listed_values(constants)}",)
     position = columns[next(role for role in POSITIONS if role in columns)]
@@ -275,7 +275,7 @@ def _read_record(
     def cell_error(row: int, column: Column, rule: str) -> ValueError:
         if column.index < 0:
             return ValueError(f"{source}: constant {column.role}: {rule}")
-        return table.cell_error(int(cells.lines[row]), column.index, rule)
+        return table.cell_error(cells.lines[row], column.index, rule)
 
     force = to_si_units(raws["force"], columns["force"].factor) - (info.force_at_rest or 0.0)
     force = force * (info.signs.sign("force") or 1)
@@ -329,8 +329,8 @@ def _read_cells(
         else:
             misread.append(time)
     if (branch := columns.get("branch")) is not None and "branch" not in named:
-        values = {text.strip().lower() for text in cells.texts[branch.index].categories}
-        misread += [] if values <= set(_BRANCHES) else [branch]
+        is_branch = {text.lower() for text in cells.texts[branch.index]} <= set(_BRANCHES)
+        misread += [] if is_branch else [branch]
     return cells, misread
 
 
@@ -432,11 +432,9 @@ def _meanings(
     table: Table, cells: Cells, column: Column, meanings: Mapping[str, int], rule: str
 ) -> np.ndarray:
     """The meaning of the text in each cell of a column."""
-    texts = cells.texts[column.index]
-    values = [meanings.get(text.strip().lower()) for text in texts.categories]
-    if None in values:
-        code = values.index(None)
-        line = int(cells.lines[int(np.argmax(texts.codes == code))])
-        rule = f"{texts.categories[code]!r} isn't known: write {rule}."
-        raise table.cell_error(line, column.index, rule)
-    return np.array(values, dtype=int)[texts.codes]
+    values = []
+    for line, text in zip(cells.lines, cells.texts[column.index], strict=True):
+        if (value := meanings.get(text.lower())) is None:
+            raise table.cell_error(line, column.index, f"{text!r} isn't known: write {rule}.")
+        values.append(value)
+    return np.array(values)

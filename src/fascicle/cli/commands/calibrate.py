@@ -123,9 +123,9 @@ def run(
     names = None if fit is None else [name.strip() for name in fit.split(",")]
     prior_texts = reading.read_pairs(prior, "--prior")
     options_of_reading = reading.read_options(
-        rest_length, unit, column, columns, pressure, constant, zero, sign, atmosphere,
-        header=header, rows=rows, table=table, name_pattern=name_pattern,
-        clipped_at_zero=clipped_at_zero, push_positive=push_positive,
+        unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
+        push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
+        table=table, name_pattern=name_pattern, atmosphere=atmosphere,
     )  # fmt: skip
     stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
     folder = result_folder(out, f"calibrated-{stem or 'record'}", as_json, overwrite)
