@@ -129,10 +129,10 @@ STRAIN = np.linspace(0.0, 0.18, 10)
 PULL = [100.0, 80.0, 60.0, 40.0, 20.0]  # N, the first five readings of a pressure
 
 
-def seen(*rows, pressures=(1e5, 2e5, 3e5)):
+def seen(*rows, pressures):
     """Which readings of each pressure count as clipped, of forces that are clipped where zero."""
     force = np.array(rows)
-    P = np.array(pressures[: len(rows)])[:, None] + 0 * force
+    P = np.array(pressures)[:, None] + 0 * force
     record = Record.of(P, STRAIN + 0 * force, force, force == 0, rest_length=0.2)
     of = pulling_only(select_fit_data(record))
     new = of.record.censored & ~record.censored
@@ -142,46 +142,29 @@ def seen(*rows, pressures=(1e5, 2e5, 3e5)):
     return new.reshape(force.shape)
 
 
-def places(row):
-    return np.flatnonzero(row).tolist()
+PULLS = [120.0, 100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 1.0]
 
 
-def test_as_many_readings_must_push_as_what_resists_has_factors():
+@pytest.mark.parametrize(
+    ("rows", "pressures", "noise"),
+    [
+        # 2 N lies among clipped ones: noise; 1.5 N just before the first of these is no more
+        ([[*PULL, 1.5, 0, 2.0, 0, 0]], [1e5], [[5, 7]]),
+        # what is larger than that noise still pulls
+        ([[*PULL, 3.0, 0, 2.0, 0, 0]], [1e5], [[7]]),
+        # more than a tenth of the pressure's largest: an outlier for the fit to show
+        ([[*PULL, 0, 0, 30.0, 0, 0]], [1e5], [[]]),
+        # none among clipped ones: the last small pull stays
+        ([[*PULL, 1.5, 0, 0, 0, 0]], [1e5], [[]]),
+        # each pressure by itself: where nothing is clipped the smallest forces pull
+        ([[*PULL, 1.5, 0, 2.0, 0, 0], PULLS], [1e5, 2e5], [[5, 7], []]),
+        # without pressure a muscle does not pull
+        ([[0, 1.0, 0, 1.2, 0.5, 0, 0, 0, 0, 0], PULLS], [0.0, 3e5], [[1, 3, 4], []]),
+    ],
+)
+def test_small_forces_past_the_pull_are_noise(rows, pressures, noise):
+    assert [np.flatnonzero(row).tolist() for row in seen(*rows, pressures=pressures)] == noise
+
+
+def test_as_many_readings_must_push_as_resistance_has_factors():
     assert len(FACTOR_NAMES) == MIN_PUSHES
-
-
-def test_beyond_the_end_of_the_pull_they_are_noise_and_before_it_as_small_ones_too():
-    # 2 N lies among clipped ones: noise; 1.5 N just before the first of these is no more
-    (row,) = seen([*PULL, 1.5, 0, 2.0, 0, 0])
-    assert places(row) == [5, 7]
-
-
-def test_what_is_larger_than_that_noise_still_pulls():
-    (row,) = seen([*PULL, 3.0, 0, 2.0, 0, 0])
-    assert places(row) == [7]
-
-
-def test_a_large_force_among_clipped_ones_is_no_noise():
-    # more than a tenth of the pressure's largest: an outlier for the fit to show
-    (row,) = seen([*PULL, 0, 0, 30.0, 0, 0])
-    assert places(row) == []
-
-
-def test_without_any_of_them_the_last_small_pull_stays():
-    (row,) = seen([*PULL, 1.5, 0, 0, 0, 0])
-    assert places(row) == []
-
-
-def test_each_pressure_is_by_itself():
-    pulls = [120.0, 100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 1.0]
-    noisy = [*PULL, 1.5, 0, 2.0, 0, 0]
-    rows = seen(noisy, pulls)
-    # where nothing is clipped the smallest forces pull
-    assert [places(row) for row in rows] == [[5, 7], []]
-
-
-def test_without_pressure_a_muscle_does_not_pull_at_all():
-    idle = [0, 1.0, 0, 1.2, 0.5, 0, 0, 0, 0, 0]
-    pulls = [120.0, 100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 1.0]
-    rows = seen(idle, pulls, pressures=(0.0, 3e5))
-    assert [places(row) for row in rows] == [[1, 3, 4], []]

@@ -93,31 +93,25 @@ def _plant(bundle, air, **changes):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("argument", "value"),
     [
-        ({"pressures": [1e5]}, "`pressures` must be one for each of the 2 units, got 1."),
-        ({"pressures": [1e5] * 3}, "`pressures` must be one for each of the 2 units, got 3."),
-        ({"pressures": -1.0}, "`pressures` must lie in [0, 1e6] Pa (gauge), got -1 Pa."),
-        ({"pressures": 1.1e6}, "`pressures` must lie in [0, 1e6] Pa (gauge), got 1.1e6 Pa."),
-        ({"pressures": np.nan}, "`pressures` must lie in [0, 1e6] Pa (gauge), got nan Pa."),
-        ({"position": np.nan}, "`position` must lie in (-inf, inf) m, got nan m."),
-        ({"command": [1.5, 0]}, "`command` must lie in [-1, 1] from open exhaust to open supply,"
-         " got 1.5."),
+        *(("pressures", P) for P in ([1e5], [1e5] * 3, -1.0, 1.1e6, np.nan)),
+        ("position", np.nan),
+        ("command", [1.5, 0]),
     ],
-)  # fmt: skip
-def test_what_can_t_be_is_refused(lift, arguments, words):
-    with pytest.raises(InvalidInputError) as refused:
-        equilibrium_state(lift, **arguments)
-    assert str(refused.value) == words
+)
+def test_impossible_states_are_refused(lift, argument, value):
+    with pytest.raises(InvalidInputError) as error:
+        equilibrium_state(lift, **{"pressures": 1e5, argument: value})
+    assert error.value.argument == argument
 
 
 def test_a_place_that_no_table_has_is_refused(lift):
     low, high = lift.stroke
-    for q in (low - 1e-6, high + 1e-6):
-        with pytest.raises(
-            InvalidInputError, match=r"`position` must lie in .* where the muscles' tables end"
-        ):
-            equilibrium_state(lift, 1e5, position=q)
+    for position in (low - 1e-6, high + 1e-6):
+        with pytest.raises(InvalidInputError) as error:
+            equilibrium_state(lift, 1e5, position=position)
+        assert error.value.argument == "position"
 
 
 @pytest.mark.parametrize(("mass", "side"), [(500.0, "weak"), (1e-3, "strong")])
@@ -126,55 +120,43 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
     if side == "strong":  # a spring that pushes
         load = dynamics.InertiaSpringDamper(1.0, force_outside=-1e4)
         plant = eqx.tree_at(lambda p: p.load, lift, load)
-    with pytest.raises(InvalidInputError) as refused:
+    with pytest.raises(InvalidInputError, match=f"too {side} by") as error:
         equilibrium_state(plant, 1e5)
-    text = str(refused.value)
-    assert text.startswith("`load` must be one that the bundle can hold at rest")
-    assert f"too {side} by" in text and "\n" not in text and "give `position`" in text
+    assert error.value.argument == "load"
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "argument"),
     [
-        ({"law": "tabel"}, "`law` 'tabel' is unknown: did you mean 'table'?"),
-        ({"volume": "straight"}, "`volume` 'straight' is unknown: choose one of"),
-        ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "`bundle` must be 2 for"
-         " AntagonisticJoint, got 1."),
-        ({"chamber": fluid.LiquidChamber()}, "`valve` must be of Orifice for a liquid, got"
-         " SonicValve."),
-        ({"chamber": fluid.LiquidChamber(), "valve": fluid.Orifice(1e-6)}, "`compliance` must be"
-         " positive for a liquid, which hardly gives way itself, got 0 m³/Pa: pass LiquidChamber("
-         "compliance=2e-11)"),
-        ({"valve": fluid.Orifice(1e-6)}, "`valve` must be of SonicValve for a gas, got Orifice."),
-        ({"exhaust_valve": fluid.Orifice(1e-6)}, "`exhaust_valve` must be of SonicValve for a gas,"
-         " got Orifice."),
-        ({"spool": fluid.OrderlyValve(3, 0.01)}, "`units` must be the bundle's number of motor"
-         " units, 2, got 3"),
-    ],
-)  # fmt: skip
-def test_parts_that_don_t_go_together_are_refused(bundle, air, changes, words):
-    with pytest.raises(InvalidInputError) as refused:
-        _plant(bundle, air, **changes)()
-    assert str(refused.value).startswith(words)
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "words"),
-    [
-        ("load", 5.0, "`load` must be a Load, got float."),
-        ("supply", None, "`supply` must be a Supply, got NoneType."),
-        ("chamber", fluid.AIR, "`chamber` must be a Chamber, got Gas."),
-        ("valve", fluid.AIR, "`valve` must be a SonicValve or Orifice, got Gas."),
-        ("hysteresis", 1.0, "`hysteresis` must be a Hysteresis or None, got float."),
+        ({"law": "tabel"}, "law"),
+        ({"volume": "straight"}, "volume"),
+        ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "bundle"),
+        ({"chamber": fluid.LiquidChamber()}, "valve"),
+        ({"chamber": fluid.LiquidChamber(), "valve": fluid.Orifice(1e-6)}, "compliance"),
+        ({"valve": fluid.Orifice(1e-6)}, "valve"),
+        ({"exhaust_valve": fluid.Orifice(1e-6)}, "exhaust_valve"),
+        ({"spool": fluid.OrderlyValve(3, 0.01)}, "units"),
     ],
 )
-def test_parts_of_another_kind_are_refused(lift, name, value, words):
+def test_parts_that_do_not_fit_are_refused(bundle, air, changes, argument):
+    parts = {"bundle": bundle, "load": dynamics.HangingMass(12.0), **air} | changes
+    with pytest.raises(InvalidInputError) as error:
+        dynamics.Plant(**parts)
+    assert error.value.argument == argument
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("load", 5.0), ("supply", None), ("chamber", fluid.AIR), ("valve", fluid.AIR),
+     ("hysteresis", 1.0)],
+)  # fmt: skip
+def test_parts_of_another_kind_are_refused(lift, name, value):
     # tests check annotations, which would be first
     other = copy.copy(lift)
     object.__setattr__(other, name, value)
-    with pytest.raises(InvalidInputError) as refused:
+    with pytest.raises(InvalidInputError) as error:
         _check_fit(other)
-    assert str(refused.value) == words
+    assert error.value.argument == name
 
 
 def test_a_fit_is_refused_by_an_audit(lift, air):
@@ -182,8 +164,6 @@ def test_a_fit_is_refused_by_an_audit(lift, air):
     plant = dynamics.Plant(lift.bundles, lift.load, **{**air, "chamber": chamber})
     assert estimate_substeps(plant, 1e-3).substeps <= 64
     run = dynamics.simulate(plant, np.zeros((10, 2)), start=equilibrium_state(plant, 1.5e5))
-    with pytest.raises(InvalidInputError) as refused:
+    with pytest.raises(InvalidInputError) as error:
         dynamics.audit(plant, run)
-    assert str(refused.value) == (
-        "`chamber` Polytropic is a fit that keeps no balance: take AdiabaticWall or Isothermal."
-    )
+    assert error.value.argument == "chamber"

@@ -53,28 +53,21 @@ def test_a_motion_s_velocity_is_its_slope():
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("make", "argument"),
     [
-        (lambda: dynamics.HangingMass(0.0), "`mass` must be positive and finite, got 0 kg."),
-        (lambda: dynamics.HangingMass("5"), '`mass` must be a mass, such as "58 g", got the bare'
-         " number 5: write it with its unit."),
-        (lambda: dynamics.HangingMass(5.0, damping=-1), "`damping` must lie in [0, inf) N·s/m, got"
-         " -1 N·s/m."),
-        (lambda: dynamics.InertiaSpringDamper(1.0, -1.0), "`spring_stiffness` must lie in [0, inf)"
-         " N/m, got -1 N/m."),
-        (lambda: dynamics.InertiaSpringDamper(1.0, rest=np.inf), "`rest` must lie in (-inf,"
-         " inf) m, got inf m."),
-        (lambda: dynamics.AntagonisticJoint(0.01, 0.0), "`radius` must be positive and finite, got"
-         " 0 m."),
-        (lambda: dynamics.PrescribedMotion(0.0, 0.01), "`frequency` must be positive if there is"
-         " an amplitude, got 0.0."),
-        (lambda: dynamics.PrescribedMotion(0.0, -0.01, 1.0), "`amplitude` must lie in [0, inf) m,"
-         " got -0.01 m."),
-        (lambda: Stop(0.2, 0.1), "`low` must be less than `high`, got 0.2."),
-        (lambda: Stop(stiffness=-1.0), "`stiffness` must lie in [0, inf) N/m, got -1 N/m."),
+        (lambda: dynamics.HangingMass(0.0), "mass"),
+        (lambda: dynamics.HangingMass("5"), "mass"),
+        (lambda: dynamics.HangingMass(5.0, damping=-1), "damping"),
+        (lambda: dynamics.InertiaSpringDamper(1.0, -1.0), "spring_stiffness"),
+        (lambda: dynamics.InertiaSpringDamper(1.0, rest=np.inf), "rest"),
+        (lambda: dynamics.AntagonisticJoint(0.01, 0.0), "radius"),
+        (lambda: dynamics.PrescribedMotion(0.0, 0.01), "frequency"),
+        (lambda: dynamics.PrescribedMotion(0.0, -0.01, 1.0), "amplitude"),
+        (lambda: Stop(0.2, 0.1), "low"),
+        (lambda: Stop(stiffness=-1.0), "stiffness"),
     ],
-)  # fmt: skip
-def test_what_can_t_be_is_refused(make, words):
-    with pytest.raises(InvalidInputError) as refused:
+)
+def test_impossible_loads_are_refused(make, argument):
+    with pytest.raises(InvalidInputError) as error:
         make()
-    assert str(refused.value) == words
+    assert error.value.argument == argument
