@@ -1,4 +1,4 @@
-"""Printed objects: a title, sizes and laws, a small table; in notebooks too.
+"""Tables that objects print: a title, sizes and laws, a small table; in notebooks too.
 
 `print(muscle)` prints the text, and a notebook shows the HTML. Numbers have their units; a long
 table shows its ends. Traced objects, under `jax.jit`, have no numbers: Python's own text replaces
@@ -61,14 +61,8 @@ class ReprTable(NamedTuple):
 def with_table_repr(
     table: Callable[[Any], ReprTable], line: Callable[[Any], str] | None = None
 ) -> Callable:
-    """Decorator of a class whose objects print as a table.
-
-    **Arguments:**
-
-    - `table`: function of an object that returns its table.
-    - `line`: function that describes an object in one line, for `repr`; default: Python's.
-
-    **Returns:** the decorator.
+    """Decorator of a class whose objects print as a table. `table`: function of an object that
+    returns its table; `line`: that returns its `repr`, default: Python's.
     """
 
     def decorate(kind: Any) -> Any:
@@ -98,7 +92,7 @@ def format_range(values: Any, show: Callable[[float], str]) -> str:
 
 
 def title_with_shape(title: str, points: Any) -> str:
-    """A title with the shape of several `points`."""
+    """A title with the shape of an array of `points`, unless it is a single one."""
     shape = points.shape if hasattr(points, "shape") else ()
     if shape == ():
         return title
@@ -117,7 +111,7 @@ def _if_concrete(concrete: Callable[[Any], str], traced: Callable[[Any], str]) -
 
 
 def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
-    """The first and the last rows of a long table."""
+    """Rows of a table; of a long one the first and the last."""
     if len(rows) <= _MAX_ROWS:
         return list(rows)
     half = _MAX_ROWS // 2

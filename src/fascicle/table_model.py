@@ -24,11 +24,12 @@ from .units import parse
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
 PLAIN, TABLE = "\0plain", "\0table"
-_ORDER = ("extra_forbidden", "missing")  # kinds of faults that are shown first
+_ORDER = ("extra_forbidden", "missing")  # faults that are shown first: they cause others
 _PLAIN_WORDS = {  # for pydantic's
     "Input should be": "must be", "greater than or equal to": "at least",
     "less than or equal to": "at most",
 }  # fmt: skip
+# messages of pydantic's kinds of faults
 _RULES = {
     "model_type": "must be a table of keys",
     "dict_type": "must be a table of keys",
@@ -82,16 +83,8 @@ def plain_or_table(value: Any) -> str:
 def validation_message(
     error: ValidationError, source: str, data: Any, model: type[BaseModel]
 ) -> str:
-    """First fault of a file in one line: path, key, value and rule.
-
-    **Arguments:**
-
-    - `error`: pydantic's.
-    - `source`: the file's name.
-    - `data`: its tables.
-    - `model`: the model that they should fit.
-
-    **Returns:** the line.
+    """First fault of a file in one line: path, key, value and rule. `error`: pydantic's; `source`:
+    the file's name; `data`: its tables; `model`: which they should fit.
     """
     faults = sorted(
         error.errors(include_url=False),
@@ -158,7 +151,7 @@ def _toml_key(key: Any) -> str:
 
 
 def _field(model: type[BaseModel], location: Sequence[Any]) -> Any:
-    """The model's field at a path; names and indices that aren't fields are passed over."""
+    """Field of the model at a path, without names and indices that aren't fields."""
     field = None
     for key in location:
         fields: Mapping[Any, Any] = model.model_fields

@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 from .core.errors import InvalidInputError
 
 
-MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory
+MAX_POINTS = 100_000  # of a list or range: a slip in a step must not fill the memory
 _MAX_TEXT = 100  # longest quantity: long digits and exponents make huge fractions
 
 _POUND = Fraction("0.45359237") * Fraction("9.80665")  # lbf in N, exact by definition
-_INCH = Fraction("0.0254")
-_DEGREE = Fraction(math.pi) / 180
+_INCH = Fraction("0.0254")  # m, exact by definition
+_DEGREE = Fraction(math.pi) / 180  # rad, of the float π
 
 
 class Dimension(NamedTuple):
@@ -53,7 +53,7 @@ _LENGTH = _table(**{"m": 1, "mm": "1e-3", "cm": "1e-2", "µm": "1e-6", "in": _IN
 _FORCE = _table(N=1, mN="1e-3", kN=1000, lbf=_POUND)
 _PRESSURE = _table(Pa=1, hPa=100, kPa=1000, MPa=10**6, bar=10**5, mbar=100,
                    psi=_POUND / _INCH**2, atm=101325)  # fmt: skip
-_INVERSE = {f"1/{unit}": 1 / factor for unit, factor in _PRESSURE.items()}
+_INVERSE_PRESSURE = {f"1/{unit}": 1 / factor for unit, factor in _PRESSURE.items()}
 _MOMENT = {f"{f}*{d}": _FORCE[f] * _LENGTH[d] for f in _FORCE for d in ("m", "mm", "in")}
 _STIFFNESS = {f"{f}/{d}": _FORCE[f] / _LENGTH[d] for f in _FORCE for d in _LENGTH}
 _VOLUME = {f"{d}^3": factor**3 for d, factor in _LENGTH.items()}
@@ -63,16 +63,18 @@ _TIME = {"s": Fraction(1), "ms": Fraction("1e-3"), "min": Fraction(60)}
 _AREA = {f"{d}^2": factor**2 for d, factor in _LENGTH.items()}
 _LITERS = {"m^3": 1, "dm^3": Fraction("1e-3"), "L": Fraction("1e-3"), "mL": Fraction("1e-6"),
            "cm^3": Fraction("1e-6"), "mm^3": Fraction("1e-9")}  # fmt: skip
-_GIVING = {f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE}
+_COMPLIANCE = {
+    f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE
+}
 _SONIC = {f"{v}/({t}*{p})": factor / _TIME[t] / _PRESSURE[p]
           for v, factor in _LITERS.items() for t in _TIME for p in _PRESSURE}  # fmt: skip
-_RELIEVING = {f"{m}/({t}*{p})": _MASS[m] / _TIME[t] / _PRESSURE[p]
-              for m in _MASS for t in _TIME for p in _PRESSURE}  # fmt: skip
-_YIELDING = {f"{d}/{f}": _LENGTH[d] / _FORCE[f] for d in _LENGTH for f in _FORCE}
-_SLIDING = {f"{f}/{p}": _FORCE[f] / _PRESSURE[p] for f in _FORCE for p in _PRESSURE}
+_RELIEF_SLOPE = {f"{m}/({t}*{p})": _MASS[m] / _TIME[t] / _PRESSURE[p]
+                 for m in _MASS for t in _TIME for p in _PRESSURE}  # fmt: skip
+_AXIAL_COMPLIANCE = {f"{d}/{f}": _LENGTH[d] / _FORCE[f] for d in _LENGTH for f in _FORCE}
+_SLIP = {f"{f}/{p}": _FORCE[f] / _PRESSURE[p] for f in _FORCE for p in _PRESSURE}
 _INERTIA = {f"{m}*{d}^2": _MASS[m] * _LENGTH[d] ** 2 for m in _MASS for d in ("m", "cm", "mm")}
 _KELVIN = {"K": Fraction(1), "degC": Fraction(1)}  # the latter counted from another zero
-_CELSIUS = Fraction("273.15")
+_CELSIUS = Fraction("273.15")  # K at 0 °C, exact by definition
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH, ("m", "µm")),
@@ -85,7 +87,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE,
                           ("MPa", "Pa")),
     "inverse_pressure": Dimension("an inverse pressure", "1/Pa", "1/bar",
-                                  ("1/bar", "1/Pa"), _table(**_INVERSE), ("1/kPa", "1/MPa")),
+                                  ("1/bar", "1/Pa"), _table(**_INVERSE_PRESSURE),
+                                  ("1/kPa", "1/MPa")),
     "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT), ("N*mm",)),
     "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000),
                         ("kJ", "mJ")),
@@ -117,17 +120,17 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "inertia_moment": Dimension("a moment of inertia", "kg*m^2", "kg*m^2", ("kg*m^2",),
                                 _table(**_INERTIA), ("kg*cm^2",)),
     "slip": Dimension("a force per pressure", "N/Pa", "N/kPa", ("N/kPa", "N/Pa"),
-                      _table(**_SLIDING)),
+                      _table(**_SLIP)),
     "wall_conductance": Dimension("a conductance of heat", "W/K", "W/K", ("W/K",),
                                   _table(**{"W/K": 1, "mW/K": "1e-3"}), ("mW/K",)),
     "sonic_conductance": Dimension("a sonic conductance", "m^3/(s*Pa)", "L/(s*bar)",
                                    ("L/(s*bar)", "m^3/(s*Pa)"), _table(**_SONIC)),
     "relief_slope": Dimension("a mass flow per pressure", "kg/(s*Pa)", "g/(s*bar)",
-                              ("g/(s*bar)", "kg/(s*Pa)"), _table(**_RELIEVING)),
+                              ("g/(s*bar)", "kg/(s*Pa)"), _table(**_RELIEF_SLOPE)),
     "compliance": Dimension("a volume per pressure", "m^3/Pa", "mm^3/kPa",
-                            ("mm^3/kPa", "m^3/Pa"), _table(**_GIVING)),
+                            ("mm^3/kPa", "m^3/Pa"), _table(**_COMPLIANCE)),
     "axial_compliance": Dimension("a length per force", "m/N", "mm/kN", ("mm/kN", "m/N"),
-                                  _table(**_YIELDING)),
+                                  _table(**_AXIAL_COMPLIANCE)),
     "viscosity": Dimension("a viscosity", "Pa*s", "mPa*s", ("mPa*s", "Pa*s"),
                            _table(**{"Pa*s": 1, "mPa*s": "1e-3", "cP": "1e-3"})),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
@@ -158,43 +161,24 @@ _SPELLINGS = str.maketrans({"μ": "µ", "·": "*", "²": "^2", "³": "^3"})
 
 
 def parse(text: Any, dimension: str, name: str | None = None) -> float:
-    """Read one quantity.
-
-    **Arguments:**
-
-    - `text`: a number and its unit, such as `"34.5kPa"`; for a strain or a number also
-      a bare number or `"12 %"`.
-    - `dimension`: a key of `DIMENSIONS`.
-    - `name`: of the quantity in errors; default: the dimension.
-
-    **Returns:** its value [SI unit of the dimension], rounded once.
-
-    **Raises:** `ValueError` for anything else, in one line.
+    """Value [SI] of one quantity, rounded once: a number and its unit, such as `"34.5kPa"`; for a
+    strain or a number also a bare number or `"12 %"`. `dimension`: a key of `DIMENSIONS`; `name`:
+    of the quantity in errors. `ValueError`, one line, for other texts.
     """
     return float(_exact(text, dimension, name or dimension))
 
 
 def sample(dimension: str) -> str:
-    """An example of a quantity of a `dimension`, as in a file."""
+    """An example of a quantity of a `dimension` as a file has it."""
     text = _EXAMPLES[dimension]
     return text if DIMENSIONS[dimension].unitless else f'"{text}"'
 
 
 def parse_list(text: str, dimension: str, name: str | None = None) -> list[float]:
-    """Read a list `a,b,c` or a range `start:stop:step`, or a list of both.
-
-    A range holds both its ends. If the step doesn't divide it, the last step is shorter. A falling
-    range takes a negative step; a step of zero is refused, and one that leads away from the stop.
-
-    **Arguments:**
-
-    - `text`: the list; each quantity in it carries its unit.
-    - `dimension`: of each value, a key of `DIMENSIONS`.
-    - `name`: of the list in errors; default: the dimension.
-
-    **Returns:** the values [SI unit of the dimension], in the order given.
-
-    **Raises:** `ValueError` for a bad quantity or range, or more than `MAX_POINTS` values.
+    """Values [SI] of a list `a,b,c`, a range `start:stop:step`, or a list of both, each with its
+    unit. A range holds both its ends. If the step doesn't divide it, the last step is shorter. A
+    falling range takes a negative step. Other arguments and errors as of `parse`; at most
+    `MAX_POINTS` values.
     """
     name, values = name or dimension, []
     if not text.strip():
@@ -214,14 +198,8 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
 
 
 def exact(value: float, dimension: str) -> str:
-    """Write `value` so that `parse` gives the same float again, in a handy unit if it can.
-
-    **Arguments:**
-
-    - `value`: a finite number [SI unit of the dimension].
-    - `dimension`: a key of `DIMENSIONS`.
-
-    **Returns:** the text: `"6.35 mm"`, or `"0.1234567890123456 m"`.
+    """Text of a finite `value` [SI] that `parse` reads as the same float, in a handy unit if it
+    can: `"6.35 mm"`, or `"0.1234567890123456 m"`.
     """
     kind = DIMENSIONS[dimension]
     for unit in kind.exact:
@@ -234,15 +212,8 @@ def exact(value: float, dimension: str) -> str:
 
 
 def pretty(value: float, dimension: str, digits: int = 4) -> str:
-    """Write `value` for a reader: `"34.5 kPa"`, and `"10 m"` rather than `"1e+04 mm"`.
-
-    **Arguments:**
-
-    - `value`: a number [SI unit of the dimension]; infinite or NaN reads "-".
-    - `dimension`: a key of `DIMENSIONS`.
-    - `digits`: number of significant digits.
-
-    **Returns:** the text.
+    """Text of a `value` [SI] for a reader, with significant `digits`: `"34.5 kPa"`, and `"10 m"`
+    rather than `"1e+04 mm"`; "-" for infinity and NaN.
     """
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
@@ -256,14 +227,8 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
 
 
 def figures(value: float, digits: int = 4) -> str:
-    """Write a number for a reader: `"12300"` rather than `"1.23e+04"`.
-
-    **Arguments:**
-
-    - `value`: the number [any unit].
-    - `digits`: number of significant digits.
-
-    **Returns:** the text; with an exponent only from ten million on, and below 0.0001.
+    """Text of a number with significant `digits`: `"12300"` rather than `"1.23e+04"`; exponents
+    only from ten million on, and below 0.0001.
     """
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e" in text and 1 <= abs(value) < 1e7 else text
@@ -322,11 +287,11 @@ def _factor(unit: str, dimension: str) -> Fraction | str:
     equal = [candidate for candidate in units if candidate.casefold() == name.casefold()]
     similar = equal or difflib.get_close_matches(name, units, n=1, cutoff=0.5)
     hint = f", did you mean {similar[0]!r}?" if similar else "."
-    unknown = f"unknown unit {_quote(unit)}{hint}"
+    message = f"unknown unit {_quote(unit)}{hint}"
     if not _UNIT.fullmatch(name):
-        return unknown
-    factor = _pint_factor(unit, name, dimension) or unknown
-    if equal and isinstance(factor, str) and factor is not unknown:
+        return message
+    factor = _pint_factor(unit, name, dimension) or message
+    if equal and isinstance(factor, str) and factor is not message:
         return f"{factor.removesuffix('.')}, did you mean {equal[0]!r}?"
     return factor
 
@@ -384,6 +349,6 @@ def _too_many(text: str, name: str) -> ValueError:
 
 
 def _quote(value: Any) -> str:
-    """A value in one short line."""
+    """Text of a value, shortened to 60 characters."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:40]}…{text[-1]}"

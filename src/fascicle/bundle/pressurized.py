@@ -58,7 +58,7 @@ class Pressurized(Module):
         """Strain of the bundle [-] at which the fibers of a first muscle are straight."""
         strains = self.map_units(
             lambda muscle: (
-                muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain
+                muscle.law.tension.bladder.braid.straight_strain + 0.0 * muscle.column.free_strain
             )
         )
         return array_namespace(strains).max(self._plate_strains(strains), axis=-1)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 
+# types that NumPy computes with; a set is looked up sooner than instances are checked
 NUMPY_TYPES = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
 FLOATS = frozenset({float, np.float64})
 _BOOLS = frozenset({bool, np.bool_})
@@ -29,7 +30,7 @@ def register_namespace(kind: type, functions: Any) -> None:
 
 
 def array_namespace(*values: Any) -> Any:
-    """Library that computes with all of the `values`, single arrays or numbers."""
+    """Array library that computes with all of the `values`: NumPy, JAX's, or a registered one."""
     xp: Any = np
     for value in values:
         if type(value) in NUMPY_TYPES:
@@ -42,17 +43,17 @@ def array_namespace(*values: Any) -> Any:
 
 
 def only_numpy_loaded() -> bool:
-    """True where no other array library is in use, so that no array has derivatives."""
+    """True where no other array library is in use, so that nothing is differentiated."""
     return "jax" not in sys.modules and not _REGISTERED
 
 
 def jax_backend() -> Any:
-    """JAX side of the core, imported where it is first needed."""
+    """Module `core.jax_backend`, imported at the first use."""
     return importlib.import_module("fascicle.core.jax_backend")
 
 
 def imported_jax() -> Any:
-    """JAX, if it has been imported completely; else `None`."""
+    """The module `jax` if it has been imported completely, else `None`."""
     jax = sys.modules.get("jax")
     return jax if hasattr(jax, "jit") else None
 
@@ -64,7 +65,7 @@ def is_jax_array(value: Any) -> bool:
 
 
 def as_jax(value: Any) -> Any:
-    """A `value` [any unit] as an array of JAX, which has been imported."""
+    """A `value` [any unit] as an array of JAX; JAX must have been imported."""
     return sys.modules["jax.numpy"].asarray(value)
 
 
@@ -76,12 +77,12 @@ def is_numpy(*values: Any) -> bool:
     return True
 
 
-def where(condition: Any, this: Any, that: Any) -> Any:
-    """Choose `this` where the `condition` holds, else `that`, elementwise."""
+def where(condition: Any, x: Any, y: Any) -> Any:
+    """Elements of `x` where the `condition` holds, else of `y`."""
     # numbers are decided at once: NumPy's own `where` takes a microsecond and more for them
-    if type(condition) in _BOOLS and type(this) in NUMPY_SCALARS and type(that) in NUMPY_SCALARS:
-        return this if condition else that
-    return array_namespace(condition, this, that).where(condition, this, that)
+    if type(condition) in _BOOLS and type(x) in NUMPY_SCALARS and type(y) in NUMPY_SCALARS:
+        return x if condition else y
+    return array_namespace(condition, x, y).where(condition, x, y)
 
 
 def _elementwise(name: str) -> Callable[..., Any]:
@@ -122,13 +123,15 @@ logical_not = _elementwise("logical_not")
 
 
 def node_axis(values: Any, template: Any) -> Any:
-    """The `values` on a first axis, ahead of all axes of the `template`."""
+    """The `values` on a new first axis, ahead of all axes of the `template`."""
     x = array_namespace(template).asarray(values)
     return x if type(template) in _REGISTERED else x.reshape((-1,) + (1,) * np.ndim(template))
 
 
 def expand_nodes(x: Any, template: Any) -> Any:
-    """An array with nodes on its first axis, with as many more axes as the `template` has."""
+    """An array with nodes on its first axis, with axes added so that it broadcasts with the
+    `template`.
+    """
     if type(x) in _REGISTERED:
         return x
     missing = np.ndim(template) + 1 - np.ndim(x)
@@ -151,7 +154,7 @@ def max_nodes(x: Any) -> Any:
 
 
 def add_table_axis(x: Any) -> Any:
-    """`x` with a new last axis, for the entries of a table."""
+    """`x` with a new last axis for the entries of a table."""
     return x if type(x) in _REGISTERED else array_namespace(x).asarray(x)[..., None]
 
 
@@ -161,7 +164,7 @@ def sum_table(x: Any) -> Any:
 
 
 def stack(rows: Any) -> Any:
-    """Several arrays, broadcast, on a new first axis."""
+    """Broadcast arrays, stacked on a new first axis."""
     xp = array_namespace(*rows)
     return xp.stack(xp.broadcast_arrays(*rows))
 
@@ -175,8 +178,8 @@ _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay 
 
 
 def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """Evaluate an elementwise `function` of two NumPy arrays that broadcast chunk by chunk, so that
-    memory holds the temporaries of one chunk.
+    """Result of an elementwise `function` of two NumPy arrays that broadcast, evaluated chunk by
+    chunk to save memory.
     """
     shape = np.broadcast_shapes(np.shape(first), np.shape(second))
     if (size := math.prod(shape)) <= _CHUNK:

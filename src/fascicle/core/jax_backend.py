@@ -10,6 +10,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from jax import eval_shape, jit, lax  # noqa: F401 imported from here
+from jax.lax import cummax, stop_gradient  # noqa: F401 imported from here
 
 from .array_namespace import where
 from .roots import STEPS, Residual, init_search, newton_step, safe_slope, search_step
@@ -26,16 +27,6 @@ def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
     """Values of an elementwise `function` at `x` [any unit], and its slopes [any unit]."""
     x = jnp.asarray(x)
     return jax.jvp(function, (x,), (jnp.ones_like(x),))
-
-
-def cummax(x: Any, axis: int) -> Any:
-    """Running maximum of `x` along an axis [any unit]."""
-    return lax.cummax(x, axis)
-
-
-def stop_gradient(x: Any) -> Any:
-    """`x` [any unit] without derivatives."""
-    return lax.stop_gradient(x)
 
 
 def search_root(

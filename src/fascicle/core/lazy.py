@@ -31,8 +31,8 @@ def attach_lazy(
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
     former = {f"{package}.{name}": f"fascicle.{new}" for name, new in former_modules.items()}
-    _MOVED.aliases.update(former)
-    _BORROWED.aliases.update(
+    _FORMER_NAMES.aliases.update(former)
+    _ALIASES.aliases.update(
         {f"{package}.{name}": f"{package}.{home}.{name}" for name, home in homes.items() if home}
     )
 
@@ -69,7 +69,7 @@ def import_late(name: str) -> Any:
 
 
 def _import(name: str, package: str) -> ModuleType:
-    """A module; an error in one line where it needs an extra that is not installed."""
+    """A module; `MissingExtraError` where it needs an extra that is not installed."""
     try:
         return importlib.import_module(name, package)
     except ModuleNotFoundError as error:
@@ -79,7 +79,7 @@ def _import(name: str, package: str) -> ModuleType:
 
 
 class _AliasFinder:
-    """Finds modules by other names: `fascicle.recruitment` is `fascicle.bundle.recruitment`."""
+    """Finder of modules by other names: `fascicle.recruitment` is `fascicle.bundle.recruitment`."""
 
     def __init__(self, warns: bool):
         self.aliases: dict[str, str] = {}
@@ -116,10 +116,10 @@ class _AliasFinder:
 
 
 class _HookFinder:
-    """Finds a module by the other finders, and calls actions after it has been imported."""
+    """Finder that calls actions with a module after other finders have imported it."""
 
     def __init__(self) -> None:
-        self.actions: dict[str, list[Callable[[ModuleType], None]]] = {}
+        self.actions: dict[str, list[Callable[[ModuleType], Any]]] = {}
 
     def find_spec(self, name: str, *arguments: Any) -> ModuleSpec | None:
         if name not in self.actions:
@@ -139,12 +139,12 @@ class _HookFinder:
 
 
 # wrapt has such hooks, too, and takes as long to import as all laws of a muscle
-_BORROWED, _MOVED, _HOOKS = _AliasFinder(warns=False), _AliasFinder(warns=True), _HookFinder()
-sys.meta_path[:0] = [_HOOKS, _BORROWED]  # first: others would load a borrowed module twice
-sys.meta_path.append(_MOVED)  # last: a module that exists under an old name is another one
+_ALIASES, _FORMER_NAMES, _HOOKS = _AliasFinder(warns=False), _AliasFinder(warns=True), _HookFinder()
+sys.meta_path[:0] = [_HOOKS, _ALIASES]  # first: others would load a borrowed module twice
+sys.meta_path.append(_FORMER_NAMES)  # last: a module that exists under an old name is another one
 
 
-def call_on_import(name: str, action: Callable[[ModuleType], None]) -> None:
+def call_on_import(name: str, action: Callable[[ModuleType], Any]) -> None:
     """Call an `action` with the module of a `name` when it is imported, or now if it has been."""
     if name in sys.modules:
         action(sys.modules[name])

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
 from functools import cached_property
 from inspect import signature
-from types import ModuleType
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 import numpy as np
@@ -53,8 +52,8 @@ def tree_leaves(tree: Any, leaves: list[Any] | None = None) -> list[Any]:
 
 
 def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
-    """Apply a `function` to the leaves of a `tree` [any unit] of modules, tuples, lists and
-    dictionaries, and of other `trees` of its structure; returns such a tree [any unit].
+    """Tree of the results of a `function` of the leaves of a `tree` [any unit] of modules, tuples,
+    lists and dictionaries, and of other `trees` of its structure [any unit].
     """
     if tree is None:
         return None
@@ -76,7 +75,7 @@ def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
 
 
 def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
-    """Replace the leaves of a `tree` by other `leaves`, in order [any unit]."""
+    """Copy of a `tree` with other `leaves`, in order [any unit]."""
     leaf = iter(leaves)
     return tree_map(lambda _: next(leaf), tree)
 
@@ -101,8 +100,8 @@ def _rebuild(kind: Any, values: dict[str, Any]) -> Any:
     return module
 
 
-_MAX_SHOWN = 8  # numbers of an array that a line has room for
-_CLASSES: list[type[Any]] = []
+_MAX_SHOWN = 8  # numbers of an array for which a line has room
+_CLASSES: list[type[Any]] = []  # all modules, to be registered with JAX when it is imported
 
 
 def static(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
@@ -111,8 +110,8 @@ def static(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
 
 def record(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
-    """A field of a module, with its `default` [any unit], a `converter` that checks a value as it
-    is set and returns it as numbers, and other properties as `metadata`.
+    """A field of a module: its `default` [any unit], a `converter` that validates a value as it is
+    set and returns it as numbers [any unit], and other `metadata`.
     """
     if converter is not None:
         metadata["converter"] = converter
@@ -183,7 +182,7 @@ class Module(ABC):
 
     @property
     def cache(self) -> dict:
-        """Results by key that are computed once; no part of the module, and not copied with it."""
+        """Cached results by key; no part of the module, and not copied with it."""
         return vars(self).setdefault("_cache", {})
 
     def __getstate__(self) -> dict:
@@ -194,16 +193,18 @@ class Module(ABC):
         vars(self).update(state)
 
     def __eq__(self, other_module: object) -> bool:
-        """True for equal structures and numbers, NumPy's or JAX's. A traced module equals itself
-        alone.
+        """True for equal structures and numbers, NumPy's or JAX's; a traced module equals only
+        itself.
         """
-        return self is other_module or (
-            tree_structure(self) == tree_structure(other_module)
-            and all(map(_equal_leaves, tree_leaves(self), tree_leaves(other_module)))
+        if self is other_module:
+            return True
+        return tree_structure(self) == tree_structure(other_module) and all(
+            leaf is twin or (is_concrete(leaf, twin) and np.array_equal(leaf, twin))
+            for leaf, twin in zip(tree_leaves(self), tree_leaves(other_module), strict=True)
         )
 
     def __hash__(self) -> int:
-        """Equal for equal modules: of its numbers, or of the identity of traced ones."""
+        """Hash of the numbers, or of the identity of traced ones: equal for equal modules."""
         leaves = (
             tuple(np.ravel(leaf).tolist()) if is_concrete(leaf) else id(leaf)
             for leaf in tree_leaves(self)
@@ -235,14 +236,6 @@ def repr_fields(module: Module) -> str:
     return f"{type(module).__name__}({', '.join(values)})"
 
 
-def _register_all(jax: ModuleType) -> None:
-    for kind in _CLASSES:
-        _register(kind, jax)
-
-
-call_on_import("jax", _register_all)
-
-
 def _register(kind: type[Module], jax: Any) -> None:
     leaf_names, static_names = kind.leaf_names, kind.static_names
     keys = [jax.tree_util.GetAttrKey(name) for name in leaf_names]
@@ -263,6 +256,9 @@ def _register(kind: type[Module], jax: Any) -> None:
     jax.tree_util.register_pytree_with_keys(kind, flatten_with_keys, unflatten, flatten)
 
 
+call_on_import("jax", lambda jax: [_register(kind, jax) for kind in _CLASSES])
+
+
 def _value_text(value: Any) -> str:
     if is_jax_array(value) and not is_concrete(value):
         return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
@@ -270,11 +266,6 @@ def _value_text(value: Any) -> str:
         return repr(value)
     x = np.asarray(value)
     return f"<{' × '.join(map(str, x.shape))} numbers>" if x.size > _MAX_SHOWN else repr(x.tolist())
-
-
-def _equal_leaves(leaf: Any, other_leaf: Any) -> bool:
-    equal = leaf is other_leaf
-    return equal or (is_concrete(leaf, other_leaf) and np.array_equal(leaf, other_leaf))
 
 
 Tree = TypeVar("Tree")
@@ -287,14 +278,14 @@ def to_numpy(tree: Tree) -> Tree:
 
 
 def with_fields(module: Kind, **values: Any) -> Kind:
-    """Replace `values` of some fields of a `module` [SI], without checks."""
+    """Copy of a `module` with other `values` of some fields [SI], without checks."""
     current = {name: getattr(module, name) for name in _field_names(module)}
     return _rebuild(type(module), current | values)
 
 
 def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kind:
-    """Construct a `module` with `changes` of its arguments, by name, and with the checks of a new
-    one. `values`: current values of arguments that have no attribute of their name [SI].
+    """Copy of a `module` with `changes` of its arguments by name, checked as a new one. `values`:
+    of arguments that have no attribute of their name [SI].
     """
     names = list(signature(type(module)).parameters)
     for name in changes:
@@ -304,8 +295,8 @@ def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kin
 
 
 def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tuple = ()) -> Any:
-    """Evaluate a pure function `law(module, *arrays, *static)` of a muscle or bundle by NumPy where
-    all numbers are NumPy's, else compiled by JAX; `static`: hashable arguments.
+    """Result of a pure function `law(module, *arrays, *static)`, by NumPy where all numbers are
+    NumPy's, else compiled by JAX; `static`: hashable arguments.
     """
     if not (module.is_numpy and is_numpy(*arrays)):
         return jax_backend().compile_law(law, static)(module, *arrays)
@@ -314,7 +305,9 @@ def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tupl
 
 
 def primal_numpy(*trees: Any) -> tuple | None:
-    """NumPy's values of `trees` [SI] that are traced for their derivatives alone, else `None`."""
+    """NumPy's numbers of `trees` [SI] that are traced for derivatives alone, as under `jax.grad`;
+    `None` for concrete or compiled ones.
+    """
     if is_concrete(trees) or not is_concrete(primal := stop_gradient(trees)):
         return None
     return to_numpy(primal)
@@ -327,7 +320,7 @@ def _as_numpy(result: Any) -> Any:
 
 
 def stop_gradient(tree: Any) -> Any:
-    """A `tree` of arrays [any unit] without derivatives."""
+    """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
     if type(tree) in NUMPY_TYPES or only_numpy_loaded() or is_numpy(*tree_leaves(tree)):
         return tree
     return tree_map(_stop_leaf, tree)
@@ -335,6 +328,4 @@ def stop_gradient(tree: Any) -> Any:
 
 def _stop_leaf(x: Any) -> Any:
     xp = array_namespace(x)
-    if xp is np:
-        return x
-    return (jax_backend() if is_jax_array(x) else xp).stop_gradient(x)
+    return x if xp is np else (jax_backend() if is_jax_array(x) else xp).stop_gradient(x)

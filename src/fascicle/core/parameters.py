@@ -32,16 +32,16 @@ class Transform(NamedTuple):
     even: bool = False
 
 
-POSITIVE = Transform(log, exp)
+POSITIVE = Transform(log, exp)  # of a positive constant: a fit moves it by factors
 
 
 def symmetric_scale(scale: float) -> Transform:
-    """Scale of a constant of either sign, on which `scale` [SI] is a large step."""
+    """Scale in fits of a constant of either sign; `scale` [SI]: a large step."""
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
 
 
 def log1p_scale(scale: float) -> Transform:
-    """Scale of a constant that is zero or more, even below `scale` [SI], logarithmic above."""
+    """Scale in fits of a constant from zero on: even below `scale` [SI], logarithmic above."""
     return Transform(
         lambda value: log1p(value / scale), lambda z: where(z >= 0, scale * expm1(z), 0.0)
     )
@@ -91,25 +91,20 @@ class Constant:
         return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
 
     def validate(self, value: Values) -> Batch:
-        """Check a value.
-
-        **Arguments:** `value`: number or array [SI].
-
-        **Returns:** the value as floats [SI].
-
-        **Raises:** `ValueError`, one line, for an impossible value; an unusual one warns.
+        """Return a `value` as floats [SI]; `ValueError`, one line, for an impossible one, and a
+        warning of an unusual one.
         """
         limits = self.range
         check = check_positive if limits.least > 0 else check_finite
         return check_plausible(check(value, self.name, limits.unit), self.name, limits)
 
     def field(self) -> Any:
-        """Field of a law that is checked when set, and has the constant in its metadata."""
+        """Field of a law that is validated when set, with the constant in its metadata."""
         default = {} if self.default is None else {"default": self.default}
         return record(converter=self.validate, constant=self, **default)
 
     def plain_field(self) -> Any:
-        """Field that its class checks itself, with the constant in its metadata."""
+        """Field that the class itself validates, with the constant in its metadata."""
         return record(constant=self)
 
 
@@ -129,5 +124,5 @@ class Switch:
         return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
-        """Field of a law that is checked when set, and has the switch in its metadata."""
+        """Field of a law that is validated when set, with the switch in its metadata."""
         return static(default=self.options[0], converter=self.validate, switch=self)

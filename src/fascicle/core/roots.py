@@ -28,11 +28,9 @@ Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
 
 
 def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
-    """`value` where `condition`, else a harmless constant with no gradient.
-
-    The inner half of the double `where`: a branch that isn't taken must still be
-    finite, since its gradient is multiplied by zero, and 0 × ∞ is NaN.
-    """
+    """`value` where the `condition` holds, else the constant `safe`, which has no gradient."""
+    # the inner half of a double `where`: a branch that isn't taken must still be finite, since its
+    # gradient is multiplied by zero, and 0 × ∞ is NaN
     return where(condition, value, safe)
 
 
@@ -51,12 +49,9 @@ def root(
 def find_root(
     residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
-    """Find the root of an elementwise `residual`, approximately and without derivatives.
-
-    Newton's method, confined to a shrinking bracket [`low`, `high`] and replaced by bisection
-    where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
-    right, else to 1e-7.
-    """
+    """Root of an elementwise `residual` in a bracket, to some 1e-14 and without derivatives."""
+    # Newton's method, confined to a shrinking bracket and replaced by bisection where it leaves the
+    # bracket or fails to halve its step; to 1e-7 only where the slope is wrong
     xp = array_namespace(low, high, start)
     if xp is np:  # `theta` may still hold arrays of JAX
         value, slope = residual(theta, start)
@@ -78,7 +73,7 @@ def find_root(
 
 
 def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
-    """Root near `x`, to rounding, and with its derivatives by `theta`."""
+    """Root near `x` to rounding, by one more Newton step, with its derivatives by `theta`."""
     if not is_jax_array(x):
         value, slope = residual(theta, x)
         if not is_jax_array(value):
@@ -93,10 +88,8 @@ def newton_step(value: Batch, slope: Batch, x: Batch) -> Batch:
 
 
 def safe_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
-    """True where a root near `x` moves with its residual's value, and a slope to divide by.
-
-    A flat residual moves no root. A long step comes from a jump, which has no derivative.
-    """
+    """True where a root near `x` depends on the residual's value, and a slope to divide by."""
+    # a flat residual moves no root; a long step comes from a jump, which has no derivative
     xp = array_namespace(value, slope, x)
     nonzero = slope != 0
     slope = where(nonzero, slope, 1.0)
@@ -105,26 +98,23 @@ def safe_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
 
 
 class Search(NamedTuple):
-    """State of a search: its point `x`, the `previous` one, its bracket, and whether it is `done`.
-
-    `done` is stored: a compiler may evaluate an expression once for each of its uses, and
-    differently in the last bits.
-    """
+    """State of a search: point `x`, `previous` point, bracket, and whether it is `done`."""
 
     x: Batch
     previous: Batch
     low: Batch
     high: Batch
+    # a compiler may evaluate an expression for each use, and differently in its last bits
     done: BoolBatch
 
 
 def init_search(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
-    """State of a search in a bracket, at `start`."""
+    """Initial state of a search in a bracket, at `start`."""
     return Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
 def search_step(search: Search, value: Batch, slope: Batch) -> Search:
-    """The `search` a step later; `value` and `slope` are the residual's at its `x`."""
+    """Next state of a `search`; `value` and `slope`: of the residual at its `x`."""
     x, previous, low, high, done = search
     xp = array_namespace(value, slope, x)
     absolute, logical_and, logical_or = xp.absolute, xp.logical_and, xp.logical_or

@@ -37,7 +37,7 @@ from .errors import InvalidInputError
 from .types import Batch, Values
 
 
-HIGHEST_PRESSURE = 1e6  # Pa, gauge
+HIGHEST_PRESSURE = 1e6  # Pa, gauge: muscles on sale go up to 0.8 MPa
 LARGEST_STRAIN = 0.6  # no braid contracts by more than 0.423, a bundle's muscles may be pushed on
 NEUTRAL_ANGLE = math.atan(math.sqrt(2))  # rad, 54.7356 deg: a braid neither pulls nor pushes
 
@@ -77,9 +77,7 @@ def check_interval(
 
 
 def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Batch:
-    """Return `value` as floats, NumPy's, refusing anything that is not > 0 and finite; `remedy`
-    says what to do.
-    """
+    """Return `value` as floats, NumPy's, if it is positive and finite; `remedy` says what to do."""
     value = to_si(value, name, unit)
     if not is_concrete(value):
         return traced_floats(value)
@@ -93,7 +91,7 @@ def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Bat
 
 
 def check_finite(value: Values, name: str, unit: str) -> Batch:
-    """Return `value` as floats, NumPy's, refusing NaN and infinities."""
+    """Return `value` as floats, NumPy's, if it is neither NaN nor infinite."""
     return check_interval(value, -math.inf, math.inf, name, unit)
 
 
@@ -103,7 +101,9 @@ def match_array_type(value: Values, checked: Batch) -> Batch:
 
 
 def check_choice(name: str, choices: Iterable[str], argument: str) -> str:
-    """Return `name` if it is a choice; else refuse it and suggest the nearest."""
+    """Return `name` if it is among the `choices`; else `InvalidInputError` suggests the most
+    similar.
+    """
     if name in (choices := list(choices)):
         return name
     names = sorted(choices)
@@ -122,12 +122,14 @@ def is_concrete(*values: Values) -> bool:
 
 
 def traced_floats(value: Values) -> Batch:
-    """A traced `value` [any unit] as JAX's floats."""
+    """A traced `value` [any unit] as floats of JAX."""
     return imported_jax().numpy.asarray(value, dtype=float)
 
 
 def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape to which arguments of these `shapes` broadcast, each by its name."""
+    """Shape to which arguments of the `shapes`, by their names, broadcast; `InvalidInputError` if
+    not.
+    """
     if not any(shapes.values()):
         return ()
     try:
@@ -286,13 +288,13 @@ def warn_pressure_units(pressure: Any) -> None:
 
 
 def disable_pressure_unit_warning() -> None:
-    """Switch off the warning of low pressures, where all pressures came with their units."""
+    """Switch off the warning of low pressures where all pressures have units."""
     _WARNED_ONCE.add("low pressure")
 
 
 def check_size(value: Values, name: str) -> Batch:
-    """Return a `value` [SI] as floats if it is positive and in the range of its `name`, a key of
-    `RANGES`; warn of an unusual one.
+    """Return a `value` [SI] as floats if it is positive and in the range of its `name` in `RANGES`;
+    warn of an unusual one.
     """
     return check_plausible(check_positive(value, name, RANGES[name].unit), name)
 
@@ -357,8 +359,8 @@ def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
-    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m]; empty for
-    others.
+    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m], else an empty
+    text.
     """
     if not is_concrete(length, outer_radius):
         return ""

@@ -81,7 +81,7 @@ class AbstractSupply(Module):
 
     @abc.abstractmethod
     def stored(self, state: Numbers) -> Batch:
-        """Stored energy of a `state` [SI] [J]: exergy of a gas, energy of a liquid."""
+        """Stored energy [J] of a `state` [SI]: exergy of a gas, energy of a liquid."""
 
     @abc.abstractmethod
     def empty(self, state: Numbers) -> BoolBatch:
@@ -152,7 +152,7 @@ class ConstantSupply(AbstractSupply):
         return 0.0 * self.pressure
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Never, in any `state` [SI]."""
+        """False in any `state` [SI]."""
         del state
         return self.pressure <= 0
 

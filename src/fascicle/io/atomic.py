@@ -20,7 +20,7 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-_DRAFT, _DRAFT_END = ".fascicle-", ".draft"
+_DRAFT, _DRAFT_END = ".fascicle-", ".draft"  # of a hidden folder's name
 _BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
 _FORMER = "former"  # inside a draft folder: the folder that is being replaced
 _AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <stdio.h>, and macOS's
@@ -29,43 +29,21 @@ _AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <st
 def write(
     path: str | os.PathLike[str], fill: Callable[[Path], object], folder: bool = False
 ) -> None:
-    """Let `fill` write a file, and move it to `path` when it is complete.
-
-    **Arguments:**
-
-    - `path`: the file; an existing one is replaced.
-    - `fill`: writes the content at the path that it is called with.
-    - `folder`: true for a folder; an existing one is replaced.
-
-    **Raises:** `OSError`, one line, if it can't be written.
+    """Let `fill` write a draft of a file, or of a `folder`, and move it to `path` when it is
+    complete; an existing one is replaced. `OSError`, one line, if it can't be written.
     """
     with replace_whole(path, folder) as draft:
         fill(draft)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file, completely or not at all.
-
-    **Arguments:**
-
-    - `path`: the file; an existing one is replaced.
-    - `text`: its content, written as UTF-8.
-
-    **Raises:** `OSError`, one line, if it can't be written.
-    """
+    """Write a text as UTF-8 to a file `path`, completely or not at all; as `write`."""
     write(path, lambda draft: draft.write_text(text, encoding="utf-8", newline="\n"))
 
 
 @contextlib.contextmanager
 def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
-    """Context of a draft, which is moved to `path` at the end.
-
-    **Arguments:** `path`, `folder`: as for `write`.
-
-    **Returns:** the draft's path, of the same name.
-
-    **Raises:** `OSError`, one line, if it can't be written.
-    """
+    """Context of a draft, which is moved to `path` at the end; as `write`."""
     target = draft = check_writable(path, folder)
     try:
         with open_draft(target) as draft:
@@ -79,16 +57,13 @@ def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterato
     except OSError as error:
         if str(draft) in str(error) and error.errno is None:  # raised here, about the draft
             raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
-        raise OSError(_line(path, error.strerror or str(error))) from None
+        raise OSError(_error_line(path, error.strerror or str(error))) from None
 
 
 @contextlib.contextmanager
 def open_draft(target: Path) -> Iterator[Path]:
-    """Context of a path in a hidden folder beside a `target`, which is removed at the end.
-
-    **Arguments:** `target`: the file that will replace it.
-
-    **Returns:** the path, of the target's name.
+    """Context of a path of the target's name in a hidden folder beside the `target`, which is
+    removed at the end.
     """
     remove_abandoned(target.parent)
     folder, lock = _locked_folder(target.parent)
@@ -101,21 +76,13 @@ def open_draft(target: Path) -> Iterator[Path]:
 
 
 def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
-    """Refuse a path that can't be written, before the work begins.
-
-    **Arguments:**
-
-    - `path`: of a file to write.
-    - `folder`: true if a folder may be replaced.
-
-    **Returns:** the path, links followed, so that a link stays one.
-
-    **Raises:** `OSError`, one line, if it can't be written.
+    """Path of a file, or of a `folder`, with links followed; `OSError`, one line, if it can't be
+    written: before the work begins.
     """
     target = Path(path)
     try:
         target = target.resolve()
-        reason = _reason(target, folder)
+        reason = _obstacle(target, folder)
         if not reason:
             # only a trial is reliable for root, on read-only disks and on full ones
             with open_draft(target) as draft:
@@ -123,22 +90,15 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a NUL in the name
         reason = getattr(error, "strerror", None) or str(error)
     if reason:
-        raise OSError(_line(path, reason))
+        raise OSError(_error_line(path, reason))
     return target
 
 
 def check_overwrite(
     path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
 ) -> None:
-    """Refuse to replace an existing file, unless `overwrite` is true.
-
-    **Arguments:**
-
-    - `path`: of a file to write.
-    - `overwrite`: true to accept an existing file.
-    - `flag`: the option to overwrite, for the message.
-
-    **Raises:** `FileExistsError`, one line.
+    """Raise `FileExistsError`, one line with the option `flag`, for an existing file, unless
+    `overwrite` is true.
     """
     if not overwrite and Path(path).exists():
         raise FileExistsError(f"{os.fspath(path)}: already exists; use {flag} to overwrite it.")
@@ -147,13 +107,8 @@ def check_overwrite(
 def check_folder(
     path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
 ) -> Path:
-    """Refuse a folder that holds files, unless `overwrite` is true.
-
-    **Arguments:** as for `check_overwrite`.
-
-    **Returns:** the folder, links followed.
-
-    **Raises:** `FileExistsError`, one line with a file's name; `OSError` if nothing can be written.
+    """Path of a folder, with links followed; `FileExistsError`, one line with a file's name and the
+    option `flag`, if it holds files, unless `overwrite` is true.
     """
     target = check_writable(path, folder=True)
     if overwrite or not target.is_dir():
@@ -175,17 +130,9 @@ def write_folder(
     overwrite: bool = False,
     flag: str = "--overwrite",
 ) -> None:
-    """Let `fill` write the files of a folder, and move them there once all are complete.
-
-    A new folder appears in one step. In an existing one, each file is replaced in one step, and
-    files of other names stay.
-
-    **Arguments:**
-
-    - `path`, `overwrite`, `flag`: as for `check_folder`.
-    - `fill`: writes into the empty folder that it is called with.
-
-    **Raises:** as `check_folder`.
+    """Let `fill` write the files of a folder into an empty one, and move them to `path` once all
+    are complete. A new folder appears in one step. In an existing one each file is replaced in one
+    step, and files of other names stay. Raises as `check_folder`.
     """
     target = draft = check_folder(path, overwrite, flag)
     try:
@@ -205,7 +152,7 @@ def write_folder(
     except OSError as error:
         if error.errno is None:  # raised here, perhaps about the draft
             raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
-        raise OSError(_line(path, error.strerror or str(error))) from None
+        raise OSError(_error_line(path, error.strerror or str(error))) from None
 
 
 def remove_abandoned(parent: Path) -> None:
@@ -231,8 +178,8 @@ def holds_drafts_only(folder: Path) -> bool:
     return all(name.startswith(_DRAFT) and name.endswith(_DRAFT_END) for name in names)
 
 
-def _reason(target: Path, folder: bool) -> str:
-    """Reason why `target` can't be written; empty if it can."""
+def _obstacle(target: Path, folder: bool) -> str:
+    """Reason why `target` can't be written, else an empty text."""
     if target.is_symlink():  # links were followed: this one leads to itself
         return "it is a link that leads nowhere"
     if target.is_dir():
@@ -242,7 +189,7 @@ def _reason(target: Path, folder: bool) -> str:
     return "" if target.parent.is_dir() else "no such folder"
 
 
-def _line(path: str | os.PathLike[str], reason: str) -> str:
+def _error_line(path: str | os.PathLike[str], reason: str) -> str:
     name = os.fspath(path)
     name = name if name.isprintable() and len(name) < 200 else repr(name)[:200]
     return f"{name}: can't be written: {reason}."

@@ -7,23 +7,14 @@ import stat
 from pathlib import Path
 
 
+# what paths that are no regular files are, besides folders and devices
 _KINDS = {stat.S_IFIFO: "named pipe", stat.S_IFSOCK: "socket"}
 
 
 def read_bytes(path: Path, limit: int, kind: str, remedy: str = "") -> bytes:
-    """Read a regular file.
-
-    **Arguments:**
-
-    - `path`: the file.
-    - `limit`: largest number of bytes.
-    - `kind`: of the expected file, such as "muscle file".
-    - `remedy`: what to do about a larger file; default: it isn't of that kind.
-
-    **Returns:** its content.
-
-    **Raises:** `OSError`, one line, if it can't be read or is no regular file; `ValueError` if
-    it is larger.
+    """Content of a regular file of at most `limit` bytes; `OSError`, one line, for another one,
+    `ValueError` for a larger one. `kind`: of the expected file, such as "muscle file"; `remedy`:
+    for a larger file, default: it is no such file.
     """
     try:
         mode = path.stat().st_mode

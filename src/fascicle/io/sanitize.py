@@ -5,7 +5,7 @@ import re
 from typing import Any
 
 
-_MAX_LENGTH = 400  # characters of a message
+_MAX_LENGTH = 400  # characters of a message: some lines of a terminal
 # control characters but line breaks and tabs; characters of direction and of no width, which make a
 # name look like another one; byte order marks, tags, and halves of characters
 _HIDDEN = re.compile(
@@ -20,15 +20,7 @@ def escape_invisible(text: str) -> str:
 
 
 def sanitize_line(text: str, limit: int = _MAX_LENGTH) -> str:
-    """A text as one line of visible characters.
-
-    **Arguments:**
-
-    - `text`: the text.
-    - `limit`: largest number of its characters; an ellipsis replaces the middle.
-
-    **Returns:** the line.
-    """
+    """A text as one line of at most `limit` visible characters; an ellipsis replaces the middle."""
     if len(text) > limit:
         text = f"{text[: limit // 2]} … {text[-(limit // 3) :]}"
     line = " ".join(escape_invisible(text).split())

@@ -23,14 +23,8 @@ _TOKEN = re.compile(
 
 
 def check_nesting_depth(text: str, source: str) -> None:
-    """Refuse a TOML text with deeper tables than any file of fascicle.
-
-    **Arguments:**
-
-    - `text`: the TOML.
-    - `source`: its name in errors.
-
-    **Raises:** `ValueError`, in one line with the line's number.
+    """Raise `ValueError`, one line with the name `source` and the line's number, for a TOML text
+    with deeper tables than any file of fascicle.
     """
     parts, after_dot, brackets = 0, False, 0
     for token in _TOKEN.finditer(text):
@@ -50,21 +44,12 @@ def check_nesting_depth(text: str, source: str) -> None:
             raise ValueError(f"{source}: not TOML: {rule}")
 
 
-_INTEGER_LIMIT = 2**63  # TOML's own integers have 64 bits
+_INTEGER_LIMIT = 2**63  # integers of TOML have 64 bits
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
-    """Tables of a TOML text.
-
-    **Arguments:**
-
-    - `text`: the TOML.
-    - `source`: its name in errors.
-
-    **Returns:** nested tables and lists.
-
-    **Raises:** `ValueError`, one line with the position, for a text that is no TOML, is nested too
-    deep, or holds a whole number beyond 64 bits.
+    """Tables of a TOML text; `ValueError`, one line with the name `source` and the position, for a
+    text that is no TOML, is nested too deep, or holds a whole number beyond 64 bits.
     """
     check_nesting_depth(text, source)
     try:

@@ -46,20 +46,20 @@ class Bladder(Module):
 
     @property
     def volume(self) -> Batch:
-        """Volume of the wall $V_b$ [m³], the same at every strain."""
+        """Volume of the wall $V_b$ [m³], equal at every strain."""
         return self.area * self.braid.length
 
     def energy(self, strain: BatchLike) -> Batch:
         """Stored energy $U = V_b W$ [J] at `strain` $\\varepsilon$ [-]."""
         lam = 1 - strain
-        return self.volume * self.material.energy(lam**2, self.braid.swell(strain))
+        return self.volume * self.material.energy(lam**2, self.braid.squared_stretch(strain))
 
     def force(self, strain: BatchLike) -> Batch:
         """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4)."""
         return self.pull(strain)[0]
 
     def pull(self, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Axial force [N], and its slope in strain [N], at `strain` [-]."""
+        """Axial force [N] and its slope in strain [N], at `strain` [-]."""
         lam, cot2 = 1 - strain, self.braid.cot2
         W = self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
         stress = W.p - cot2 * W.q

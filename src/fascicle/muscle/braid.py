@@ -45,22 +45,24 @@ class Braid(Module):
 
     @cached_number
     def cot2(self) -> Batch:
-        """$1/\\tan^2\\alpha_0$ [-]; $1/\\sin^2\\alpha_0$ is one more."""
+        """Squared cotangent of the braid angle, $1/\\tan^2\\alpha_0$ [-]; $1/\\sin^2\\alpha_0$ is
+        one more.
+        """
         return 1 / tan(self.angle) ** 2
 
     @cached_number
-    def straight(self) -> Batch:
+    def straight_strain(self) -> Batch:
         """Strain [-] at which its fibers are straight, $1 - 1/\\cos\\alpha_0$."""
         return 1 - 1 / cos(self.angle)
 
-    def swell(self, strain: BatchLike) -> Batch:
+    def squared_stretch(self, strain: BatchLike) -> Batch:
         """Square of the radial stretch, $(r/r_0)^2$ [-], at `strain` [-], from (2)."""
         # cos² and sin² taken together: exactly 1 at rest, where forces must vanish
         return 1 + strain * (2 - strain) * self.cot2
 
     def radius_at(self, strain: BatchLike) -> Batch:
         """Radius $r$ [m] at `strain` $\\varepsilon$ [-], equation (2)."""
-        return self.radius * sqrt(self.swell(strain))
+        return self.radius * sqrt(self.squared_stretch(strain))
 
     def angle_at(self, strain: BatchLike) -> Batch:
         """Braid angle $\\alpha$ [rad] at `strain` [-]: $\\cos\\alpha = \\lambda\\cos\\alpha_0$."""
@@ -68,14 +70,14 @@ class Braid(Module):
 
     def volume(self, strain: BatchLike) -> Batch:
         """Volume $V$ [m³] inside the braid at `strain` [-], equation (V)."""
-        return np.pi * self.radius**2 * self.swell(strain) * self.length * (1 - strain)
+        return np.pi * self.radius**2 * self.squared_stretch(strain) * self.length * (1 - strain)
 
     def mesh_force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Tension $F_{mesh}$ [N] of the braid at `pressure` [Pa] and `strain` [-], equation (3)."""
         return self.mesh(pressure, strain)[0]
 
     def mesh(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Mesh force [N], and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
+        """Mesh force [N] and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
         free, cot2 = self.ideal_free_strain, self.cot2
         pull = 3 * np.pi * self.radius**2 * pressure * cot2
         # L0 dV/dε P = π r0² P (3 λ²/tan²α0 − 1/sin²α0), whose two parts would round apart where

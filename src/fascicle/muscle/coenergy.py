@@ -34,8 +34,8 @@ from .piecewise import Pressurized
 def contraction_work(
     muscle: Pressurized, strain: BatchLike, start: BatchLike = 0.0, resistance: bool = True
 ) -> Batch:
-    """Work of the ends [J] from the strain `start` to `strain` [-], at the muscle's pressure; with
-    `resistance` [-] past the free strain, too.
+    """Work of the ends [J] from the strain `start` to `strain` [-] at the muscle's pressure;
+    `resistance`: true to count it past the free strain, too.
     """
     # all stretches lie between both strains, in either direction
     back = strain < start
@@ -56,14 +56,14 @@ def contraction_work(
 
 
 def coenergy_at_rest(muscle: Pressurized) -> Batch:
-    """Co-energy [J] of a muscle at rest length and its pressure, besides $P V(0)$: with compliant
-    ends its bladder has contracted.
+    """Co-energy [J] besides $P V(0)$ at rest length, where a bladder between compliant ends has
+    contracted.
     """
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
 
 
 def conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
-    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
+    """Conjugate volume $V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2), derived by JAX."""
     require("jax")
     from ..core.jax_backend import compile_law
 

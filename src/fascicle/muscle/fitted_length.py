@@ -4,8 +4,8 @@ A calibration holds for one length. At another a law without ends gives the same
 measured muscles differ: one maker's 10 mm muscle holds 304 N at 83 mm and 441 N at 382 mm.
 The length is no part of the muscle: it is compared, compiled and differentiated as any other.
 
-**Source:** of both forces a report to this project; the record is not in its reach. Bolen's law, a
-fit to muscles of that kind, gives 292 N and 434 N (`tension.Bolen`).
+**Source:** both forces were reported by a user; the record is not public. Bolen's law, a fit to
+muscles of that kind, gives 292 N and 434 N (`tension.Bolen`).
 """
 
 from typing import Any, TypeVar
@@ -18,28 +18,26 @@ from ..units import exact, pretty
 
 
 MuscleType = TypeVar("MuscleType", bound=Module)
-_KEY = "_fit_info"
+_FIT_INFO = "_fit_info"  # key of a muscle's `vars`, beside its fields
 _TOLERANCE = 0.02  # of the length: two people measure it as closely
 END_PARAMETERS = frozenset({"inactive_length", "end_compliance"})
 
 
 def with_fitted_length(muscle: MuscleType, length: float, ends: bool) -> MuscleType:
-    """Store in a `muscle` the `length` [m] at which it was fitted, and whether its `ends` were
-    fitted, too; returns it.
-    """
-    vars(muscle)[_KEY] = (length, ends)
+    """A `muscle` marked as fitted at a `length` [m]; `ends`: true if its ends were fitted, too."""
+    vars(muscle)[_FIT_INFO] = (length, ends)
     return muscle
 
 
 def copy_fit_info(source: Module, target: MuscleType) -> MuscleType:
-    """Copy the fitted length of a `source` muscle, if any, to a `target` muscle; returns it."""
-    if _KEY in vars(source):
-        vars(target)[_KEY] = vars(source)[_KEY]
+    """The `target` muscle, marked with the fitted length of a `source` muscle, if any."""
+    if _FIT_INFO in vars(source):
+        vars(target)[_FIT_INFO] = vars(source)[_FIT_INFO]
     return target
 
 
 def replace_muscle(muscle: MuscleType, changes: dict[str, Any]) -> MuscleType:
-    """A muscle with some arguments changed and its fitted length; warns of another length."""
+    """A muscle with `changes` of its arguments and its fitted length; warns of another length."""
     changed = copy_fit_info(muscle, replace_checked(muscle, changes))
     if "length" in changes:
         warn_fitted_length(changed)
@@ -47,7 +45,7 @@ def replace_muscle(muscle: MuscleType, changes: dict[str, Any]) -> MuscleType:
 
 
 def fit_info_entries(muscle: Any) -> dict[str, Any]:
-    """Entries of the `[calibration]` table of a muscle's file; empty where it wasn't fitted."""
+    """Entries of the `[calibration]` table of a muscle's file; none of a muscle never fitted."""
     length, ends = _fit_info(muscle)
     if length is None:
         return {}
@@ -55,7 +53,7 @@ def fit_info_entries(muscle: Any) -> dict[str, Any]:
 
 
 def fitted_length_mismatch(muscle: Any) -> str:
-    """Warning of a muscle that was fitted at another length; empty for others."""
+    """Warning of a muscle that was fitted at another length, else an empty text."""
     length, ends = _fit_info(muscle)
     if length is None or not is_concrete(muscle.length):
         return ""
@@ -70,7 +68,7 @@ def fitted_length_mismatch(muscle: Any) -> str:
 
 
 def fitted_length_note(muscle: Any) -> str:
-    """Note of the length at which a muscle was fitted; empty where it wasn't."""
+    """Note of the length at which a muscle was fitted, else an empty text."""
     length, ends = _fit_info(muscle)
     if length is None:
         return ""
@@ -84,7 +82,7 @@ def warn_fitted_length(muscle: Any) -> None:
 
 
 def _fit_info(muscle: Any) -> tuple[float | None, bool]:
-    return vars(muscle).get(_KEY, (None, False))
+    return vars(muscle).get(_FIT_INFO, (None, False))
 
 
 def _reason(ends: bool) -> str:

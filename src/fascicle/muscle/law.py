@@ -35,8 +35,8 @@ class Declared(Module):
 class AbstractLaw(Declared):
     """A law with alternatives.
 
-    `name`: by which it is chosen. `title`: name in tables, if another. `source`: author and year
-    of its publication.
+    `name`: of the law in files and options. `title`: name in tables, default: `name`. `source`:
+    author and year of its publication.
     """
 
     name: ClassVar[str]
@@ -48,15 +48,14 @@ Law = TypeVar("Law", bound=AbstractLaw)
 
 
 class LawRegistry(Mapping[str, type[Law]]):
-    """Laws of one kind by name: the default one first, the others in alphabetical order.
+    """Laws of one kind by name: the default law, then the others in alphabetical order.
 
-    A law's module is imported at its first use: the module of the law's name, else all modules of
-    the folder.
+    A law's module is imported at its first use: the module of its name, else all of the folder.
     """
 
     def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
         """`package`, `path`: name and path of the folder. `kind`: base class of the laws, whose
-        module may have laws, too. `default`: name of the law of a muscle that chooses none.
+        module may have laws, too. `default`: name of a new muscle's law.
         """
         self._package, self._path, self._kind, self._default = package, path, kind, default
         self._laws: dict[str, type[Law]] = {}
@@ -81,11 +80,11 @@ class LawRegistry(Mapping[str, type[Law]]):
 
     @property
     def default(self) -> type[Law]:
-        """Law of a muscle that chooses none."""
+        """Law of a muscle for which none is chosen."""
         return self[self._default]
 
     def package_attributes(self) -> tuple[Callable[[str], type[Law]], Callable[[], list[str]]]:
-        """`__getattr__` and `__dir__` of the package, with the classes of all laws."""
+        """`__getattr__` and `__dir__` of the laws' package, with the classes of all laws."""
 
         def get_class(class_name: str) -> type[Law]:
             if not class_name.startswith("_"):
@@ -102,9 +101,7 @@ class LawRegistry(Mapping[str, type[Law]]):
         return get_class, names
 
     def choose(self, value: Any, argument: str) -> Law:
-        """Law given as an object or by name; `InvalidInputError`, with the name of the `argument`,
-        for others.
-        """
+        """Law from an object or a name; `InvalidInputError` of the `argument` for other values."""
         if isinstance(value, self._kind):
             return value
         if isinstance(value, str):

@@ -21,7 +21,7 @@ LAWS: Mapping[str, LawRegistry[Any]] = MappingProxyType({
     "ends": ENDS_LAWS,
 })  # fmt: skip
 
-# kinds of law that files and tables leave out where the default is chosen
+# kinds of law that files and tables leave out where it is the default: most muscles have rigid ends
 OMIT_IF_DEFAULT = frozenset({"ends"})
 
 

@@ -37,7 +37,7 @@ class Slopes(NamedTuple):
 
 
 class AbstractMaterial(Declared):
-    """A wall material: an energy for stretching, a modulus and a ratio for bending."""
+    """A bladder's material: an energy for stretching; a modulus and Poisson's ratio for bending."""
 
     youngs_modulus: ClassVar[Batch]
     poisson_ratio: ClassVar[Batch]
@@ -51,7 +51,7 @@ class AbstractMaterial(Declared):
         """First and second derivatives of $W$ [J/m³] by the squared stretches [-]."""
 
 
-LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
+LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, of latex: Klute and Hannaford (2000)
 
 _C10 = Constant(
     "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
@@ -90,7 +90,7 @@ class MooneyRivlin(AbstractMaterial):
 
         - `c10`: $C_{10}$ [Pa], positive.
         - `c01`: $C_{01}$ [Pa], positive.
-        - `youngs_modulus`: $E$ [Pa] for bending; left out, $6 (C_{10} + C_{01})$.
+        - `youngs_modulus`: $E$ [Pa] for bending; default: $6 (C_{10} + C_{01})$.
         - `poisson_ratio`: $\\nu$ [-], in [0, 0.5].
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
@@ -108,8 +108,8 @@ class MooneyRivlin(AbstractMaterial):
     def from_youngs_modulus(
         cls, youngs_modulus: Values, poisson_ratio: Values = 0.5
     ) -> "MooneyRivlin":
-        """A rubber with $6 (C_{10} + C_{01}) = E$ of a measured `youngs_modulus` $E$ [Pa], its
-        constants in latex's ratio, and `poisson_ratio` $\\nu$ [-].
+        """Rubber with a measured `youngs_modulus` $E = 6 (C_{10} + C_{01})$ [Pa], constants in
+        latex's ratio, and `poisson_ratio` $\\nu$ [-].
         """
         E = _E.validate(youngs_modulus)
         fraction = LATEX_C10 / (LATEX_C10 + LATEX_C01)

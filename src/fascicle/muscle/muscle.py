@@ -51,14 +51,12 @@ from .validation import (
 )
 
 
-BACKENDS = ("jax", "casadi")  # of a compiled force
+BACKENDS = ("jax", "casadi")  # of a compiled force: the libraries that `compile` knows
 
 
 class AtPressure(Module):
-    """A muscle at a pressure: `muscle.at(pressure)` makes it.
-
-    `pressure`: gauge [Pa]. `state`: its laws there, for library code: elementwise in strain,
-    nothing checked, a force with its slope.
+    """A muscle at a gauge `pressure` [Pa], from `muscle.at(pressure)`; `state`: its laws at this
+    pressure for library code, elementwise in strain, without checks.
     """
 
     pressure: Batch
@@ -93,11 +91,11 @@ class AtPressure(Module):
         return self._evaluate("stiffness", strain)
 
     def response(self, strain: Values) -> Response:
-        """Force, its components [N] and the region at `strain` [-]."""
+        """Force and its components [N], and the region, at `strain` [-]."""
         return self._evaluate("response", strain)
 
     def deflection(self, strain: Values) -> Batch:
-        """Deflection of the axis $y_{max}$ [m] at `strain` [-]; the hinge's after collapse."""
+        """Deflection of the axis $y_{max}$ [m] at `strain` [-]; after collapse the hinge's."""
         return self._evaluate("deflection", strain)
 
     def moment(self, strain: Values) -> Batch:
@@ -110,7 +108,7 @@ class AtPressure(Module):
 
     def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
         tension = self.state.law.tension
-        eps = validate_strain(strain, tension.bladder.braid.angle, tension.stretch)
+        eps = validate_strain(strain, tension.bladder.braid.angle, tension.strain_ratio)
         eps = self._match_type(eps)
         check_points(self.pressure, eps)
         return evaluate(_state_quantity, self, eps, static=(quantity, *static))
@@ -214,7 +212,7 @@ class Muscle(Module):
         return cls(*sizes, *laws, transition_rate, tuning, ends)
 
     def replace(self, **changes: Any) -> "Muscle":
-        """A new muscle with some arguments changed, such as `wall_thickness=1e-3` [m]; `ValueError`
+        """A copy with some arguments changed, such as `wall_thickness=1e-3` [m]; `ValueError`
         for unknown names and for sizes that can't exist.
         """
         return replace_muscle(self, changes)
@@ -231,7 +229,7 @@ class Muscle(Module):
 
     @cached_property
     def law(self) -> Piecewise:
-        """Equation (27) for the muscle's parts: elementwise, without checks."""
+        """Force law of the muscle, equation (27): elementwise, without checks."""
         pull = TunedTension(self.tension, self.bladder, self.tuning, self.ends)
         laws = (self.buckling, self.collapse, self.post_collapse)
         return Piecewise(pull, *laws, self.transition_rate)
@@ -274,25 +272,26 @@ class Muscle(Module):
         which are solved for once, and methods of strain.
         """
         pressure = validate_pressure(pressure, self.tuning)
-        return AtPressure(pressure, evaluate(_state, self, pressure), is_jax_array(pressure))
+        state = evaluate(_law_quantity, self, pressure, static=("at",))
+        return AtPressure(pressure, state, is_jax_array(pressure))
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate(_free_strain, validate_pressure(pressure, self.tuning))
+        return self._evaluate_law("free_strain", pressure)
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force $F(P, 0)$ [N] at rest length and `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate(_blocked_force, validate_pressure(pressure, self.tuning))
+        return self._evaluate_law("blocked_force", pressure)
 
     def collapse_strain(self, pressure: Values) -> Batch:
         """Collapse strain $\\varepsilon_c$ [-] at `pressure` [Pa]; inf where it never collapses."""
-        return self._evaluate(_collapse_strain, validate_pressure(pressure, self.tuning))
+        return self._evaluate_law("collapse_strain", pressure)
 
     def collapse_moment(self, pressure: Values) -> Batch:
         """Moment $M_{collapse}$ [N·m] at which the bladder collapses, with the tuning's factors, at
         `pressure` [Pa], 0 to 1 MPa.
         """
-        return self._evaluate(_collapse_moment, validate_pressure(pressure, self.tuning))
+        return self._evaluate_law("collapse_moment", pressure)
 
     def volume(self, strain: Values) -> Batch:
         """Volume $\\pi r^2 L - V_b$ [m³] of the fluid inside, without the bladder's own [R17], at
@@ -301,11 +300,11 @@ class Muscle(Module):
         return self._evaluate(_volume, validate_strain(strain, *strain_domain(self)))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume $V^*$ [m³] on which the pressure does the work that the ends and the store take,
-        (V2), at `pressure` [Pa] and `strain` [-], which broadcast.
+        """Volume $V^*$ [m³] that conserves energy with the force, (V2), at `pressure` [Pa] and
+        `strain` [-], which broadcast.
 
         Up to the free strain it is `volume`; past it, less, since the muscle bows. With any other
-        a cycle makes energy. Where the force jumps, as `elastica`'s does, so does it.
+        volume a cycle makes energy. It jumps where the force does, as `elastica`'s.
         """
         arrays = validate_point(self, pressure, strain)
         check_points(*arrays, muscles=batch_shape(self))
@@ -366,6 +365,10 @@ class Muscle(Module):
 
         return jit(partial(eval_force, self))
 
+    def _evaluate_law(self, quantity: str, pressure: Values) -> Batch:
+        pressure = validate_pressure(pressure, self.tuning)
+        return self._evaluate(_law_quantity, pressure, static=(quantity,))
+
     def _evaluate_at(self, quantity: str, pressure: Values, strain: Values, *static: Any) -> Any:
         arrays = validate_point(self, pressure, strain)
         return self._evaluate(_quantity, *arrays, static=(quantity, *static))
@@ -384,10 +387,8 @@ class Muscle(Module):
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
         tables = tuning_tables(self)
-        for leaf in self.leaves:
-            if np.ndim(leaf) and id(leaf) not in tables:
-                return False
-        return self.tuning.pressures.ndim == 1
+        numbers = all(np.ndim(leaf) == 0 or id(leaf) in tables for leaf in self.leaves)
+        return numbers and self.tuning.pressures.ndim == 1
 
 
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:
@@ -405,7 +406,7 @@ def tuning_tables(muscle: Muscle) -> set[int]:
     return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
 
 
-# evaluated functions are module-level: a compiled one is cached by its identity
+# functions that are evaluated are of the module: a compiled one is cached by its identity
 
 
 def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
@@ -421,33 +422,17 @@ def _state_quantity(at: AtPressure, strain: Batch, quantity: str, *static: Any) 
     return getattr(at.state, quantity)(strain, *static)
 
 
-def _state(muscle: Muscle, pressure: Batch) -> Pressurized:
-    return muscle.law.at(pressure)
-
-
-def _free_strain(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle.law.tension.free_strain(pressure)
-
-
-def _blocked_force(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle.law.tension.force(pressure, 0.0 * pressure)
-
-
-def _collapse_moment(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle.law.collapse_moment(pressure)
-
-
-def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle.law.at(pressure).collapse
+def _law_quantity(muscle: Muscle, pressure: Batch, quantity: str) -> Any:
+    return getattr(muscle.law, quantity)(pressure)
 
 
 def _volume(muscle: Muscle, strain: Batch) -> Batch:
     volume, bladder = muscle.braid.volume, muscle.bladder.volume
     if muscle.ends.is_compliant:
-        s, V0 = muscle.ends.stretch(muscle.length), volume(0.0)
+        s, V0 = muscle.ends.strain_ratio(muscle.length), volume(0.0)
         return V0 + (volume(s * strain) - V0) / s - bladder
     return volume(strain) - bladder
 
 
 def _radius(muscle: Muscle, strain: Batch) -> Batch:
-    return muscle.braid.radius_at(muscle.ends.stretch(muscle.length) * strain)
+    return muscle.braid.radius_at(muscle.ends.strain_ratio(muscle.length) * strain)

@@ -46,7 +46,7 @@ from .post_collapse.post_collapse_law import AbstractPostCollapse, hinge_moment
 from .tuning import TunedTension
 
 
-TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
+TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3  # as results and files count them
 REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
 
@@ -68,7 +68,7 @@ class Response(NamedTuple):
     """Forces of a muscle at a pressure and strain; all of one shape.
 
     `force` = `mesh` + `bladder` + `bending`, all [N]. `region`: 0 tension, 1 post-buckling,
-    2 post-collapse, 3 straight compression. `several`: other equilibria exist there too.
+    2 post-collapse, 3 straight compression. `several`: true where other equilibria exist, too.
     """
 
     force: Batch
@@ -80,7 +80,7 @@ class Response(NamedTuple):
 
 
 class Piecewise(Module):
-    """Equation (27) for one choice of laws; `at` a pressure it can be evaluated."""
+    """Force law (27) of a muscle with one choice of laws; `at` gives it at a pressure."""
 
     tension: TunedTension
     buckling: AbstractBuckling
@@ -90,27 +90,37 @@ class Piecewise(Module):
 
     @property
     def youngs_modulus(self) -> Batch:
-        """$E$ [Pa] with its factor, for bending, collapse and hinge."""
+        """Young's modulus $E$ [Pa] of bending, collapse and hinge, with the tuning's factor."""
         factor = self.tension.tuning.youngs_modulus_factor
         return self.tension.bladder.material.youngs_modulus * factor
 
     @property
     def rate(self) -> Batch:
-        r"""$\beta$ [-]: the tuning's, or else the muscle's."""
+        r"""Transition rate $\beta$ [-]: the tuning's, or else the muscle's."""
         tuned = self.tension.tuning.transition_rate
         return self.transition_rate if tuned is None else tuned
 
     def collapse_moment(self, pressure: Batch) -> Batch:
-        """$M_{collapse}$ [N·m] with its factor at `pressure` [Pa]."""
+        """Collapse moment $M_{collapse}$ [N·m] at `pressure` [Pa], with the tuning's factor."""
         moment = self.collapse.moment(self.tension.bladder, self.youngs_modulus, pressure)
         return self.tension.tuning.collapse_moment_factor * moment
+
+    def free_strain(self, pressure: Batch) -> Batch:
+        """Strain [-] of no force at `pressure` [Pa]."""
+        return self.tension.free_strain(pressure)
+
+    def blocked_force(self, pressure: Batch) -> Batch:
+        """Force [N] at rest length and `pressure` [Pa]."""
+        return self.tension.force(pressure, 0.0 * pressure)
+
+    def collapse_strain(self, pressure: Batch) -> Batch:
+        """Strain [-] at which the bladder collapses at `pressure` [Pa]; inf where it never does."""
+        return self.at(pressure).collapse
 
     def at(
         self, pressure: Batch, free: Batch | None = None, collapse: Batch | None = None
     ) -> "Pressurized":
-        """The muscle at `pressure` [Pa]; its `free` and `collapse` strain [-] are solved for if not
-        given.
-        """
+        """Laws at `pressure` [Pa]; `free`, `collapse`: known strains [-], default: computed."""
         E, bladder = self.youngs_modulus, self.tension.bladder
         column = self.buckling.solve(
             Column(
@@ -128,7 +138,9 @@ class Piecewise(Module):
 
 
 class Pressurized(NamedTuple):
-    """A muscle at one pressure: elementwise in strain. `hinge` is $M_h$ [N·m]."""
+    """Laws of a muscle at one pressure, elementwise in strain; `hinge`: moment $M_h$ [N·m],
+    `collapse`: strain [-].
+    """
 
     law: Piecewise
     column: Column
@@ -159,77 +171,75 @@ class Pressurized(NamedTuple):
         return -self.force(strain)[1] / self.column.rest_length
 
     def response(self, strain: Batch) -> Response:
-        """Force and components [N] at `strain` [-], (26) and (27)."""
-        (mesh, bladder, bending), _, (pulls, collapsed, straight) = self._forces(strain)
+        """Force, its components [N] and the region at `strain` [-], (26) and (27)."""
+        (mesh, bladder, bending), _, (in_tension, collapsed, straight) = self._forces(strain)
         bowed = where(straight, STRAIGHT, POST_BUCKLING)
-        region = where(pulls, TENSION, where(collapsed, POST_COLLAPSE, bowed))
-        buckled = logical_not(logical_or(collapsed, pulls))
+        region = where(in_tension, TENSION, where(collapsed, POST_COLLAPSE, bowed))
+        buckled = logical_not(logical_or(collapsed, in_tension))
         several = logical_and(self.law.buckling.several(self.column, strain), buckled)
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
         """Deflection of the axis [m] at `strain` [-]."""
-        pulls, collapsed, buckled_strain = self._state(strain)
+        in_tension, collapsed, buckled_strain = self._regions(strain)
         bowed, _ = self.law.buckling.bow(self.column, buckled_strain)
-        hinged = self.law.post_collapse.deflection(self.column, self._safe(collapsed, strain))
-        return where(pulls, 0.0, where(collapsed, hinged, bowed))
+        hinged = self.law.post_collapse.deflection(
+            self.column, self._hinge_strain(collapsed, strain)
+        )
+        return where(in_tension, 0.0, where(collapsed, hinged, bowed))
 
     def moment(self, strain: Batch) -> Batch:
-        """Largest moment [N·m] at `strain` [-]."""
-        pulls, collapsed, buckled_strain = self._state(strain)
+        """Largest bending moment [N·m] at `strain` [-]."""
+        in_tension, collapsed, buckled_strain = self._regions(strain)
         _, moment = self.law.buckling.bow(self.column, buckled_strain)
-        return where(pulls, 0.0, where(collapsed, self.hinge, moment))
+        return where(in_tension, 0.0, where(collapsed, self.hinge, moment))
 
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
-        pulls, collapsed, _ = self._state(strain)
+        in_tension, collapsed, _ = self._regions(strain)
         strain = strain + 0.0 * self.column.free_strain
-        buckled_strain = where(logical_or(pulls, collapsed), self.column.free_strain, strain)
+        buckled_strain = where(logical_or(in_tension, collapsed), self.column.free_strain, strain)
         bowed = self.law.buckling.shape(self.column, buckled_strain, points)
-        safe = self._safe(collapsed, strain)
+        safe = self._hinge_strain(collapsed, strain)
         hinged = self.law.post_collapse.shape(self.column, safe, points)
         length = add_table_axis(self.column.rest_length * (1 - strain))
         straight = length * np.linspace(0, 1, points)
-        pulls, collapsed = add_table_axis(pulls), add_table_axis(collapsed)
+        in_tension, collapsed = add_table_axis(in_tension), add_table_axis(collapsed)
         return Centerline(
-            z=where(pulls, straight, where(collapsed, hinged.z, bowed.z)),
-            y=where(pulls, 0.0, where(collapsed, hinged.y, bowed.y)),
+            z=where(in_tension, straight, where(collapsed, hinged.z, bowed.z)),
+            y=where(in_tension, 0.0, where(collapsed, hinged.y, bowed.y)),
         )
 
     def _forces(
         self, strain: Batch
     ) -> tuple[tuple[Batch, Batch, Batch], Batch, tuple[BoolBatch, BoolBatch, BoolBatch]]:
-        """Mesh, bladder and bending [N]; the slope of the force [N]; masks of the muscle that
-        pulls, has collapsed, is straight.
-        """
+        """Components and slope of the force [N], and masks of tension, collapse, straightness."""
         rate, L0 = self.law.rate, self.column.rest_length
-        pulls, collapsed, buckled_strain = self._state(strain)
-        xp = array_namespace(pulls, collapsed)
-        pull = self.column.pull(xp.where(pulls, strain, self.column.free_strain))
+        in_tension, collapsed, buckled_strain = self._regions(strain)
+        xp = array_namespace(in_tension, collapsed)
+        pull = self.column.pull(xp.where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)
         past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse, 1.0), 0.0)
         decay = exp(-rate * past)  # 1 before collapse
         growth = 1 - decay
-        x = (self._safe(collapsed, strain) - self.column.free_strain) * L0
+        x = (self._hinge_strain(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
 
-        mesh = xp.where(pulls, pull.mesh, push.mesh * decay)
-        bladder = xp.where(pulls, pull.bladder, push.bladder * decay)
+        mesh = xp.where(in_tension, pull.mesh, push.mesh * decay)
+        bladder = xp.where(in_tension, pull.bladder, push.bladder * decay)
         hinge = xp.where(collapsed, F_c, 0.0) * growth
-        bending = xp.where(pulls, 0.0, push.bending * decay - hinge)
+        bending = xp.where(in_tension, 0.0, push.bending * decay - hinge)
         force_at_collapse = push.mesh + push.bladder + push.bending
         slope = -rate * decay * (force_at_collapse + F_c) - growth * F_c_slope * L0
-        slope = xp.where(pulls, pull.slope, xp.where(collapsed, slope, push.slope))
-        return (mesh, bladder, bending), slope, (pulls, collapsed, push.straight)
+        slope = xp.where(in_tension, pull.slope, xp.where(collapsed, slope, push.slope))
+        return (mesh, bladder, bending), slope, (in_tension, collapsed, push.straight)
 
-    def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
-        """Masks of tension and collapse, and the strain [-] of the buckled state, which is constant
-        after collapse.
-        """
+    def _regions(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
+        """Masks of tension and collapse, and the buckled state's strain [-], up to collapse."""
         eps_f, eps_c = self.column.free_strain, self.collapse
-        pulls, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
-        return pulls, collapsed, where(pulls, eps_f, where(collapsed, eps_c, strain))
+        in_tension, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
+        return in_tension, collapsed, where(in_tension, eps_f, where(collapsed, eps_c, strain))
 
-    def _safe(self, collapsed: BoolBatch, strain: Batch) -> Batch:
-        """A strain [-] at which the hinged shape exists, before collapse, too."""
+    def _hinge_strain(self, collapsed: BoolBatch, strain: Batch) -> Batch:
+        """The `strain` [-] after collapse; before it, one at which the hinged shape exists."""
         return guarded(collapsed, strain, 0.5 * (1 + self.column.free_strain))

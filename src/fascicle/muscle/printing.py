@@ -17,8 +17,10 @@ from .materials import MATERIALS
 
 _SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
 _SIZES |= {"braid_angle": "angle"}
-_TOP = 400e3  # Pa, highest pressure of the table of a muscle without a tuning
-_ROWS = 5  # pressures of the table
+_TOP = (
+    400e3  # Pa, highest pressure of the table without a tuning: what soft muscles are driven with
+)
+_ROWS = 5  # pressures of the table: as many as fit beside the code
 
 
 def muscle_table(muscle: Any) -> ReprTable:
@@ -34,7 +36,11 @@ def muscle_table(muscle: Any) -> ReprTable:
     facts.append(("tuning", tuning_text(muscle.tuning)))
     if not muscle.is_single:
         return ReprTable("Muscles, rows of them", facts)
-    P = np.linspace(0.0, _highest_pressure(muscle), _ROWS)
+    tuning, highest = muscle.tuning, _TOP
+    if tuning.pressures.size > 1:
+        last = float(np.max(np.asarray(tuning.pressures)) + tuning.dead_band)
+        highest = min(last, HIGHEST_PRESSURE)
+    P = np.linspace(0.0, highest, _ROWS)
     columns = (muscle.blocked_force(P), muscle.free_strain(P), muscle.collapse_strain(P))
     rows = [
         [
@@ -50,7 +56,7 @@ def muscle_table(muscle: Any) -> ReprTable:
 
 
 def muscle_line(muscle: Any) -> str:
-    """Python expression that makes a single muscle."""
+    """Python expression that constructs a single muscle; the fields of rows of muscles."""
     if not muscle.is_single:
         return repr_fields(muscle)
     arguments = [f"{name}={exact(float(getattr(muscle, name)), d)!r}" for name, d in _SIZES.items()]
@@ -68,13 +74,13 @@ def muscle_line(muscle: Any) -> str:
 
 
 def law_text(law: Any) -> str:
-    """Name of a law, with its numbers."""
+    """Name of a law with its constants and switches."""
     numbers = _constants(law)
     return f"{law.name}: {numbers}" if numbers else law.name
 
 
 def material_text(material: Any) -> str:
-    """Name of a material, with its numbers."""
+    """Name of a material with its constants."""
     name, numbers = _material_name(material), _constants(material) or type(material).__name__
     return f"{name}: {numbers}" if name else numbers
 
@@ -99,14 +105,6 @@ def tuning_text(tuning: Any) -> str:
         if value is not None and (neutral is None or np.any(np.asarray(value) != neutral)):
             texts.append(text.format(format_range(value, show)))
     return ", ".join(texts) or "none"
-
-
-def _highest_pressure(muscle: Any) -> float:
-    """The highest pressure of the table [Pa], within that of a tuning."""
-    rows = np.asarray(muscle.tuning.pressures)
-    if rows.size < 2:
-        return _TOP
-    return min(float(rows.max() + muscle.tuning.dead_band), HIGHEST_PRESSURE)
 
 
 def _material_name(material: Any) -> str:

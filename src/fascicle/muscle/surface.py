@@ -26,6 +26,7 @@ import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
+from ..core.lazy import renamed_method
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
@@ -35,14 +36,13 @@ from .piecewise import Pressurized
 from .validation import lowest_strain, strain_domain
 
 
-# of the way down to straight fibers, near which the bladder stiffens beyond any grid
-_STRETCHED = 0.75
-# past the strain at which no braid pulls: how far a load may push one
-_PUSHED = 0.08
+# share of the strain of straight fibers, near which the bladder stiffens beyond any grid
+_LOWEST_SHARE = 0.75
+_PUSH_STRAIN = 0.08  # past the strain at which no braid pulls: how far a load may push one
 # Pa: a pressure is solved for to some 1e-9 Pa, so that a vented unit may be that far below zero.
 # Its volume keeps the slope at zero there, or the first step of filling would go without one
 PRESSURE_ROUNDING = 1e-6
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)  # cells of the grid are short: 1e-12
 # cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
 _HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
 
@@ -61,7 +61,7 @@ class Surface(NamedTuple):
 
 
 class UnitSurface(Module):
-    """A muscle's co-energy on a grid, (V3): `UnitSurface.tabulate(muscle)` makes it.
+    """A muscle's co-energy on a grid, (V3), from `UnitSurface.tabulate(muscle)`.
 
     `coefficients`: of the powers of both cell coordinates [J], cells first; `root_step`: between
     lines of pressure [√Pa]; `strains`: the table's ends [-]; `rest_length` [m]; `errors`: of its
@@ -82,20 +82,20 @@ class UnitSurface(Module):
         strains: tuple[float, float] | None = None,
         shape: tuple[int, int] = (161, 201),
     ) -> "UnitSurface":
-        """The table of a muscle.
+        """Tabulate a muscle's co-energy.
 
         **Arguments:**
 
-        - `muscle`: one muscle [-], of numbers.
+        - `muscle`: one muscle, of numbers.
         - `highest_pressure`: the table's end [Pa], up to 1 MPa.
-        - `strains`: its ends [-]; left out, from 0.75 of the strain that straightens the fibers
-          to 0.08 past the one at which no pressure pulls. The lower one is moved out by less than
-          a step, so that no strain is a node.
-        - `shape`: how many nodes in pressure and in strain [-], at least 3 each.
+        - `strains`: its ends [-]; default: from 0.75 of the strain that straightens the fibers
+          to 0.08 past the one at which no pressure pulls. The lower one is lowered by less than
+          a step, so that zero strain is a node.
+        - `shape`: numbers of nodes in pressure and in strain [-], at least 3 each.
 
         **Returns:** the table.
 
-        **Raises:** `ValueError` for ends and shapes that can't be.
+        **Raises:** `ValueError` for impossible ends and shapes.
         """
         top = check_interval(
             highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", closed=(False, True)
@@ -111,26 +111,28 @@ class UnitSurface(Module):
         """The table's end [Pa]."""
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
-    def at(self, pressure: Batch, strain: Batch) -> Surface:
+    def lookup_at(self, pressure: Batch, strain: Batch) -> Surface:
         """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
-        elementwise, nothing checked.
+        elementwise, without checks.
         """
         return lookup(self, pressure, strain)
+
+    at = renamed_method("at", "lookup_at")
 
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force $F$ [N], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
         broadcast; `ValueError` for concrete values outside the table.
         """
-        return self.at(*self.inside(pressure, strain)).force
+        return self.lookup_at(*self.validate_point(pressure, strain)).force
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
         """Volume $V^*$ [m³], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
         broadcast; `ValueError` for concrete values outside the table.
         """
-        return self.at(*self.inside(pressure, strain)).volume
+        return self.lookup_at(*self.validate_point(pressure, strain)).volume
 
-    def inside(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        """Check a pressure [Pa] and strain [-] against the ends of the table."""
+    def validate_point(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+        """Return `pressure` [Pa] and `strain` [-] as floats if they lie in the table."""
         low, high = (float(x) for x in self.strains)
         why, closed = "of the table", (True, True)
         top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its root
@@ -138,10 +140,12 @@ class UnitSurface(Module):
         P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, remedy)
         return P, check_interval(strain, low, high, "strain", "-", why, closed, remedy)
 
+    inside = renamed_method("inside", "validate_point")
+
 
 def lookup(table: UnitSurface, pressure: Batch, strain: Batch, index: Any = None) -> Surface:
-    """Look up a `table` at `pressure` [Pa] and `strain` [-], elementwise; at an `index` [-] of
-    coefficients of several muscles.
+    """Co-energy [J], force [N], volume [m³] and slopes of a `table` at `pressure` [Pa] and
+    `strain` [-], elementwise; `index`: of the muscle in a table of several [-].
     """
     xp = array_namespace(pressure, strain, table.coefficients)
     lines, columns = table.coefficients.shape[-4:-2]
@@ -185,7 +189,7 @@ def lookup(table: UnitSurface, pressure: Batch, strain: Batch, index: Any = None
 
 
 def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    """A cubic with coefficients on the last axis, its slope and its bend at `x`."""
+    """Value, slope and second derivative at `x` of cubics with coefficients on the last axis."""
     c0, c1, c2, c3 = (c[..., k] for k in range(4))
     value = ((c3 * x + c2) * x + c1) * x + c0
     return value, (3 * c3 * x + 2 * c2) * x + c1, 6 * c3 * x + 2 * c2
@@ -265,7 +269,7 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """Of each cell [J]: [line, column, power of u, power of w]."""
+    """Coefficients of each cell [J]: [line, column, power of u, power of w]."""
     step, h = strain[1] - strain[0], roots[1]
     by_pressure = _smooth_slopes(roots, nodes.coenergy, nodes.by_pressure)
     by_both = _smooth_slopes(roots, nodes.by_strain, nodes.by_both)
@@ -285,10 +289,9 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
 
 
 def _smooth_slopes(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Slopes in pressure at the nodes that make bends continuous, too, from line to line, with the
-    given `slope` at both ends. A volume whose slope in pressure jumps takes an integrator ten times
-    the steps.
-    """
+    """Slopes in pressure at the nodes of a spline with the `slope` at both ends."""
+    # its second derivative is continuous: a volume whose slope in pressure jumps takes an
+    # integrator ten times the steps
     from scipy.interpolate import CubicSpline  # 0.25 s that a force doesn't need
 
     per = 2 * roots[1:, None]
@@ -298,8 +301,8 @@ def _smooth_slopes(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> n
 
 
 def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
-    """Error of a `table` against its `muscle`'s law, force [N] and volume [m³], a quarter of
-    each cell from its sides: in its middle a slope of Hermite's is better than anywhere else.
+    """Errors of a `table` against its `muscle`'s law, force [N] and volume [m³], a quarter of
+    each cell from its sides: in the middle slopes are better than anywhere else.
     """
     lines, columns = table.coefficients.shape[-4:-2]
     low, high = (float(end) for end in table.strains)
@@ -315,11 +318,11 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
 
 
 def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
-    """Even strains [-] from end to end, zero among them."""
+    """Evenly spaced strains [-] from end to end, zero among them."""
     straight = float(lowest_strain(*strain_domain(muscle)))
     if ends is None:
-        low = _STRETCHED * straight
-        high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
+        low = _LOWEST_SHARE * straight
+        high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
     else:
         low, high = (
             check_interval(end, straight, LARGEST_STRAIN, "strains", "-", closed=(False, True))

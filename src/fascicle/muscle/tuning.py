@@ -49,7 +49,7 @@ Rows = Float[AnyArray, "*#muscles row"]
 
 
 class Tuning(Module):
-    """Measured corrections of one muscle; all left out, the identity."""
+    """Measured corrections of one muscle's force; by default none."""
 
     pressures: Rows
     c1: Rows
@@ -86,7 +86,7 @@ class Tuning(Module):
         - `transition_rate`: $\\beta$ [-], instead of the muscle's.
         - `dead_band`: pressure $P_d$ [Pa] that closes the gap between bladder and braid.
 
-        **Raises:** `ValueError` where a table or a factor can't be.
+        **Raises:** `ValueError` for an impossible table or factor.
         """
         self.pressures, self.c1, self.c2 = _table(pressures, c1, c2)
         self.youngs_modulus_factor = check_size(youngs_modulus_factor, "youngs_modulus_factor")
@@ -94,8 +94,8 @@ class Tuning(Module):
         self.hinge_stiffness_factor = check_size(hinge_stiffness_factor, "hinge_stiffness_factor")
         slope = check_finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa")
         self.hinge_stiffness_slope = slope
-        has_rate = transition_rate is not None
-        self.transition_rate = check_size(transition_rate, "transition_rate") if has_rate else None
+        rate = transition_rate
+        self.transition_rate = None if rate is None else check_size(rate, "transition_rate")
         self.dead_band = check_interval(
             dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
         )
@@ -109,15 +109,13 @@ class Tuning(Module):
             check_plausible(factor, "hinge_stiffness_factor")
 
     def effective_pressure(self, pressure: BatchLike) -> Batch:
-        """$P_e$ [Pa] at gauge `pressure` [Pa], equation (D)."""
+        """Pressure $P_e$ [Pa] that the braid feels at gauge `pressure` [Pa], equation (D)."""
         P, P_d = pressure, self.dead_band
         # not `maximum`, which would halve the slope at P = 0 where there is no dead band
         return where(P_d <= P, P - P_d, 0.0 * P)
 
     def extrapolation_message(self, pressure: Values) -> str:
-        """Warning of a `pressure` [Pa] above the table's last row, which holds from there on; empty
-        below it.
-        """
+        """Warning of a `pressure` [Pa] above the table's last row, else an empty text."""
         rows, band = self.pressures, self.dead_band
         if rows.shape[-1] < 2 or not is_concrete(rows, band, pressure) or not np.size(pressure):
             return ""
@@ -136,15 +134,15 @@ class Tuning(Module):
             warn_user(message)
 
     def c1_at(self, pressure: BatchLike) -> Batch:
-        """$C_1$ [N] at effective `pressure` [Pa]."""
+        """Force correction $C_1$ [N] at effective `pressure` [Pa]."""
         return self._interpolate(pressure, self.c1)
 
     def c2_at(self, pressure: BatchLike) -> Batch:
-        """$C_2$ [-] at effective `pressure` [Pa]."""
+        """Force factor $C_2$ [-] at effective `pressure` [Pa]."""
         return self._interpolate(pressure, self.c2)
 
     def _interpolate(self, pressure: BatchLike, rows: Rows) -> Batch:
-        """`rows`, joined by straight lines, at effective `pressure` [Pa]."""
+        """Linear interpolation of the table's `rows` at effective `pressure` [Pa]."""
         if rows.shape[-1] == 1:
             return rows[..., 0] + 0.0 * pressure  # nothing was measured
         P, start = add_table_axis(pressure), self.pressures[..., :-1]
@@ -161,9 +159,7 @@ class Tuning(Module):
 
 
 class TunedTension(Module):
-    """A muscle's tension law $T(P, \\varepsilon)$, corrected by its tuning, at the strain of its
-    ends.
-    """
+    """A muscle's tension law $T(P, \\varepsilon)$ with its tuning and its ends."""
 
     law: AbstractTension
     bladder: Bladder
@@ -185,37 +181,39 @@ class TunedTension(Module):
         return Pull(c2 * mesh, c2 * (bladder - c1), c2 * mesh_slope, c2 * bladder_slope)
 
     def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """$F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
+        """Tuned force $F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
         return self.pull(pressure, strain).force
 
     def rest_coenergy(self, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] that a braid that stretches takes up at rest length and `pressure` [Pa],
-        beyond that of its volume; and its slope [m³].
+        """Co-energy [J] besides $P V(0)$ of a stretching braid at rest length and `pressure` [Pa],
+        and its slope in pressure [m³].
         """
         P_e = self.tuning.effective_pressure(pressure)
         coenergy, volume = self.law.rest_coenergy(self.bladder, P_e)
-        return coenergy / self.stretch, volume / self.stretch
+        return coenergy / self.strain_ratio, volume / self.strain_ratio
 
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
-        return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at) / self.stretch
+        return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at) / self.strain_ratio
 
     @property
-    def stretch(self) -> Batch:
-        """The bladder's strain over the ends' [-] where they hold no force."""
-        return self.ends.stretch(self.bladder.braid.length) if self.ends.is_compliant else 1.0
+    def strain_ratio(self) -> Batch:
+        """Ratio of the bladder's strain to the muscle's [-] without a force."""
+        return self.ends.strain_ratio(self.bladder.braid.length) if self.ends.is_compliant else 1.0
 
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
-    """The table with its row at zero pressure, checked where it is concrete."""
+    """The table with a row at zero pressure, checked where it is concrete."""
     pressures, c1 = to_si(pressures, "pressures", "Pa"), to_si(c1, "c1", "N")
     xp = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
     P, rows1, rows2 = (xp.atleast_1d(xp.asarray(x, dtype=float)) for x in (pressures, c1, c2))
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
-        sizes = (P.size, rows1.size, rows2.size)
+        sizes, rule = (
+            (P.size, rows1.size, rows2.size),
+            ", `c1` and `c2` must be lists of equal length",
+        )
         text = "{}, {} and {} entries".format(*sizes)
-        rule = ", `c1` and `c2` must be lists of equal length"
         raise InvalidInputError("pressures", rule, sizes, shown=text)
     concrete = P.size and is_concrete(pressures)
     if concrete:
@@ -227,10 +225,8 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
         check_signed(c1, "c1")
         check_size(c2, "c2")
         if concrete and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
-            rule, text = (
-                "and `c2` must be 0 N and 1 at zero pressure",
-                f"{rows1[0]:g} N and {rows2[0]:g}",
-            )
+            rule = "and `c2` must be 0 N and 1 at zero pressure"
+            text = f"{rows1[0]:g} N and {rows2[0]:g}"
             raise InvalidInputError("c1", rule, float(rows1[0]), shown=text)
     if concrete and P[0] == 0:
         return P, rows1, rows2

@@ -1,7 +1,6 @@
 """Checks of a muscle's arguments: sizes, pressures and strains of its domain, and its limitations.
 
-Laws trust what has passed here. A single point is checked quickly: the full check, which
-can name any array's worst value, takes longer than the law.
+Laws trust what has passed here.
 """
 
 import math
@@ -39,8 +38,8 @@ from .tuning import Tuning
 _STRAIGHT_MARGIN = 1e-9
 # a stretched muscle is rarely measured past this; a sign error is: published tests begin at rest
 EXTENSION_WARNED = 0.02
-_NOMINAL = 0.1  # of a size: names of catalogs are no closer to what calipers measure
-_LARGEST_STRETCH = 1.5  # of the bladder's strain over the muscle's: a third of the length inactive
+_NOMINAL = 0.1  # relative: sizes in catalogs are no closer to what calipers measure
+_LARGEST_RATIO = 1.5  # of the bladder's strain to the muscle's: a third of the length inactive
 
 
 def choose_material(value: Any) -> AbstractMaterial:
@@ -53,49 +52,43 @@ def choose_material(value: Any) -> AbstractMaterial:
     raise InvalidInputError("material", rule, value)
 
 
-def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
+def lowest_strain(braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
     """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
-    traced one. Fibers that are straight within rounding have no radius, and no finite force.
-    `stretch`: the bladder's strain over the muscle's [-].
+    traced one. `strain_ratio`: of the bladder's strain to the muscle's [-].
     """
-    if not is_concrete(braid_angle, stretch):
+    if not is_concrete(braid_angle, strain_ratio):
         return -np.inf
-    return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch) + _STRAIGHT_MARGIN
+    # fibers that are straight within rounding have no radius, and no finite force
+    return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(strain_ratio) + _STRAIGHT_MARGIN
 
 
 def strain_domain(muscle: Any) -> tuple[Batch, Batch]:
-    """Arguments of `lowest_strain` for a `muscle`: braid angle [rad], and stretch [-]."""
-    return muscle.braid_angle, muscle.ends.stretch(muscle.length)
+    """Arguments of `lowest_strain` for a `muscle`: braid angle [rad] and strain ratio [-]."""
+    return muscle.braid_angle, muscle.ends.strain_ratio(muscle.length)
 
 
 def check_active_length(ends: AbstractEnds, length: Batch) -> None:
     """Refuse `ends` that take a third of the `length` [m] or more: not much would contract."""
-    stretch = ends.stretch(length)
-    if is_concrete(stretch):
-        s = np.asarray(stretch)
-        if not np.all((s >= 1) & (s < _LARGEST_STRETCH)):
-            rule, value = (
-                "must be less than a third of `length`",
-                getattr(ends, "inactive_length", None),
-            )
-            raise InvalidInputError("inactive_length", rule, value, "check its unit")
-
-
-def is_valid_scalar_point(muscle: Any, pressure: Values, strain: Values) -> bool:
-    """True for two floats, `pressure` [Pa] and `strain` [-], that need no check or warning."""
-    if not (isinstance(pressure, float) and isinstance(strain, float)):
-        return False
-    table = muscle.tuning.pressures
-    measured = table.size < 2 or (is_concrete(table) and pressure <= np.asarray(table)[-1])
-    inside = 0.0 <= strain <= LARGEST_STRAIN  # the end of extensions depends on the braid
-    plausible = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
-    return bool(measured and inside and plausible)
+    ratio = ends.strain_ratio(length)
+    if is_concrete(ratio) and not np.all((np.asarray(ratio) >= 1) & (ratio < _LARGEST_RATIO)):
+        rule, value = (
+            "must be less than a third of `length`",
+            getattr(ends, "inactive_length", None),
+        )
+        raise InvalidInputError("inactive_length", rule, value, "check its unit")
 
 
 def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
     """Return `pressure` [Pa] and `strain` [-] of a muscle, if they are in its domain."""
-    if is_valid_scalar_point(muscle, pressure, strain):
-        return np.float64(pressure), np.float64(strain)
+    # of two floats at once: the full check, which names an array's worst value, takes longer than
+    # the law
+    if isinstance(pressure, float) and isinstance(strain, float):
+        table = muscle.tuning.pressures
+        measured = table.size < 2 or (is_concrete(table) and pressure <= np.asarray(table)[-1])
+        plausible = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
+        # the end of extensions depends on the braid
+        if measured and plausible and 0.0 <= strain <= LARGEST_STRAIN:
+            return np.float64(pressure), np.float64(strain)
     pressure = validate_pressure(pressure, muscle.tuning)
     return pressure, validate_strain(strain, *strain_domain(muscle))
 
@@ -119,11 +112,9 @@ def validate_pressure(value: Values, tuning: Tuning) -> Batch:
     return match_array_type(value, pressure)
 
 
-def validate_strain(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
-    """Return a strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: the
-    bladder's strain over the muscle's [-]. Warns of an extension.
-    """
-    return check_strain(value, lowest_strain(braid_angle, stretch))
+def validate_strain(value: Values, braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
+    """Return a strain [-] if it is in the domain of `lowest_strain`; warn of an extension."""
+    return check_strain(value, lowest_strain(braid_angle, strain_ratio))
 
 
 def check_strain(
@@ -132,10 +123,8 @@ def check_strain(
     high: Batch = LARGEST_STRAIN,
     why: str = "(fibers straight at the lower end)",
 ) -> Batch:
-    """Return a strain `value` [-] as floats, refusing it outside its domain; warn of an extension.
-
-    `low`: strain at which fibers are straight [-], for all muscles or for each of a row. `high`:
-    largest strain [-]. `why`: reason of the limits, in words.
+    """Return a strain `value` [-] as floats if it lies between `low` and `high` [-]; warn of an
+    extension. `low` may be an array, of rows of muscles; `why`: reason of the limits, in words.
     """
     if np.ndim(low):
         value = to_si(value, "strain", "-")
@@ -147,8 +136,8 @@ def check_strain(
 
 
 def extension_message(strain: Batch, straight: Batch) -> str:
-    """Warning of an extension past 2 %, a negative `strain` [-]; empty for others. `straight`:
-    strain at which fibers are straight [-]; broadcasts.
+    """Warning of a negative `strain` [-], an extension past 2 %, else an empty text; `straight`:
+    strain at which fibers are straight [-], which broadcasts.
     """
     if not is_concrete(strain) or not np.size(strain):
         return ""
@@ -210,7 +199,7 @@ def warn_limitations(muscle: Any) -> None:
 
 
 def stretched_fibers_message(muscle: Any) -> str:
-    """Warning of a muscle whose fibers stretch too far below 1 MPa; empty for others."""
+    """Warning of a muscle whose fibers stretch too far below 1 MPa, else an empty text."""
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
     if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):
         return ""
@@ -224,15 +213,17 @@ def stretched_fibers_message(muscle: Any) -> str:
 
 
 def published_range_message(muscle: Any, law: type[AbstractTension] | None = None) -> str:
-    """Warning of a `muscle` whose tension law, or another `law`, has the published constants of
-    another muscle, of one diameter and length; empty for others. Constants that the user has fitted
-    or written are accepted.
+    """Warning of a `muscle` unlike the one for which its tension law, or another `law`, was
+    published, else an empty text. Constants that the user has fitted or written are accepted.
     """
     kind = type(muscle.tension) if law is None else law
     sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness)
     if not kind.reference_muscle or not is_concrete(*sizes):
         return ""
-    if law is None and not _has_published_constants(muscle.tension):
+    if law is None and not (is_concrete(muscle.tension) and all(
+        np.all(np.asarray(getattr(muscle.tension, constant.name)) == constant.default)
+        for constant in kind.constants()
+    )):  # fmt: skip
         return ""
     differences = []
     diameter, length = kind.reference_diameter, kind.reference_length
@@ -250,9 +241,8 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
 
 
 def diameter_matches(muscle: Any, diameter: float) -> bool:
-    """True for a `muscle` as wide as one of a nominal `diameter` [m]: makers name the inner
-    diameter or the braid's.
-    """
+    """True for a `muscle` as wide as one of a nominal `diameter` [m]."""
+    # makers name the inner diameter or the braid's
     outer = 2 * np.asarray(muscle.outer_radius)
     inner = outer - 2 * np.asarray(muscle.wall_thickness)
     return bool(np.all((inner * (1 - _NOMINAL) <= diameter) & (diameter <= outer * (1 + _NOMINAL))))
@@ -261,10 +251,3 @@ def diameter_matches(muscle: Any, diameter: float) -> bool:
 def _size_text(value: Any) -> str:
     low, high = (pretty(float(x), "length", 3) for x in (np.min(value), np.max(value)))
     return low if low == high else f"{low} to {high}"
-
-
-def _has_published_constants(law: AbstractTension) -> bool:
-    return is_concrete(law) and all(
-        np.all(np.asarray(getattr(law, constant.name)) == constant.default)
-        for constant in law.constants()
-    )

@@ -82,6 +82,22 @@ def test_a_renamed_object_warns_at_the_users_line(old, new):
     assert caught[0].filename == __file__
 
 
+@pytest.mark.parametrize(
+    ("owner", "old", "new", "arguments"),
+    [
+        (fascicle.fluid.Direct(), "states", "state_count", (3,)),
+        (fascicle.fluid.PressureBand(1e5, 2e5), "after", "update", (1.0, 1.5e5)),
+        (fascicle.ends.Compliant(), "stretch", "strain_ratio", (0.1,)),
+        (fascicle.tension.Bolen(), "largest_force", "blocked_force", (0.2,)),
+    ],
+)
+def test_a_renamed_method_warns_at_the_users_line(owner, old, new, arguments):
+    with pytest.warns(DeprecationWarning, match=rf"\.{old}` is now `{new}`") as caught:
+        former = getattr(owner, old)(*arguments)
+    assert former == getattr(owner, new)(*arguments)
+    assert caught[0].filename == __file__
+
+
 def test_a_name_in_a_module_of_its_name_is_refused():
     with pytest.raises(ValueError, match="can't be in a module of the same name"):
         attach_lazy("fascicle.some", {"law": "law"})

@@ -88,7 +88,7 @@ def test_a_muscles_table_in_c_is_its_polynomial(laws, make_muscle, build):
     P, eps = sample_points(table)
     library = build(muscle, highest_pressure=TOP, shape=SHAPE)
     force, slope, by_pressure, volume = call(library, "muscle", 1, P[:, None], eps)
-    python = table.at(P, eps)
+    python = table.lookup_at(P, eps)
     largest = float(muscle.volume(0.0))  # far stretches empty the bladder
     reference = np.array([bicubic(table, *point) for point in zip(P, eps, strict=True)]).T
     for expected_force, expected_volume in (reference, (python.force, python.volume)):
@@ -117,7 +117,7 @@ def test_a_bundles_table_in_c_is_that_of_its_units(plates, make_muscle, build):
     for i, unit in enumerate(units):
         ratio = float(bundle.length) / float(unit.muscle.length)
         table = UnitSurface.tabulate(unit.muscle, TOP, shape=SHAPE)
-        point = table.at(P[:, i], 1 - ratio * (1 - eps))
+        point = table.lookup_at(P[:, i], 1 - ratio * (1 - eps))
         force += int(unit.count) * point.force
         volume = int(unit.count) * point.volume
         assert np.all(np.abs(results[2 + len(units) + i] - volume) <= TOLERANCE * volume)
@@ -137,7 +137,7 @@ def test_single_precision_is_off_by_no_more_than_its_header_states(make_muscle, 
     P, eps = np.float32(P[inside]).astype(float), np.float32(eps[inside]).astype(float)
     library = build(make_muscle(), flags=("-O2", "-Wdouble-promotion", "-Wconversion"), **options)
     force, *_ = call(library, "muscle", 1, P[:, None], eps, ctypes.c_float)
-    error = np.abs(force - table.at(P, eps).force)
+    error = np.abs(force - table.lookup_at(P, eps).force)
     assert 0 < error.max() <= rounding
     assert rounding < 50 * error.max()  # the bound is not far too large
 
@@ -149,7 +149,7 @@ def test_the_headers_error_is_the_tables(make_muscle):
     rng = np.random.default_rng(7)
     low, high = map(float, table.strains)
     P, eps = rng.uniform(0, TOP, 4000), rng.uniform(low, high, 4000)
-    error = np.abs(table.at(P, eps).force - muscle.force(P, eps))
+    error = np.abs(table.lookup_at(P, eps).force - muscle.force(P, eps))
     pattern = r"off by ([\d.e+-]+) N .median., ([\d.e+-]+) N .99 %., ([\d.e+-]+) N"
     median, _, largest = map(float, re.search(pattern, header).groups())
     # at other points than the header's: of the same order; printed with two digits

@@ -31,13 +31,15 @@ def test_mesh_force_matches_the_closed_form():
 
 
 def test_at_rest():
-    assert braid.swell(0.0) == 1  # exactly, or a bladder at rest would pull
+    assert braid.squared_stretch(0.0) == 1  # exactly, or a bladder at rest would pull
     assert_allclose(braid.volume(0.0), np.pi * R0**2 * L0, rtol=1e-15)
     assert_allclose(braid.angle_at(0.0), ANGLE, rtol=1e-15)
 
 
 def test_ends_of_the_domain():
-    assert_allclose(braid.swell(STRAIGHT), 0, atol=1e-15)  # straight fibers enclose nothing
+    assert_allclose(
+        braid.squared_stretch(STRAIGHT), 0, atol=1e-15
+    )  # straight fibers enclose nothing
     free = braid.ideal_free_strain
     assert_allclose(free, 0.3116, atol=5e-5)  # the model's table, four digits
     assert_allclose(np.degrees(braid.angle_at(free)), 54.7356, atol=5e-5)

@@ -27,12 +27,12 @@ def points(table):
 
 def test_force_and_volume_are_slopes_of_one_potential(table, points):
     P, eps = points
-    here = table.at(P, eps)
+    here = table.lookup_at(P, eps)
     h, step = 1.0, 1e-6
-    up, down = table.at(P + h, eps), table.at(P - h, eps)
+    up, down = table.lookup_at(P + h, eps), table.lookup_at(P - h, eps)
     # of differences: the polynomials' third derivatives leave 1e-7, a line between leaves more
     assert_allclose((up.coenergy - down.coenergy) / (2 * h), here.volume, rtol=1e-6, atol=1e-12)
-    right, left = table.at(P, eps + step), table.at(P, eps - step)
+    right, left = table.lookup_at(P, eps + step), table.lookup_at(P, eps - step)
     force = (right.coenergy - left.coenergy) / (2 * step * SIX.length)
     assert_allclose(force, here.force, rtol=1e-5, atol=1e-3)
     # Maxwell's relation, exactly: both are the same mixed slope
@@ -63,24 +63,24 @@ def test_bends_in_pressure_are_continuous(table):
     # from the second line on, where an integrator would see a jump of the volume's slope
     lines = (float(table.root_step) * np.arange(2, 160)) ** 2
     eps = np.linspace(0, 0.3, 31)[:, None]
-    low, high = (table.at(lines * (1 + d), eps).volume_by_pressure for d in (-1e-9, 1e-9))
+    low, high = (table.lookup_at(lines * (1 + d), eps).volume_by_pressure for d in (-1e-9, 1e-9))
     assert_allclose(low, high, atol=1e-6 * np.max(np.abs(low)))
 
 
 def test_below_and_above_it_goes_on_linearly(table):
     eps = np.linspace(-0.05, 0.3, 15)
-    empty = table.at(0.0, eps)
-    sucked = table.at(-28e3, eps)
+    empty = table.lookup_at(0.0, eps)
+    sucked = table.lookup_at(-28e3, eps)
     assert_allclose(sucked.force, empty.force - 28e3 * empty.force_by_pressure, rtol=1e-12)
     assert_allclose(sucked.volume, empty.volume, rtol=1e-12)
     end = float(table.highest_pressure)
-    full, more = table.at(end, eps), table.at(end + 1e4, eps)
+    full, more = table.lookup_at(end, eps), table.lookup_at(end + 1e4, eps)
     assert_allclose(more.volume, full.volume, rtol=1e-12)
     assert_allclose(more.force - full.force, 1e4 * full.force_by_pressure, rtol=1e-9, atol=1e-12)
 
 
 def test_a_pressure_of_zero_but_for_rounding_has_the_slope_at_zero(table):
-    at, before = table.at(np.array([0.0, -1e-11, -1.0]), 0.1), table.at(1e-3, 0.1)
+    at, before = table.lookup_at(np.array([0.0, -1e-11, -1.0]), 0.1), table.lookup_at(1e-3, 0.1)
     assert at.volume_by_pressure[1] == at.volume_by_pressure[0] > 0
     assert_allclose(at.volume_by_pressure[0], before.volume_by_pressure, rtol=1e-5)
     assert at.volume_by_pressure[2] == 0  # the volume stays below zero
@@ -90,10 +90,12 @@ def test_jax_agrees_and_is_differentiated(table, points):
     P, eps = points
     force = jax.jit(table.force)(P, eps)
     assert_allclose(force, table.force(P, eps), rtol=1e-12, atol=1e-12)
-    slope = jax.jit(jax.vmap(jax.grad(lambda p, e: table.at(p, e).force)))(P, eps)
-    assert_allclose(slope, table.at(P, eps).force_by_pressure, rtol=1e-9, atol=1e-12)
-    assert np.all(np.isfinite(jax.jit(jax.vmap(jax.grad(lambda p: table.at(p, 0.1).volume)))(P)))
-    assert np.isfinite(jax.jit(jax.grad(lambda p: table.at(p, 0.1).coenergy))(0.0))
+    slope = jax.jit(jax.vmap(jax.grad(lambda p, e: table.lookup_at(p, e).force)))(P, eps)
+    assert_allclose(slope, table.lookup_at(P, eps).force_by_pressure, rtol=1e-9, atol=1e-12)
+    assert np.all(
+        np.isfinite(jax.jit(jax.vmap(jax.grad(lambda p: table.lookup_at(p, 0.1).volume)))(P))
+    )
+    assert np.isfinite(jax.jit(jax.grad(lambda p: table.lookup_at(p, 0.1).coenergy))(0.0))
 
 
 @pytest.mark.parametrize(

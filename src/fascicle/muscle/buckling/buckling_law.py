@@ -45,14 +45,13 @@ SHEAR = Switch(
     "shear", ("none", "engesser"), "whether the column shears as it bends", "Engesser (1889)"
 )
 _KAPPA = 0.5  # of a thin tube, whose shear flow goes as the sine around it; a solid rod has 6/7
-# of a strain: a kink computed in another compilation may differ in its last bits, and strains that
-# are meant to be at the kink belong below it
+# of a strain: compilers round a kink differently in its last bits, and a strain at it belongs below
 ROUNDING = 1e-15
 
 
 class Column(NamedTuple):
-    """A muscle at a pressure, as buckling laws see it; `branch`: the state of the law that depends
-    on pressure alone.
+    """A muscle at a `pressure` [Pa] for buckling laws: free strain [-], stiffnesses $EI$ [N·m²] and
+    $EA$ [N]; `branch`: the law's results that depend on pressure alone.
     """
 
     tension: TunedTension
@@ -73,7 +72,7 @@ class Column(NamedTuple):
         return self.rest_length * (1 - self.free_strain)
 
     def pull(self, strain: BatchLike) -> Pull:
-        """Force [N] of the tension law at the column's pressure and a `strain` [-]."""
+        """Force [N] of the tension law in its components, with slopes, at a `strain` [-]."""
         return self.tension.pull(self.pressure, strain)
 
 
@@ -85,8 +84,8 @@ class Centerline(NamedTuple):
 
 
 class Push(NamedTuple):
-    """A state past the free strain: its force in components, negative where it pushes, and the
-    force's slope in strain, all [N]; the strain of its arc [-], whether it is straight.
+    """Force past the free strain: its components, negative where it pushes, and its slope in
+    strain, all [N]; the strain of the arc [-], and whether the muscle is straight.
     """
 
     mesh: Batch
@@ -98,10 +97,11 @@ class Push(NamedTuple):
 
 
 class AbstractBuckling(AbstractLaw):
-    """A law for the muscle between its free strain and its collapse; `braid_share` [-]: counted
-    share of the braid's bending stiffness. A law of columns that may shear has a `shear` field.
+    """A law for the muscle between its free strain and its collapse.
 
-    `collapses`: whether it asks the collapse law; `symbolic`: whether it can be written as symbols.
+    `braid_share`: counted share of the braid's bending stiffness [-]. `shear`: field of a law of
+    columns that may shear. `collapses`: true if the muscle can collapse. `symbolic`: true if C code
+    can be written of it.
     """
 
     collapses: ClassVar[bool] = True
@@ -110,10 +110,9 @@ class AbstractBuckling(AbstractLaw):
     braid_share: ClassVar[Batch]
 
     def solve(self, column: Column) -> Column:
-        """The `column` with its stiffness, (B2) and (S1), and its `branch` [-]."""
+        """The `column` with its bending stiffness, (B2) and (S1) [N·m²], and its `branch`."""
         tension, EI = column.tension, column.bending_stiffness
-        bladder, free = tension.bladder, column.free_strain * tension.stretch
-        # the pressure that reaches the braid
+        bladder, free = tension.bladder, column.free_strain * tension.strain_ratio
         P = tension.tuning.effective_pressure(column.pressure)
         EI = EI + self.braid_share * bladder.braid.bending_stiffness(P, free)
         if getattr(self, SHEAR.name, SHEAR.options[0]) == "engesser":
@@ -126,44 +125,42 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:
-        """State of a `column` that depends on pressure alone."""
+        """Results for a `column` that depend on pressure alone, such as its onset."""
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """The force [N] at `strain` [-], at or past the free strain. Elementwise."""
+        """Force [N] and its components at a `strain` [-] from the free strain on, elementwise."""
 
     @abc.abstractmethod
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Deflection [m] and largest moment [N·m] at `strain` [-]. Elementwise."""
+        """Largest deflection [m] and bending moment [N·m] at `strain` [-], elementwise."""
 
     @abc.abstractmethod
     def onset(self, column: Column) -> Batch:
-        """Strain [-] at which a `column` bows out; inf where it never does."""
+        """Strain [-] at which a `column` begins to bow; inf where it never does."""
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strains [-] past the onset at which the force of a `column` may jump, inf where it
-        doesn't; none for a law of one state.
+        """Strains [-] past the onset at which the force jumps, inf where it doesn't; by default
+        none.
         """
         del column
         return ()
 
     @abc.abstractmethod
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """First strain [-] at which the largest moment is `moment` [N·m]; inf if never."""
+        """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never."""
 
     @abc.abstractmethod
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], `points` points on a new last axis."""
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """True where other equilibria exist at `strain` [-] beside the one followed; never for a
-        law of one state.
-        """
+        """True where a `column` has several equilibria at `strain` [-]; by default never."""
         return (strain + 0.0 * column.free_strain) < -np.inf
 
 
 def cosine_shape(column: Column, strain: BatchLike, y_max: Batch, points: int) -> Centerline:
-    """Centerline [m] of equation (8) [R4] at `strain` [-], with the deflection `y_max` [m]."""
+    """Cosine centerline [m], (8) [R4], of a deflection `y_max` [m] at `strain` [-]."""
     along = np.linspace(0.0, 1.0, points)
     chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
     y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)

@@ -65,10 +65,10 @@ from .elliptic import elliptic, jacobi
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
-_EULER = np.pi**2 / 4  # G where it begins to bend
-_ONSET_CELLS = 32  # cells in which the first onset is looked for
-_CURVE_CELLS = 24  # of the curve, in which its folds are looked for
-_SECANT_STEPS = 4  # to the extremum of strain or load in a cell: known to 1e-12 by then
+_EULER = np.pi**2 / 4  # G at which a straight column begins to bend
+_ONSET_CELLS = 32  # of the search for the onset: enough to separate loads that rise and fall
+_CURVE_CELLS = 24  # of the curve: enough to separate its folds
+_SECANT_STEPS = 4  # to the extremum of strain or load in a cell, which leave an error of 1e-12
 _DEGREE = 16  # of the polynomials: right to 2e-15
 
 
@@ -82,13 +82,13 @@ class Elastica(AbstractBuckling):
     shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> "_Branch":
-        """The onset [-], and the curve (E6) from there down to the free strain."""
+        """Onset [-] of a `column`, and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
         fixed = stop_gradient(column)
         return _Branch(onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force in its components at `strain` [-], (E3)."""
+        """Force [N] and its components at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
         state = _bent_state(column, arc)
         pull, T, chord = state.pull, state.pull.force, state.chord
@@ -105,7 +105,7 @@ class Elastica(AbstractBuckling):
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Deflection $\\ell k/K$ [m] and moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
+        """Deflection $\\ell k/K$ [m] and bending moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
         bent, arc = _bent_arc(column, strain)
         k, K = _modulus(bent, _bent_state(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
@@ -116,7 +116,7 @@ class Elastica(AbstractBuckling):
         return column.branch.onset
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """The strain [-] at which the curve turns back past its onset; inf where it doesn't."""
+        """Strain [-] at the fold past the onset, where the force jumps; inf without a fold."""
         onset, curve = column.branch
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
         bracket = _first_bracket(curve, cut < curve.start.strain, end < cut)
@@ -126,11 +126,11 @@ class Elastica(AbstractBuckling):
         return (where(logical_and(exists, bracket.start < stop_gradient(onset)), fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """First strain [-] at which the largest moment is `moment` [N·m]; inf if never.
+        """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never.
 
-        The moment fixes $m$ alone, $m$ the arc's load on the branch, and both the strain. A
-        moment that is jumped over, at the onset or at a fold, is reached where the jump begins.
+        A moment that is skipped at the onset or at a fold is reached where the jump begins.
         """
+        # the moment fixes m alone, m the arc's load on the branch, and both the strain
         onset, curve = column.branch
         buckles, fits = xp.isfinite(onset), _fits()
         onset = guarded(buckles, onset, 0.0)
@@ -143,7 +143,9 @@ class Elastica(AbstractBuckling):
         )
         arc = root(_load_residual, (column, load), bracket.stop, bracket.start, bracket.middle)
         strain = 1 - (1 - arc) * fits.chord(load)[0]
-        return where(reachable, xp.maximum(strain, xp.maximum(onset, bracket.farthest)), np.inf)
+        return where(
+            reachable, xp.maximum(strain, xp.maximum(onset, bracket.largest_strain)), np.inf
+        )
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
@@ -157,12 +159,10 @@ class Elastica(AbstractBuckling):
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - xp.cos(phase)))
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """True where other equilibria exist at `strain` [-] beside the one followed.
-
-        All bent states lie on (E6), between the free strain and `strain`; the straight one is
-        an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E6) is taken on as
-        $\\varepsilon = \\varepsilon_a$, which crosses `strain` once, as it must.
-        """
+        """True where a `column` has several equilibria at `strain` [-]."""
+        # all bent states lie on (E6), between the free strain and `strain`; the straight one is an
+        # equilibrium while G < π²/4. Where G is larger (E6) goes on as ε = ε_a, which crosses
+        # `strain` once, as it must
         fixed, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
         domain_end = _curve(fixed, _branch_start(fixed.branch.onset), LARGEST_STRAIN)
         count = 0.0 * eps
@@ -176,9 +176,7 @@ class Elastica(AbstractBuckling):
 
 
 class _State(NamedTuple):
-    """A bent state by its arc: pull of the tension law, load $G$, chord $c$ and strain [-], with
-    slopes in the arc's strain.
-    """
+    """Bent state at an arc's strain: load $G$, chord $c$ and strain [-], with slopes in it."""
 
     pull: Pull
     load: Batch
@@ -190,7 +188,7 @@ class _State(NamedTuple):
 
 
 def _bent_state(column: Column, arc: Batch) -> _State:
-    """The bent state (E6) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
+    """Bent state (E6) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)
@@ -202,14 +200,14 @@ def _bent_state(column: Column, arc: Batch) -> _State:
 
 
 def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """Residual of an arc's load [-], and its slope."""
+    """Target load minus that of an arc [-], and its slope."""
     column, target = theta
     state = _bent_state(column, arc)
     return target - state.load, -state.load_slope
 
 
 def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """Residual of the strain of a bent state [-], and its slope."""
+    """Strain of a bent state minus its target [-], and its slope."""
     column, target = theta
     state = _bent_state(column, arc)
     return state.strain - target, state.strain_slope
@@ -224,7 +222,7 @@ class _Points(NamedTuple):
 
 
 class _Curve(NamedTuple):
-    """A stretch of (E6) in cells, each cut at its extremum: each half of a cell is monotone."""
+    """Part of (E6) in cells, each cut at its extremum: each half of a cell is monotone."""
 
     start: _Points
     cut: _Points
@@ -239,18 +237,15 @@ class _Branch(NamedTuple):
 
 
 class _Bracket(NamedTuple):
-    """Half a cell, from arc `start` to `stop` [-]; the `farthest` strain [-] at the ends of those
-    before it; whether it `exists`.
-    """
+    """Half a cell, from arc `start` to `stop` [-]; the largest strain [-] at ends before it."""
 
     start: Batch
     stop: Batch
-    farthest: Batch
+    largest_strain: Batch
     exists: BoolBatch
 
     @property
     def middle(self) -> Batch:
-        """Between its ends [-]."""
         return 0.5 * (self.start + self.stop)
 
 
@@ -273,21 +268,20 @@ def _onset(column: Column) -> Batch:
 
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
-    """(E6) from the arc strain `top` [-] to `bottom` [-]."""
+    """Curve (E6) from the arc strain `top` [-] to `bottom` [-]."""
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
     low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
     return _subdivide(column, low, high, lambda state: state.strain_slope)
 
 
 def _branch_start(onset: Batch) -> Batch:
-    """Arc strain at which the branch begins [-]; the end of the domain where it doesn't."""
+    """Arc strain at which the branch begins [-]; without an onset, the end of the domain."""
     return guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
 
 
 def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State], Batch]) -> _Curve:
-    """Cells from `low` to `high` arc [-], cut where a `slope` vanishes, by secants, else in the
-    middle. The error of the extremum is the square of the cut's.
-    """
+    """Cells from `low` to `high` arc [-], cut where a `slope` vanishes, else in the middle."""
+    # the error of the extremum is the square of the cut's
     start, end = _bent_state(column, low), _bent_state(column, high)
     a, b = (low, slope(start)), (high, slope(end))
     crosses = a[1] * b[1] < 0
@@ -307,7 +301,7 @@ def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State]
 
 
 def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Bracket:
-    """The first half cell at whose end a condition holds; the last one where it never does."""
+    """First half cell at whose end a condition holds, else the last one."""
     count = curve.start.arc.shape[0]
     rank = node_axis(np.arange(float(count)), min_nodes(where(at_end, 0.0, 0.0)))
     first_cut, first_end = (min_nodes(where(x, rank, np.inf)) for x in (at_cut, at_end))
@@ -317,15 +311,15 @@ def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Brac
     start, cut, end = (sum_nodes(where(is_cell, expand_nodes(x.arc, cell), 0.0)) for x in curve)
     cut_strain, end_strain = (expand_nodes(x.strain, cell) for x in curve[1:])
     previous = where(logical_and(is_cell, xp.logical_not(ends_at_cut)), cut_strain, -np.inf)
-    farthest = xp.max_nodes(where(rank < cell, xp.maximum(cut_strain, end_strain), previous))
+    largest_strain = xp.max_nodes(where(rank < cell, xp.maximum(cut_strain, end_strain), previous))
     return _Bracket(
-        where(ends_at_cut, start, cut), where(ends_at_cut, cut, end), farthest,
+        where(ends_at_cut, start, cut), where(ends_at_cut, cut, end), largest_strain,
         xp.isfinite(xp.minimum(first_cut, first_end)),
     )  # fmt: skip
 
 
 def _bent_arc(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
-    """Mask of the bent muscle at `strain` [-], and its arc's strain [-]."""
+    """True where the muscle is bent at `strain` [-], and its arc's strain [-]."""
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN)
@@ -341,9 +335,9 @@ class _Fits:
     """Polynomials of the elastica in one variable, fitted to $K$ and $E$."""
 
     def __init__(self):
-        # somewhat beyond both ends, where searches may look
+        # beyond both ends, where a search may step
         low, high = -0.03, _ENDS_MEET + 0.02
-        # Chebyshev's points, many more than the degree asks for, so that nothing is aliased
+        # Chebyshev's points, many more than the degree needs, so that nothing is aliased
         m = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(200) + 0.5) / 200)
         integrals = elliptic(m)
         K, E = integrals.K, integrals.E
@@ -359,28 +353,26 @@ class _Fits:
         )
 
     def chord(self, load: Batch) -> tuple[Batch, Batch]:
-        """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
+        """Chord over arc $c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
         bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
         inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
         chord, slope = _polynomial(self._chord, _scale_to_unit(inside, _EULER))
         return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
 
     def parameter(self, load: Batch) -> Batch:
-        """$m$ [-] at a load $G$ [-]."""
+        """Parameter $m$ [-] at a load $G$ [-]."""
         return _polynomial(self._m, _scale_to_unit(load, _EULER))[0]
 
     def load(self, bend: Batch) -> Batch:
-        """$G$ [-] at $kK$ of `bend` [-]."""
+        """Load $G$ [-] at a `bend` $kK$ [-]."""
         return _polynomial(self._load, _scale_to_unit(bend**2, self.largest_bend**2))[0]
 
 
-@cache
-def _fits() -> _Fits:
-    return _Fits()
+_fits = cache(_Fits)  # fitted at the first use
 
 
 def _scale_to_unit(x: Batch, end: float) -> Batch:
-    """Map 0 to `end` to -1 to 1."""
+    """`x` from 0 to `end`, mapped to -1 to 1."""
     return x * (2 / end) - 1
 
 
@@ -393,7 +385,7 @@ def _polynomial(coefficients: tuple[float, ...], x: Batch) -> tuple[Batch, Batch
 
 
 def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
-    """$k$ and $K$ [-] at a load $G$ [-]."""
+    """Modulus $k$ and complete integral $K$ [-] of an elastica under a load $G$ [-]."""
     m = _fits().parameter(guarded(bent, load, _EULER))
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
     curved = logical_and(bent, m > 0)

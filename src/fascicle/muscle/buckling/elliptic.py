@@ -15,7 +15,7 @@ _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
 
 
 class Elliptic(NamedTuple):
-    """Complete elliptic integrals, and the mean's steps that give the incomplete ones."""
+    """Complete elliptic integrals, and the steps of the mean for the incomplete ones."""
 
     K: Batch
     E: Batch
@@ -37,7 +37,7 @@ def elliptic(m: BatchLike) -> Elliptic:
 
 
 def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
-    r"""Amplitude $\varphi = \mathrm{am}(u)$ and incomplete integral $E(\varphi)$ at $u$."""
+    r"""Jacobi's amplitude $\varphi = \mathrm{am}(u)$ and the incomplete integral $E(\varphi)$."""
     phase = 2.0**_AGM_STEPS * integrals.means[-1] * u
     epsilon = u * integrals.E / integrals.K
     for a, c in zip(integrals.means[:0:-1], integrals.differences[:0:-1], strict=True):

@@ -68,8 +68,8 @@ from .buckling_law import (
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
-_NOTHING = 1e-100  # no moment, no compression: but still their ratio
-_EARLY = 0.25  # a compression well before any peak
+_TINY_MOMENT = 1e-100  # instead of none: the ratio of compression to moment stays finite
+_SAFE_COMPRESSION = 0.25  # well before any peak
 # Chebyshev series of the peak's compression in 1/(1 + c^(1/4)), fitted to a search on ever finer
 # grids: right to 6e-6, and so the peak's height to 1e-8 of itself (a test checks it)
 _PEAK_SERIES = (
@@ -89,11 +89,11 @@ class Kim2021(AbstractBuckling):
     shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Pull:
-        """Pull of the tension law at the free strain [N]."""
+        """Components of the tension law's force at the free strain [N]."""
         return column.pull(column.free_strain)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force in its components at `strain` [-], (16) and (27)."""
+        """Force [N] and its components at `strain` [-], (16) and (27)."""
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
         # a quotient of numbers that all strains have in common would be a division for each strain
         xi = (strain - eps_f) * (1 / (1 - eps_f))
@@ -126,11 +126,11 @@ class Kim2021(AbstractBuckling):
         return y_max, _moment_unit(column) * xi * sqrt(v / (1 - xi) ** 3)
 
     def onset(self, column: Column) -> Batch:
-        """The free strain [-]: the law lets the bladder bow at once."""
+        """Free strain [-]: the law lets the bladder bow at once."""
         return column.free_strain
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if its peak is lower [R7]."""
+        """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if it never does [R7]."""
         xi, exists = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
         return where(exists, column.free_strain + xi * (1 - column.free_strain), np.inf)
 
@@ -140,7 +140,7 @@ class Kim2021(AbstractBuckling):
 
 
 def _slenderness(column: Column) -> Batch:
-    """$c = EA L_{fs}^2/(4\\pi^2 EI)$ [-]."""
+    """Slenderness $c = EA L_{fs}^2/(4\\pi^2 EI)$ [-]."""
     EA, EI = column.axial_stiffness, column.bending_stiffness
     return EA * column.free_length**2 / (4 * np.pi**2 * EI)
 
@@ -151,9 +151,8 @@ def _moment_unit(column: Column) -> Batch:
 
 
 def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
-    """$u/\\xi$ [-] at slenderness `c` [-] and compression `xi` [-]; finite as it vanishes.
-
-    To rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
+    """Share $u$ of the compression that bows the column, over $\\xi$ [-], at slenderness `c` [-]
+    and compression `xi` [-], (16a): to rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
     """
     per = 1 / ((1 + xi) * (2 - xi))
     per_xi, inverse = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
@@ -169,9 +168,8 @@ def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
 
 
 def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) -> Batch:
-    """One step of Halley's from $y = u/b$ [-] for the squares of both sides of (16a), over $b^2$:
-    without $h$ there is no root to draw, and one division. `inverse` is $1/(2 - \\xi)$ [-].
-    """
+    """One step of Halley's method from $y = u/b$ [-] to a root of (16a) squared."""
+    # squared, and over b²: without h there is no root to draw, and one division
     w = 1 - b * y
     g, bend = xi * w, b * xi
     bow, squared = (1 - g) * w, 1 - g * inverse
@@ -185,8 +183,8 @@ def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) 
 def bow_residual(
     per_xi: BatchLike, per_xi_slope: BatchLike, xi: BatchLike, v: BatchLike
 ) -> tuple[Batch, Batch, Batch]:
-    """Residual of (16a) times its denominators at $v = u/\\xi$ [-], and its slopes in $v$ [-] and,
-    at constant $v$, in `xi` [-]. `per_xi` is $b/\\xi$ [-], `per_xi_slope` its slope in `xi`.
+    """Mismatch [-] of (16a), which `bow_ratio` solves, at a trial ratio $v = u/\\xi$ [-], and its
+    slopes in $v$ and `xi` [-]. `per_xi`, `per_xi_slope`: $b/\\xi$ and its slope in `xi` [-].
     """
     w = 1 - xi * v
     g, inverse = xi * w, 1 / (2 - xi)
@@ -203,35 +201,39 @@ def bow_residual(
 
 
 def reduced_moment(c: BatchLike, xi: BatchLike) -> Batch:
-    """$\\hat m$ [-] at slenderness `c` [-] and compression `xi` [-], (16b)."""
+    """Bending moment $\\hat m$ [-], (16b), at slenderness `c` [-] and compression `xi` [-]."""
     return xi * sqrt(bow_ratio(c, xi) / (1 - xi) ** 3)
 
 
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
-    """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether it
-    exists; where it doesn't, that of half the peak.
+    """First compression $\\xi$ [-] whose reduced moment is `target` [-] at slenderness `c` [-], and
+    whether it exists; where it doesn't, one before the peak.
     """
     fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
     xp = array_namespace(c, target)
     root_c = sqrt(fixed_c)
     peak = _peak_compression(fixed_c)
     # at the peak's compression (16c) says whether the moment there is larger than the target
-    scale = xp.maximum(fixed_target, _NOTHING) / root_c
+    scale = xp.maximum(fixed_target, _TINY_MOMENT) / root_c
     exists = _moment_residual((fixed_c, scale), peak / scale)[0] <= 0
     # else of a compression before the peak, and too low: 1.5 is more than h, which is at most
     # 1/(1 - ξ), and so leaves too little that bows
-    per_xi = fixed_c * (1 - _EARLY) ** 4 / (1 + _EARLY)
-    reachable = 0.5 * _EARLY * sqrt(per_xi / (1.5 + _EARLY * per_xi) / (1 - _EARLY) ** 3)
+    per_xi = fixed_c * (1 - _SAFE_COMPRESSION) ** 4 / (1 + _SAFE_COMPRESSION)
+    reachable = (
+        0.5
+        * _SAFE_COMPRESSION
+        * sqrt(per_xi / (1.5 + _SAFE_COMPRESSION * per_xi) / (1 - _SAFE_COMPRESSION) ** 3)
+    )
     m = where(exists, target, reachable)
     kappa = m / sqrt(c)
-    fixed_m = xp.maximum(stop_gradient(m), _NOTHING)
+    fixed_m = xp.maximum(stop_gradient(m), _TINY_MOMENT)
     scale = fixed_m / root_c
     start = _start_compression(fixed_c, fixed_m, peak) / scale
     return kappa * root(_moment_residual, (c, kappa), 1.0, peak / scale, start), exists
 
 
 def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """Residual of (16c) at $\\tau$, and its slope, both times $h$: divisions count."""
+    """Residual of (16c) at $\\tau$, and its slope, both times $h$ to save divisions."""
     c, kappa = theta
     xi = kappa * tau
     free, inverse = 1 - xi, 1 / (2 - xi)
@@ -247,9 +249,8 @@ def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
 
 
 def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """Approximate $\\xi$ [-]: the limit of small $\\xi$, then Newton steps of (16a) times its
-    denominators, with $h$ of the previous $b$; near the peak they are short.
-    """
+    """Approximate $\\xi$ [-] of a reduced moment `m`: that of small moments, then Newton steps."""
+    # of (16a) times its denominators, with h of the previous b; near the peak they are short
     xp = array_namespace(c, m, peak)
     g = m**2
     small = 0.5 * (g + sqrt(g * (g + 4 / c)))
@@ -276,7 +277,7 @@ _LOW, _HIGH = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
 
 
 def _peak_compression(c: BatchLike) -> Batch:
-    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-]."""
+    """Compression $\\xi$ [-] of the largest moment at slenderness `c` [-]."""
     xp = array_namespace(c)
     z = _peak_coordinate(xp.minimum(xp.maximum(c, _LEAST), _MOST))
     return chebval((2 * z - _LOW - _HIGH) / (_HIGH - _LOW), _PEAK_SERIES)

@@ -48,7 +48,7 @@ from .buckling_law import (
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
-_CELLS = 96  # cells in which an onset, or a moment, is first looked for
+_CELLS = 96  # of that search: enough to separate an onset from the end of a bow
 
 
 class _BowState(NamedTuple):
@@ -71,7 +71,7 @@ class Kim2021Series(AbstractBuckling):
     shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Batch:
-        """The onset [-]: inf where it never bows."""
+        """Onset of a `column` [-]; inf where it never bows."""
         fixed = stop_gradient(column)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness
         bows, low, high = _first_cell(_load_reserve, fixed, free)
@@ -79,7 +79,7 @@ class Kim2021Series(AbstractBuckling):
         return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force in its components at `strain` [-], (12s)."""
+        """Force [N] and its components at `strain` [-], (12s)."""
         state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
         T = state.pull.force
         by_arc = state.pull.slope - 8 * np.pi**2 * EI * L0 / state.chord**3
@@ -107,10 +107,8 @@ class Kim2021Series(AbstractBuckling):
         return column.branch
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if it never does.
-
-        The moment says by how much the arc is longer than each chord, and so its strain.
-        """
+        """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never."""
+        # the moment says by how much the arc is longer than each chord, and so its strain
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
         fixed, fixed_square = stop_gradient(theta)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness + 0.0 * fixed_square
@@ -124,8 +122,8 @@ class Kim2021Series(AbstractBuckling):
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
-    """Mask of a `function` of `theta` and strain that falls below 0 past the `free` strain [-], and
-    the first of `_CELLS` cells at whose end it has, in the shape of `free`.
+    """True where a `function` of `theta` and strain falls below 0 past the `free` strain [-], and
+    the ends of the first cell in which it does.
     """
     rank = node_axis(np.arange(float(_CELLS)), free)
     step = (_FARTHEST_STRAIN - free) / _CELLS
@@ -136,7 +134,7 @@ def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch,
 
 
 def _load_reserve(column: Column, strain: Batch) -> tuple[Batch, Batch]:
-    """Load reserve of a straight muscle before it bows [N], and its slope [N]."""
+    """Load that a straight muscle can still take before it bows [N], and its slope [N]."""
     pull, length = column.pull(strain), column.rest_length * (1 - strain)
     euler = 4 * np.pi**2 * column.bending_stiffness / length**2
     return pull.force + euler, pull.slope + 2 * euler / (1 - strain)
@@ -151,7 +149,7 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _bow_state(column: Column, strain: BatchLike) -> _BowState:
-    """The state at `strain` [-]."""
+    """State of the muscle at `strain` [-]."""
     L0 = column.rest_length
     # past the onset, where the straight muscle would give way
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0

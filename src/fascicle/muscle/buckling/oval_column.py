@@ -27,13 +27,13 @@ from ...core.roots import stop_gradient
 from ...core.types import Batch
 
 
-_SINES, _COSINES, _POINTS = 24, 40, 112
-_FARTHEST, _NODES = 0.66, 45  # past all strains of the domain
+_SINES, _COSINES, _POINTS = 24, 40, 112  # resolve layers of ovality 1/40 of the length thick
+_FARTHEST, _NODES = 0.66, 45  # past all strains of the domain, splines to 1e-6
 STEP = _FARTHEST / (_NODES - 1)  # of w, from node to node
 _STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch one after the other
-_TOLERANCE = 1e-9  # of the largest number of a state
+_TOLERANCE = 1e-9  # of a state's largest number: one more Newton step reaches rounding
 _WALL_PENALTY = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
-_LARGEST_SLOPE_STEP = 0.25  # of a slope, in a step
+_LARGEST_SLOPE_STEP = 0.25  # rad in a Newton step: longer ones leave the branch
 # columns that are followed; more are interpolated between these, which leaves some 1e-6 of a state,
 # and corrected, each time to a tenth of the error or less. Twice as many take twice as long
 _FOLLOWED = 24
@@ -87,12 +87,12 @@ def _basis() -> _Basis:
 
 
 def shortenings() -> np.ndarray:
-    """The nodes $w$ [-], even; none at the first."""
+    """Shortenings $w$ [-] of the nodes, evenly spaced from zero."""
     return np.linspace(0.0, _FARTHEST, _NODES)
 
 
 def states(oval: Oval) -> States:
-    """All states of columns with that `oval` section [-], nodes first."""
+    """Bent states at all shortenings of columns with `oval` sections [-], nodes first."""
     fixed = Oval(*(stop_gradient(x) for x in oval))
     xp: Any = array_namespace(*fixed)
     shape = np.broadcast_shapes(*(np.shape(x) for x in fixed))
@@ -125,8 +125,8 @@ def states(oval: Oval) -> States:
 
 @lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again
 def _solve_states(numbers: bytes) -> np.ndarray:
-    """States at all nodes but the first, of many columns on the second axis; `numbers`: the four
-    of each column, as bytes. Some columns are followed, the others interpolated between them.
+    """States at all nodes but the first, columns on the second axis; `numbers`: those of `Oval` for
+    each column, as bytes. Some columns are followed, the others interpolated between them.
     """
     P = np.frombuffer(numbers).reshape(-1, 4, 1)
     order = np.argsort(P[:, 0, 0], kind="stable")
@@ -149,10 +149,9 @@ def _solve_states(numbers: bytes) -> np.ndarray:
 def _interpolate(
     P: np.ndarray, distance: np.ndarray, indices: np.ndarray, x: np.ndarray, slopes: np.ndarray
 ) -> np.ndarray:
-    """States of all columns, at a `distance` along a line, from the states `x` and `slopes` of
-    those at `indices`: cubics along the line between two neighbors, linear off it; then corrected
-    with the inverse Jacobian of the nearer neighbor.
-    """
+    """States of all columns, by `distance` along a line, from states `x` of those at `indices`."""
+    # cubics along the line between two neighbors, linear off it; then corrected with the inverse
+    # Jacobian of the nearer neighbor
     numbers, columns = P[..., 0], np.arange(len(P))
     left = np.minimum(np.searchsorted(indices, columns, "right"), len(indices) - 1) - 1
     along, length = np.diff(numbers[indices], axis=0), np.diff(distance[indices])[left]
@@ -186,9 +185,7 @@ def _interpolate(
 
 
 def _follow(xp: Any, P: Any) -> tuple[Any, Any]:
-    """States at all nodes but the first, and their slopes in the four numbers of `P` and in the
-    shortening.
-    """
+    """States at all nodes but the first, and their slopes in `P` and in the shortening."""
 
     def advance(x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
         x, jacobian = _newton(xp, P, x, w)
@@ -243,9 +240,7 @@ def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
 
 
 class _Section(NamedTuple):
-    """A state at the points: slope, curvature, ovality, relative bending stiffness and its slope in
-    ovality, and how far touching walls have sunk.
-    """
+    """A state at the points; `soft`: relative stiffness in bending, `sunk`: of touching walls."""
 
     theta: Any
     kappa: Any
@@ -266,7 +261,7 @@ def _section(xp: Any, P: Any, x: Any) -> _Section:
 
 
 def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
-    """The gradient of (O1) for half the column, with its multiplier."""
+    """Gradient of (O1) for half the column, with its multiplier."""
     b, section = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     z, load = x[..., _SINES:-1], x[..., -1:]
@@ -280,7 +275,7 @@ def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
 
 
 def _jacobian(xp: Any, P: Any, x: Any) -> Any:
-    """The slopes of the gradient."""
+    """Jacobian of the gradient."""
     b, section = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     load = x[..., -1:]
@@ -298,7 +293,7 @@ def _jacobian(xp: Any, P: Any, x: Any) -> Any:
 
 
 def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
-    """Negative slopes of the gradient in each of the four numbers, and in the shortening, last."""
+    """Negative slopes of the gradient in the numbers of `Oval`, and in the shortening, last."""
     b = _basis()
     h, alpha, touch = b.weight, P[..., 0, :], P[..., 3, :]
     z = x[..., _SINES:-1]
@@ -318,7 +313,7 @@ def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
 
 @cache
 def _spline() -> np.ndarray:
-    """Slopes of a spline through numbers at the nodes, as a matrix: numbers first."""
+    """Matrix of the slopes of a spline through numbers at the nodes: numbers first."""
     from scipy.interpolate import CubicSpline  # which other laws don't need
 
     spline = CubicSpline(shortenings(), np.eye(_NODES), axis=0)
@@ -326,12 +321,12 @@ def _spline() -> np.ndarray:
 
 
 def spline_slopes(values: Batch) -> Batch:
-    """Slopes [-] at the nodes of the spline through `values` there [-], nodes first."""
+    """Slopes [-] at the nodes of the spline through `values` [-] of the nodes, nodes first."""
     return sum_nodes(_spline().reshape(_NODES, _NODES, *(1,) * (values.ndim - 1)) * values[:, None])
 
 
 def interpolate_spline(values: Any, slopes: Any, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
-    """A spline's value [-] and slope [-] at a shortening `w` [-] in a `cell` [-]."""
+    """Value and slope of a spline [-] at a shortening `w` [-] in a `cell` [-]."""
     u = w / STEP - cell
     rank = node_axis(np.arange(float(_NODES)), cell)
     values, slopes = expand_nodes(values, cell), expand_nodes(slopes, cell)

@@ -45,7 +45,7 @@ from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, Centerline, C
 from .oval_column import STEP, Oval, States, interpolate_spline, shortenings, spline_slopes, states
 
 
-_FARTHEST_STRAIN = 0.95  # of the search for an arc: past the domain
+_FARTHEST_STRAIN = 0.95  # of the search for an arc: past the domain of strains
 
 
 class _Branch(NamedTuple):
@@ -72,7 +72,7 @@ class _State(NamedTuple):
 
     @property
     def root_w(self) -> Batch:
-        """$\\sqrt w$ [-], without a slope where it vanishes."""
+        """Root of the shortening $\\sqrt w$ [-], without a slope where it vanishes."""
         bends = logical_and(self.bent, self.w > 0)
         return where(bends, sqrt(guarded(bends, self.w)), 0.0)
 
@@ -88,25 +88,25 @@ class Ovalising(AbstractBuckling):
     braid_share: Batch = BRAID_SHARE.field()
 
     def branch(self, column: Column) -> _Branch:
-        """The onset [-], and all bent states of the column."""
+        """Onset of a `column` [-], and all of its bent states."""
         nodes = states(_oval(column))
         n, bow, bend = (spline_slopes(x) for x in nodes[:3])
         slopes = States(n, bow, bend, nodes.sines)
         free, end = column.free_strain, _FARTHEST_STRAIN
-        theta = (column, 4 * np.pi**2 * _unit(column))
+        theta = (column, 4 * np.pi**2 * _force_unit(column))
         onset = root(_arc_residual, theta, free, end + 0.0 * free, free + 1e-3)
         fixed, load = stop_gradient(column), stop_gradient(nodes.load)
         w = node_axis(shortenings(), load[0])
-        target = load * (1 - w) * _unit(fixed)
+        target = load * (1 - w) * _force_unit(fixed)
         low = fixed.free_strain + 0.0 * target
         arc = find_root(_arc_residual, (fixed, target), low, end + 0.0 * low, low + 1e-3)
         onset = where(onset < 0.999 * end, onset, np.inf)
         return _Branch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force in its components at `strain` [-], (O4)."""
+        """Force [N] and its components at `strain` [-], (O4)."""
         bent, _, w, arc, pull = state = _bent_state(column, strain)
-        unit, chord, T = _unit(column), 1 - w, pull.force
+        unit, chord, T = _force_unit(column), 1 - w, pull.force
         n, n_slope = _interpolate_load(column, state.cell, w)
         # h(w, ε) = -T (1 - ε_a) - n (1 - w) u is zero: how w and the arc move with strain
         by_arc = pull.slope * arc - T
@@ -125,7 +125,7 @@ class Ovalising(AbstractBuckling):
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Deflection [m] and the larger of the moments at the ends and in the middle [N·m]."""
+        """Deflection [m] and largest bending moment [N·m], at the ends or in the middle."""
         state, branch = _bent_state(column, strain), column.branch
         n, bow, bend = (
             interpolate_spline(x, slope, state.cell, state.w)[0]
@@ -140,7 +140,7 @@ class Ovalising(AbstractBuckling):
         return column.branch.onset
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """The strain [-] at which the branch first turns back, to a node; inf where it doesn't."""
+        """Strain [-] of the first fold of the branch, to a node; inf without a fold."""
         start, end = column.branch.strain[:-1], column.branch.strain[1:]
         rank = node_axis(np.arange(float(end.shape[0])), end[0])
         first = xp.min_nodes(where(end < start, rank, np.inf))
@@ -149,7 +149,7 @@ class Ovalising(AbstractBuckling):
         return (where(exists, fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """Never, whatever `moment` [N·m] a collapse law has: the section softens instead."""
+        """Infinite strain [-] for any `moment` [N·m]: the section softens instead of collapsing."""
         return where(0.0 * (moment + column.free_strain) < 0, 0.0, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
@@ -171,15 +171,15 @@ class Ovalising(AbstractBuckling):
         return Centerline(z=z * chord / z[..., -1:], y=-y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """True where other bent states exist at `strain` [-] beside the one followed."""
+        """True where a `column` has several bent states at `strain` [-]."""
         eps = stop_gradient(strain + 0.0 * column.free_strain)
         is_past = expand_nodes(column.branch.strain, eps) > eps
         count = sum_nodes(where(is_past[1:] != is_past[:-1], 1.0, 0.0))
         return logical_and(count > 1.5, eps > stop_gradient(column.free_strain))
 
 
-def _unit(column: Column) -> Batch:
-    """$EI/(L_{fs} L_0)$ [N]."""
+def _force_unit(column: Column) -> Batch:
+    """Unit of forces, $EI/(L_{fs} L_0)$ [N]."""
     return column.bending_stiffness / (column.free_length * column.rest_length)
 
 
@@ -208,11 +208,11 @@ def _arc_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
 
 
 def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
-    """Excess of the arc's compression over the column's load [N] at a shortening `w` [-], (O4), and
-    its slope [N].
+    """Excess of the arc's compression over the load [N] at a shortening `w` [-], (O4), and its
+    slope.
     """
     column, strain, cell = theta
-    chord, unit = 1 - w, _unit(column)
+    chord, unit = 1 - w, _force_unit(column)
     arc = (1 - strain) / chord
     pull = column.pull(1 - arc)
     n, n_slope = _interpolate_load(column, cell, w)
@@ -222,7 +222,7 @@ def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
 
 
 def _bent_state(column: Column, strain: BatchLike) -> _State:
-    """The state that is followed from the free strain to `strain` [-]."""
+    """State at `strain` [-], followed from the free strain."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain

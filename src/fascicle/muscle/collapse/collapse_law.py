@@ -34,15 +34,13 @@ FACTOR = Constant(
 
 
 class AbstractCollapse(AbstractLaw):
-    """A moment at which a pressurized tube collapses, with a `factor` [-]: by default equation (17)
-    with `power` on $r_0/t_0$.
-    """
+    """Law of the collapse moment with a `factor` [-]: by default (17), `power` on $r_0/t_0$."""
 
     power: ClassVar[int] = 1
     factor: ClassVar[Batch]
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
-        """$M_{collapse}$ [N·m] at `youngs_modulus` $E$ [Pa] and `pressure` [Pa]."""
+        """Collapse moment [N·m] at `youngs_modulus` $E$ [Pa] and `pressure` [Pa]."""
         E, t0, nu = youngs_modulus, bladder.wall_thickness, bladder.material.poisson_ratio
         r0 = bladder.braid.radius
         stiffening = 1 / (1 - nu**2) + 4 * pressure / E * (r0 / t0) ** self.power
@@ -77,7 +75,7 @@ class Brazier1927(AbstractCollapse):
     factor: Batch = FACTOR.field()
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
-        """$M_{collapse}$ [N·m], equal at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
+        """Collapse moment [N·m], equal at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
         return super().moment(bladder, youngs_modulus, 0.0 * pressure)
 
 
@@ -90,5 +88,5 @@ class SteinHedgepeth1961(AbstractCollapse):
     factor: Batch = FACTOR.field()
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:  # noqa: ARG002 a membrane has no modulus
-        """$M_{collapse} = \\pi P r_0^3$ [N·m] times `factor`; `youngs_modulus` is unused."""
+        """Collapse moment $\\pi P r_0^3$ [N·m] times `factor`; `youngs_modulus` doesn't count."""
         return self.factor * np.pi * pressure * bladder.braid.radius**3

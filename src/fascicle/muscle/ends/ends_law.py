@@ -35,6 +35,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
+from ...core.lazy import renamed_method
 from ...core.parameters import Constant, log1p_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -45,7 +46,7 @@ from ..tension.tension_law import Pull
 TunedTension = Any  # the class, which imports this module
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
-_NEARLY = 0.999  # of the strain that straightens the fibers
+_NEARLY_STRAIGHT = 0.999  # share of the strain of straight fibers, where the pull has no bound
 
 
 @cache
@@ -57,8 +58,8 @@ def quadrature() -> tuple[np.ndarray, np.ndarray]:
 
 
 class AbstractEnds(AbstractLaw):
-    """The ends of a muscle, rigid unless a law overrides the methods; `is_compliant`: true if the
-    bladder's strain depends on its force.
+    """Law of a muscle's ends, rigid unless a law overrides the methods; `is_compliant`: true if the
+    bladder's strain isn't the muscle's.
     """
 
     is_compliant: ClassVar[bool] = True
@@ -68,18 +69,20 @@ class AbstractEnds(AbstractLaw):
         """Compliance of both ends together [m/N]."""
         return 0.0
 
-    def stretch(self, length: BatchLike) -> Batch:
+    def strain_ratio(self, length: BatchLike) -> Batch:
         """Ratio of the bladder's strain to the muscle's [-] without a force; `length` $L_0$ [m]."""
         del length
         return 1.0
+
+    stretch = renamed_method("stretch", "strain_ratio")
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
         return tension.bladder_pull(pressure, strain)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
-        """Co-energy [J] of a muscle at rest length and `pressure` [Pa], less that of its volume at
-        rest: zero where the bladder is at rest, too.
+        """Co-energy [J] besides $P V(0)$ of a muscle at rest length and `pressure` [Pa]: zero where
+        the bladder is at rest, too.
         """
         del tension
         return 0.0 * pressure
@@ -111,28 +114,29 @@ class Compliant(AbstractEnds):
 
     @property
     def compliance(self) -> Batch:
-        """$c$ [m/N]."""
+        """Compliance $c$ of both ends together [m/N]."""
         return self.end_compliance
 
-    def stretch(self, length: BatchLike) -> Batch:
-        """$s$ [-] of a muscle of `length` $L_0$ [m]."""
+    def strain_ratio(self, length: BatchLike) -> Batch:
+        """Ratio $s$ of the bladder's strain to the muscle's [-] of `length` $L_0$ [m]."""
         return length / (length - self.inactive_length)
 
     def bladder_strain(
         self, tension: TunedTension, pressure: BatchLike, strain: BatchLike
     ) -> Batch:
-        """$\\varepsilon_b$ [-], (E8), of a `tension` law at `pressure` [Pa] and the muscle's
+        """Strain of the bladder [-], (E8), with a `tension` law at `pressure` [Pa] and the muscle's
         `strain` [-].
         """
         L0, braid = tension.bladder.braid.length, tension.bladder.braid
-        s = self.stretch(L0)
+        s = self.strain_ratio(L0)
         unloaded, rise = s * strain, s * self.end_compliance / L0
         # compliant ends keep fibers from being straight, where a bladder's pull has no bound
-        start = where(rise > 0, maximum(unloaded, _NEARLY * braid.straight), unloaded)
+        straight = _NEARLY_STRAIGHT * braid.straight_strain
+        start = where(rise > 0, maximum(unloaded, straight), unloaded)
         pull = tension.bladder_pull(pressure, start)
         # where T falls, the bladder's strain lies between both
         loaded = unloaded + rise * pull.force
-        low = minimum(start, maximum(loaded, _NEARLY * braid.straight))
+        low = minimum(start, maximum(loaded, straight))
         high = maximum(start, minimum(loaded, _FARTHEST))
         # a step of Newton's from there; a bound where T rises too steeply for one
         fall = maximum(1 - rise * pull.slope, 1.0)
@@ -143,13 +147,13 @@ class Compliant(AbstractEnds):
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
         L0 = tension.bladder.braid.length
         pull = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
-        s = self.stretch(L0)
+        s = self.strain_ratio(L0)
         # dε_b/dε, from (E8)
         slope = s / (1 - s * self.end_compliance / L0 * pull.slope)
         return Pull(pull.mesh, pull.bladder, slope * pull.mesh_slope, slope * pull.bladder_slope)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
-        """(E9) at rest length [J] and `pressure` [Pa], less $P V(0)$."""
+        """Co-energy (E9) [J] besides $P V(0)$ at rest length and `pressure` [Pa]."""
         strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
         node, weight = (node_axis(x, strain) for x in quadrature())
         force = tension.bladder_pull(pressure, 0.5 * strain * (1 + node)).force
@@ -160,7 +164,7 @@ class Compliant(AbstractEnds):
 
 
 def _strain_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """Strain by which the bladder falls short of (E8) [-], and its slope."""
+    """Strain that the bladder lacks for (E8) [-], and its slope."""
     tension, pressure, unloaded, rise = theta
     pull = tension.bladder_pull(pressure, strain)
     return unloaded + rise * pull.force - strain, rise * pull.slope - 1

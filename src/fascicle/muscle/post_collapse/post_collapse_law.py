@@ -28,7 +28,7 @@ from ..law import AbstractLaw
 
 
 def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
-    """The folded wall's constant moment $M_h = \\pi E r_0 t_0^2/4$ [N·m], (23) [R11]."""
+    """Constant moment of the folded wall $M_h = \\pi E r_0 t_0^2/4$ [N·m], (23) [R11]."""
     return np.pi / 4 * youngs_modulus * bladder.braid.radius * bladder.wall_thickness**2
 
 
@@ -39,17 +39,18 @@ class AbstractPostCollapse(AbstractLaw):
 
     @abc.abstractmethod
     def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
-        """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
+        """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]."""
 
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
-        """$F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge` is $M_h$ [N·m]."""
+        """Push $F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge`: $M_h$ [N·m]."""
         x, chord = compression, column.free_length - compression
         halves, slope = self.halves(column, x)
         fold = hinge / sqrt(x * chord)
         return halves + fold, slope - 0.5 * fold * (1 / x - 1 / chord)
 
     def deflection(self, column: Column, strain: Batch) -> Batch:
-        """$y_{c,max}$ [m] at `strain` [-], from the slope at the hinge, $\\pi y_{c,max}/L$."""
+        """Deflection of the hinge $y_{c,max}$ [m] at `strain` [-]."""
+        # from the slope at the hinge, π y_max/L
         x = (strain - column.free_strain) * column.rest_length
         return self.slope_factor / np.pi * sqrt(x * (column.free_length - x))
 

@@ -67,18 +67,18 @@ class TonduLopez(AbstractTension):
                 raise InvalidInputError("strain_factor_rise", rule, lowest, shown=text)
 
     def factor_at(self, pressure: BatchLike) -> Batch:
-        """$k$ [-] at `pressure` [Pa], equation (TL)."""
+        """Strain factor $k$ [-] at `pressure` [Pa], equation (TL)."""
         a_k, b_k = self.strain_factor_rise, self.strain_factor
         return a_k * exp(-pressure / self.decay_pressure) + b_k
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh force [N], equation (TL), and zero."""
+        """Mesh force [N], equation (TL), and zero for the bladder, with slopes."""
         k = self.factor_at(pressure)
         mesh, wall, slope, wall_slope = Ideal().pull(bladder, pressure, k * strain)
         return Pull(mesh, wall, k * slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The ideal one [-] over $k(P)$."""
+        """Free strain [-] of the ideal law over $k(P)$."""
         return Ideal().free_strain(bladder, pressure, offset) / self.factor_at(pressure)
 
 
@@ -106,8 +106,8 @@ class Meller2014(AbstractTension):
     def from_measured(
         cls, braid: Braid, pressure: Values, free_strain: Values, blocked_force: Values
     ) -> "Meller2014":
-        """The law of a muscle with this `braid` that meets a measured `free_strain` [-] and a
-        `blocked_force` [N], measured at `pressure` [Pa].
+        """Law of a muscle with this `braid` from a `free_strain` [-] and a `blocked_force` [N] that
+        were measured at `pressure` [Pa].
         """
         P = check_positive(pressure, "pressure", "Pa")
         eps_f = check_positive(free_strain, "free_strain", "-")
@@ -115,12 +115,12 @@ class Meller2014(AbstractTension):
         return cls(braid.ideal_free_strain / eps_f, blocked / braid.mesh_force(P, 0.0))
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh force [N], equation (M), and zero."""
+        """Mesh force [N], equation (M), and zero for the bladder, with slopes."""
         f_eps, f_F = self.strain_factor, self.force_factor
         mesh, wall, slope, wall_slope = Ideal().pull(bladder, pressure, f_eps * strain)
         return Pull(f_F * mesh, wall, f_F * f_eps * slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The ideal one [-] under $C_1/f_F$, over $f_\\varepsilon$."""
+        """Free strain [-] of the ideal law with $C_1/f_F$, over $f_\\varepsilon$."""
         ideal = Ideal().free_strain(bladder, pressure, lambda P: offset(P) / self.force_factor)
         return ideal / self.strain_factor

@@ -34,6 +34,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import cos, logical_not, minimum, sqrt, where
+from ...core.lazy import renamed_method
 from ...core.parameters import POSITIVE, Constant
 from ...core.roots import guarded, root
 from ...core.types import Batch, BatchLike, BoolBatch, Values
@@ -62,25 +63,27 @@ class ElasticBraid(AbstractTension):
 
     @classmethod
     def from_fibers(cls, braid: Braid, stiffness: Values, count: Values = 1) -> "ElasticBraid":
-        """The law of a `braid` from the `stiffness` $EA$ [N] of a fiber, its tension over its
-        strain, and the `count` $n$ [-] of fibers in both directions together.
+        """Law of a `braid` from a fiber's `stiffness` $EA$ [N], its tension over strain, and the
+        `count` $n$ [-] of fibers in both directions together.
         """
         EA = check_positive(stiffness, "stiffness", "N")
         n = check_positive(count, "count", "-")
         return cls(n * EA / (np.pi * braid.radius**2))
 
-    def stretch(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """The fibers' strain $u$ [-] at `pressure` [Pa] and `strain` [-]."""
+    def fiber_strain(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """Strain of the fibers $u$ [-] at `pressure` [Pa] and `strain` [-]."""
         return self._solve(bladder, pressure, strain)[0]
 
+    stretch = renamed_method("stretch", "fiber_strain")
+
     def radius(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """Outer radius while straight [m] at `pressure` [Pa] and `strain` [-], (EB1)."""
-        u = self.stretch(bladder, pressure, strain)
+        """Outer radius of the straight muscle [m] at `pressure` [Pa] and `strain` [-], (EB1)."""
+        u = self.fiber_strain(bladder, pressure, strain)
         return bladder.braid.radius * sqrt(_swell(bladder.braid, strain, u))
 
     def potential(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """$\\Pi$ [J] at `pressure` [Pa] and `strain` [-], (EB2)."""
-        braid, u = bladder.braid, self.stretch(bladder, pressure, strain)
+        """Potential $\\Pi$ [J] at `pressure` [Pa] and `strain` [-], (EB2)."""
+        braid, u = bladder.braid, self.fiber_strain(bladder, pressure, strain)
         q, lam = _swell(braid, strain, u), 1 - strain
         bore = np.pi * braid.radius**2 * braid.length
         fibers = 0.5 * self.fiber_stiffness / cos(braid.angle) * u**2
@@ -112,16 +115,16 @@ class ElasticBraid(AbstractTension):
         )
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] that the braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
-        and the volume [m³] by which it swells, which is its slope.
+        """Co-energy [J] besides $P V(0)$ at rest length and `pressure` [Pa], and its slope, the
+        volume [m³] by which the braid swells.
         """
         braid, zero = bladder.braid, 0.0 * pressure
-        u = self.stretch(bladder, pressure, zero)
+        u = self.fiber_strain(bladder, pressure, zero)
         volume = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)
         return -self.potential(bladder, pressure, zero) - pressure * braid.volume(zero), volume
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which fibers around that `bladder` stretch freely at rest length."""
+        """Pressure [Pa] up to which fibers around the `bladder` stretch freely at rest length."""
         u = _largest_stretch(bladder.braid)
         W = bladder.material.slopes(1.0, _swell(bladder.braid, 0.0, u))
         return u / (1 + u) / self._compliance(bladder.braid) + _section_ratio(bladder) * W.q
@@ -133,7 +136,7 @@ class ElasticBraid(AbstractTension):
     def _solve(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
     ) -> tuple[Batch, Slopes, BoolBatch]:
-        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers' strain is limited."""
+        """Fibers' strain $u$ [-], the rubber's slopes [J/m³], and true where $u$ is limited."""
         braid, c, lam = bladder.braid, self._compliance(bladder.braid), 1 - strain
         top = _largest_stretch(braid) + 0.0 * lam
         limited = _stretch_residual((bladder, c, pressure, strain), top)[0] > 0
@@ -153,13 +156,13 @@ def _largest_stretch(braid: Braid) -> Batch:
 
 
 def _section_ratio(bladder: Bladder) -> Batch:
-    """The wall's section over that inside the braid, at rest [-]."""
+    """Section of the wall over that inside the braid, at rest [-]."""
     return bladder.area / (np.pi * bladder.braid.radius**2)
 
 
 def _swell(braid: Braid, strain: BatchLike, u: BatchLike) -> Batch:
-    """$(r/r_0)^2$ [-] at `strain` [-] and a fibers' strain `u` [-], (EB1)."""
-    return braid.swell(strain) + (1 + braid.cot2) * u * (2 + u)
+    """Square of $r/r_0$ [-] at `strain` [-] and a fibers' strain `u` [-], (EB1)."""
+    return braid.squared_stretch(strain) + (1 + braid.cot2) * u * (2 + u)
 
 
 def _stretch_residual(theta: tuple, u: Batch) -> tuple[Batch, Batch]:

@@ -49,6 +49,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
+from ...core.lazy import renamed_method
 from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -75,9 +76,13 @@ class AbstractEmpirical(AbstractTension):
     def published_constants(cls) -> list[Constant]:
         """Constants of the law with their published values in SI units."""
 
+    def _numbers(self) -> list[Batch]:
+        """Values of the constants, in their order."""
+        return [getattr(self, constant.name) for constant in self.constants()]
 
-_BAR, _PERCENT = 1e5, 1e-2
-_LARGEST_RATIO = 1e6  # of a constant of either sign to its published value
+
+_BAR, _PERCENT = 1e5, 1e-2  # the papers' units in SI
+_LARGEST_RATIO = 1e6  # of a constant of either sign to its published value: past it is a slip
 
 
 def _signed_constant(
@@ -95,29 +100,17 @@ _SAROSI = (
     ("exponential_slope", "a", "slip", 1 / _BAR, "slope of the exponential with pressure"),
     ("exponential_force", "b", "force", 1.0, "exponential without pressure"),
     ("exponent", "c", "number", 1 / _PERCENT, "rate of the exponential over the strain"),
-    (
-        "strain_slope",
-        "d",
-        "slip",
-        1 / (_BAR * _PERCENT),
-        "slope of the plane with pressure and strain",
-    ),
+    ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT),
+     "slope of the plane with pressure and strain"),
     ("pressure_slope", "e", "slip", 1 / _BAR, "slope of the plane with pressure"),
     ("force_offset", "f", "force", 1.0, "offset of the plane"),
-)
+)  # fmt: skip
 
 
 class AbstractSarosi(AbstractEmpirical):
     """Six numbers for a muscle of one size, equation (S), published for bar and percent."""
 
     free: ClassVar[tuple[str, ...]] = tuple(name for name, *_ in _SAROSI)
-
-    exponential_slope: ClassVar[Batch]
-    exponential_force: ClassVar[Batch]
-    exponent: ClassVar[Batch]
-    strain_slope: ClassVar[Batch]
-    pressure_slope: ClassVar[Batch]
-    force_offset: ClassVar[Batch]
 
     @classmethod
     def published_constants(cls) -> list[Constant]:
@@ -132,8 +125,7 @@ class AbstractSarosi(AbstractEmpirical):
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
         """Terms that grow with pressure, and the others [N], equation (S)."""
-        a, b, c = self.exponential_slope, self.exponential_force, self.exponent
-        d, e, f = self.strain_slope, self.pressure_slope, self.force_offset
+        a, b, c, d, e, f = self._numbers()
         fading = exp(c * strain)
         return Pull(
             mesh=pressure * (a * fading + d * strain + e),
@@ -184,9 +176,9 @@ class Sarosi20Long(AbstractSarosi):
     )  # fmt: skip
 
 
-_HIGHEST = 620e3  # Pa, P_m
+_HIGHEST = 620e3  # Pa, P_m of the published law
 _LEAST = 1e-6  # of an arc: a muscle too short to hold anything still has a free strain
-_DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)
+_DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)  # bounds wide of the published constants
 # name, symbol, dimension, the code's unit over SI's, bounds, what it is
 _BOLEN = (
     ("bladder_share", "a_0", "number", 1.0, _DIMENSIONLESS,
@@ -209,14 +201,6 @@ class AbstractBolen(AbstractEmpirical):
 
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
 
-    bladder_share: ClassVar[Batch]
-    bladder_rate: ClassVar[Batch]
-    pressure_rate: ClassVar[Batch]
-    largest_strain: ClassVar[Batch]
-    force_scale: ClassVar[Batch]
-    length_scale: ClassVar[Batch]
-    end_length: ClassVar[Batch]
-
     @classmethod
     def published_constants(cls) -> list[Constant]:
         """Constants of the law with their published values in SI units."""
@@ -231,18 +215,21 @@ class AbstractBolen(AbstractEmpirical):
             )
         ]  # fmt: skip
 
-    def largest_force(self, length: BatchLike) -> Batch:
-        """$F_m$ [N] of a muscle of `length` [m]."""
-        ratio = (length - self.end_length) / self.length_scale
-        return self.force_scale * arctan(where(ratio > _LEAST, ratio, _LEAST))
+    def blocked_force(self, length: BatchLike) -> Batch:
+        """Blocked force $F_m$ [N] at 620 kPa of a muscle of `length` [m]."""
+        *_, force_scale, length_scale, end_length = self._numbers()
+        ratio = (length - end_length) / length_scale
+        return force_scale * arctan(where(ratio > _LEAST, ratio, _LEAST))
+
+    largest_force = renamed_method("largest_force", "blocked_force")
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Terms that grow with pressure, and the others [N], equation (BF)."""
-        a0, a1, a3 = self.bladder_share, self.bladder_rate, self.pressure_rate
-        F_m, x = self.largest_force(bladder.braid.length), strain / self.largest_strain
+        a0, a1, a3, largest_strain, *_ = self._numbers()
+        F_m, x = self.blocked_force(bladder.braid.length), strain / largest_strain
         exponential, bell = exp(-a1 * x), exp(-a3 * x**2)
         F = F_m * pressure / _HIGHEST
-        per_strain = 1 / self.largest_strain
+        per_strain = 1 / largest_strain
         return Pull(
             mesh=F * bell,
             bladder=F_m * a0 * (exponential - 1) + 0.0 * pressure,
@@ -287,10 +274,6 @@ class AbstractMartens(AbstractEmpirical):
 
     reference_length: ClassVar[float | None]
 
-    modulus_0: ClassVar[Batch]
-    modulus_1: ClassVar[Batch]
-    modulus_2: ClassVar[Batch]
-    modulus_3: ClassVar[Batch]
     angle_correction: ClassVar[Batch]
 
     @classmethod
@@ -323,8 +306,8 @@ class AbstractMartens(AbstractEmpirical):
         )
 
     def _wall(self, cot2: Batch, lam: BatchLike) -> tuple[Batch, Batch]:
-        """$E$ times the bracket of (MB) [Pa], and its slope in $\\lambda$ [Pa]."""
-        e0, e1, e2, e3 = self.modulus_0, self.modulus_1, self.modulus_2, self.modulus_3
+        """Wall stress, $E$ times the bracket of (MB) [Pa], and its slope in $\\lambda$ [Pa]."""
+        e0, e1, e2, e3, _ = self._numbers()
         longest = sqrt(1 + (1 - _STRAIGHT) / cot2)
         straight = longest < lam
         lam = minimum(lam, longest)
@@ -339,11 +322,13 @@ class AbstractMartens(AbstractEmpirical):
         return E * bracket, where(straight, 0.0, E_slope * bracket + E * slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The first root of $T = C_1$ [-], at most the strain at which the mesh lets go."""
+        """Free strain [-], the first at which the force equals `offset`, at most the mesh's."""
         cot2 = 1 / tan(bladder.braid.angle + self.angle_correction) ** 2
         far = 1 - sqrt((1 + 1 / cot2) / 3) + 0.0 * pressure
         theta = (self, bladder, pressure, offset(pressure))
-        return root(force_residual, theta, 0.5 * bladder.braid.straight + 0.0 * far, far, 0.5 * far)
+        return root(
+            force_residual, theta, 0.5 * bladder.braid.straight_strain + 0.0 * far, far, 0.5 * far
+        )
 
 
 class Martens2017(AbstractMartens):

@@ -49,13 +49,13 @@ class Kothera2009(AbstractTension):
 
     @property
     def conservative(self) -> bool:
-        """True where the mesh works as much as the pressure does: with the ideal term."""
+        """True with the ideal term, where the mesh works as much as the pressure does."""
         return self.pressure_term == "ideal"
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Pressure and wall force [N], the first and the other terms of equation (K)."""
         braid, E, A = bladder.braid, bladder.material.youngs_modulus, bladder.area
-        lam, r0, cot2, square = 1 - strain, braid.radius, braid.cot2, braid.swell(strain)
+        lam, r0, cot2, square = 1 - strain, braid.radius, braid.cot2, braid.squared_stretch(strain)
         square_slope = 2 * lam * cot2  # in strain
         bore, bore_slope = _bore(A / (np.pi * r0**2), lam * square, lam * square_slope - square)
         area, area_slope = 2 * np.pi * r0**2 * cot2 * lam**2, -4 * np.pi * r0**2 * cot2 * lam
@@ -79,8 +79,8 @@ class Kothera2009(AbstractTension):
 
 
 def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:
-    """$r_i/r$ [-] for a wall of `wall` and a braid of `inside`, both over $\\pi r_0^2 L_0$ [-],
-    and its slope, where the braid's is `slope` [-].
+    """Ratio $r_i/r$ [-] and its slope, for volumes of the `wall` and `inside` the braid, over
+    $\\pi r_0^2 L_0$ [-]; `slope`: of `inside`.
     """
     fraction = 1 - wall / inside
     is_open = fraction > 0

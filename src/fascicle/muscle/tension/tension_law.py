@@ -37,14 +37,14 @@ from ..law import AbstractLaw
 
 
 Offset = Callable[[Batch], Batch]
-# Pa: below this, C1/P is taken here. C1 is proportional to pressure up to the tuning's first row,
-# so the ratio is the same, and subnormal pressures don't divide 0 by 0
+# Pa: C1/P of lower pressures is taken here, lest subnormal ones divide 0 by 0. C1 is proportional
+# to pressure up to the tuning's first row, so that the ratio is equal
 _LEAST_PRESSURE = 1e-3
-SIZES = ("braid_angle", "outer_radius")  # known least well, and what the mesh depends on most
+SIZES = ("braid_angle", "outer_radius")  # least accurately measured, and what the mesh depends on
 
 
 class Pull(NamedTuple):
-    """A tensile force in its two components, with their slopes in strain, all [N]."""
+    """A tensile force in its components, with their slopes in strain, all [N]."""
 
     mesh: Batch
     bladder: Batch
@@ -53,23 +53,23 @@ class Pull(NamedTuple):
 
     @property
     def force(self) -> Batch:
-        """Both together [N]."""
+        """Sum of both components [N]."""
         return self.mesh + self.bladder
 
     @property
     def slope(self) -> Batch:
-        """Its slope in strain [N]."""
+        """Slope of the force in strain [N]."""
         return self.mesh_slope + self.bladder_slope
 
 
 class AbstractTension(AbstractLaw):
-    """A tensile force in two components, and the strain at which it vanishes.
+    """Law of a tensile force in two components, and of the strain at which it vanishes.
 
-    `conservative`: whether the mesh works as much as the pressure does, $P \\mathrm{d}V$.
-    `linear_in_pressure`: whether the force is, so that it is largest at an end of any range.
-    `stretches`: whether its braid does, so that a braid at rest takes up co-energy.
-    `free`: default parameters of a fit: its constants, the rubber's, or sizes.
-    `reference_muscle`: the one muscle of its published constants; empty for a law of any muscle.
+    `conservative`: true if the mesh works as much as the pressure does, $P \\mathrm{d}V$.
+    `linear_in_pressure`: true if the force is, so that it is largest at an end of any range.
+    `stretches`: true if the braid does, so that a braid at rest takes up co-energy.
+    `free`: default parameters of a fit: constants of the law or the rubber, or sizes.
+    `reference_muscle`: the muscle of its published constants; empty for a law of any muscle.
     `reference_diameter` and `reference_length`: nominal ones of that muscle [m], if published.
     """
 
@@ -83,7 +83,7 @@ class AbstractTension(AbstractLaw):
 
     @classmethod
     def fit_parameters(cls) -> tuple[str, ...]:
-        """Names of the parameters that a fit of it moves by default."""
+        """Names of the parameters that a fit of the law adjusts by default."""
         constants = (c.name for c in cls.constants() if c.transform is not None)
         return cls.free or (*constants, *SIZES)
 
@@ -92,24 +92,24 @@ class AbstractTension(AbstractLaw):
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], with slopes."""
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """First strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
+        """First strain [-] at which the force equals $C_1(P)$ [N], the function `offset`."""
         return solved_free_strain(self, bladder, pressure, offset)
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] that a braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
-        and the volume [m³] by which it swells: zero unless it `stretches`.
+        """Co-energy [J] besides $P V(0)$ at rest length and `pressure` [Pa], and the volume [m³] by
+        which the braid swells: zero unless it `stretches`.
         """
         zero = 0.0 * pressure * bladder.braid.length
         return zero, zero
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which it is valid for a muscle with that `bladder`."""
+        """Highest pressure [Pa] at which the law is valid for a muscle with this `bladder`."""
         return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
 
     def components(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
     ) -> tuple[Batch, Batch]:
-        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-]. Elementwise."""
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], without slopes."""
         return self.pull(bladder, pressure, strain)[:2]
 
 
@@ -145,7 +145,7 @@ class Ideal(AbstractTension):
         return Pull(mesh, 0.0 * mesh, slope, 0.0 * slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
+        """Strain [-] at which the mesh holds $C_1$ alone; its limit at $P = 0$."""
         cot2, r0 = bladder.braid.cot2, bladder.braid.radius
         P = where(pressure > _LEAST_PRESSURE, pressure, _LEAST_PRESSURE)
         return 1 - sqrt((1 + cot2 + offset(P) / (np.pi * r0**2 * P)) / (3 * cot2))
@@ -154,14 +154,14 @@ class Ideal(AbstractTension):
 def solved_free_strain(
     law: AbstractTension, bladder: Bladder, pressure: BatchLike, offset: Offset
 ) -> Batch:
-    """First root $\\varepsilon_f$ [-] of $F_{mesh} + F_{bladder} = C_1$ at `pressure` [Pa], for a
-    `law` that pulls below it; `offset`: $C_1$ [N] of the pressure.
+    """First strain [-] of $F_{mesh} + F_{bladder} = C_1$ at `pressure` [Pa], for a `law` that pulls
+    below it; `offset`: function $C_1$ of the pressure [N].
     """
     theta = (law, bladder, pressure, offset(pressure))
     # the fibers would be straight at twice `low`; at `high` the mesh pushes hard
-    low, high = 0.5 * bladder.braid.straight, 0.8
-    # the parabola that leaves rest as the force does, and meets it where the mesh lets go:
-    # its zero comes too early, and Newton's steps from there don't overshoot
+    low, high = 0.5 * bladder.braid.straight_strain, 0.8
+    # start at the zero of the parabola that leaves rest as the force does, and equals it where the
+    # mesh force vanishes: it comes too early, and Newton's steps from there don't overshoot
     far = bladder.braid.ideal_free_strain
     value, slope = force_residual(theta, 0.0 * pressure)
     bend = (force_residual(theta, far)[0] - value - slope * far) / far**2
