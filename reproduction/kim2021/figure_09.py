@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fascicle.bundle.workspace import Overlap, Space, overlap, space
+from fascicle.bundle.recruitment import Overlap, Workspace, overlap, workspace
 from fascicle.plot.theme import DOUBLE, WHITE, letters, new_figure, styled
 from fascicle.plot.workspace import draw_workspace
 from fascicle.results.labelled import Variable
@@ -24,10 +24,10 @@ NEAR = (0.18, 0.26), (0.0, 110.0)  # strain and force of (c) and (d)
 
 
 @setting.cached
-def workspace_of(resistance: bool) -> tuple[Space, Overlap]:
+def workspace_of(resistance: bool) -> tuple[Workspace, Overlap]:
     """The space and its overlap, computed once."""
     pair = setting.bundle(setting.muscle("figure_9"), (1, 1), setting.HIGHEST)
-    it = space(pair, levels=LEVELS, resistance=resistance)
+    it = workspace(pair, levels=LEVELS, resistance=resistance)
     return it, overlap(it)
 
 
@@ -57,7 +57,7 @@ def compute() -> PaperFigure:
 
 @styled
 def workspaces(
-    spaces: Mapping[str, tuple[Space, Overlap | None]],
+    spaces: Mapping[str, tuple[Workspace, Overlap | None]],
     near: tuple[tuple[float, float], tuple[float, float]],
 ) -> Figure:
     """Figure of workspaces side by side, and below each its region near the largest strain.
@@ -86,7 +86,7 @@ def workspaces(
     return figure
 
 
-def _label_pressures(ax: Axes, space: Space, state: int) -> None:
+def _label_pressures(ax: Axes, space: Workspace, state: int) -> None:
     """Write the throttled pressures along the curves of a `state`, one label for close curves."""
     (left, right), (_, top) = ax.get_xlim(), ax.get_ylim()
     inside = (space.strain >= left) & (space.strain <= right)
@@ -112,7 +112,7 @@ def _label_pressures(ax: Axes, space: Space, state: int) -> None:
         )  # fmt: skip
 
 
-def _data(without: tuple[Space, Overlap], with_it: tuple[Space, Overlap]) -> dict[str, Variable]:
+def _data(without: tuple[Workspace, Overlap], with_it: tuple[Workspace, Overlap]) -> dict[str, Variable]:
     (bare, _), (full, shared) = without, with_it
     curves, edge = ("state", "level", "strain"), ("state", "strain")
     return {
@@ -129,7 +129,7 @@ def _data(without: tuple[Space, Overlap], with_it: tuple[Space, Overlap]) -> dic
 
 
 def claims(
-    without: tuple[Space, Overlap], with_it: tuple[Space, Overlap], named: float
+    without: tuple[Workspace, Overlap], with_it: tuple[Workspace, Overlap], named: float
 ) -> tuple[Claim, ...]:
     """Claims on Fig. 9, of its spaces with their overlaps, and of the free strain
     at 275.8 kPa, `named` [-].
@@ -137,7 +137,7 @@ def claims(
     return (*_neglected_claims(*without, named), *_resisting_claims(*with_it))
 
 
-def _neglected_claims(bare: Space, disjoint: Overlap, named: float) -> tuple[Claim, ...]:
+def _neglected_claims(bare: Workspace, disjoint: Overlap, named: float) -> tuple[Claim, ...]:
     level = int(np.argmin(np.abs(LEVELS - NAMED)))
     gain = bare.force[1, level] - bare.force[1, 0]
     last = float(bare.strain[gain > 1e-9].max(initial=0.0))
@@ -160,7 +160,7 @@ def _neglected_claims(bare: Space, disjoint: Overlap, named: float) -> tuple[Cla
     )
 
 
-def _resisting_claims(full: Space, shared: Overlap) -> tuple[Claim, ...]:
+def _resisting_claims(full: Workspace, shared: Overlap) -> tuple[Claim, ...]:
     largest = float(full.strain[-1])
     area, width = float(shared.area[0]), np.nan_to_num(shared.width[0])
     place = float(shared.strain[np.argmax(width)]) if width.any() else np.nan

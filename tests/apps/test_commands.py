@@ -153,7 +153,7 @@ def test_space(answer, result, tmp_path):
     command = ["space", PAIR, "--levels", "0kPa,413.7kPa", "--strain", "0,0.1,0.2,0.24"]
     values = result(*command)
     strain, levels = np.array([0, 0.1, 0.2, 0.24]), np.array([0, 413.7e3])
-    space = recruitment.space(example(PAIR), levels=levels, strain=strain)
+    space = recruitment.workspace(example(PAIR), levels=levels, strain=strain)
     assert_allclose(values["force"], space.force, rtol=1e-12, atol=1e-12)
     assert_allclose(values["overlap_area"], recruitment.overlap(space).area, rtol=1e-12)
     assert (values["scheme"], values["overlap_states"]) == ("orderly", [[1, 2]])

@@ -9,7 +9,7 @@ import equinox as eqx
 import numpy as np
 import pytest
 
-from fascicle.bundle.recruitment import overlap, space
+from fascicle.bundle.recruitment import overlap, workspace
 from fascicle.bundle.reversal import Reversal
 from fascicle.muscle.tension import Ideal
 from fascicle.plot.curves import components_of
@@ -70,7 +70,7 @@ def of_figure_6(muscle):
 def spaces():
     """Fig. 9's spaces with their overlaps: without resistance, with it."""
     pair = setting.bundle(setting.muscle("figure_9"), (1, 1), setting.HIGHEST)
-    found = [space(pair, levels=figure_09.LEVELS, resistance=way) for way in (False, True)]
+    found = [workspace(pair, levels=figure_09.LEVELS, resistance=way) for way in (False, True)]
     return [(one, overlap(one)) for one in found]
 
 

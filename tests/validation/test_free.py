@@ -116,7 +116,7 @@ def test_the_space_is_all_that_any_pressures_reach():
     bundle = unlike()
     strains = [0.05, 0.15, 0.22]
     levels = np.unique([P for eps in strains for u in bundle.motor_units for P in grid(u, eps)])
-    found = fs.recruitment.space(bundle, strain=strains, levels=levels)
+    found = fs.recruitment.workspace(bundle, strain=strains, levels=levels)
     assert found.scheme == "free" and found.low.shape == (1, 3)
     for j, strain in enumerate(strains):
         low, high = oracle.region(tables(bundle, strain)[0])

@@ -1,6 +1,6 @@
 """Motor units, bundles, their recruitment and the reversal of their free strain.
 
-Names are imported on first use, so that the command line's help loads no JAX.
+Names are imported on first use, so that the command line's help loads no NumPy.
 """
 
 from typing import TYPE_CHECKING
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from . import reversal as reversal
     from . import schemes as schemes
     from .bundle import Bundle as Bundle
-    from .bundle import Equilibria as Equilibria
     from .bundle import MotorUnit as MotorUnit
+    from .equilibria import Equilibria as Equilibria
 
 __all__ = ["Bundle", "Equilibria", "MotorUnit", "recruitment", "reversal", "schemes"]
 
 _HOMES = {
     "Bundle": "bundle",
-    "Equilibria": "bundle",
+    "Equilibria": "equilibria",
     "MotorUnit": "bundle",
     "recruitment": "",
     "reversal": "",

@@ -26,7 +26,14 @@ import numpy as np
 from ..core.array_namespace import array_namespace, where
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, primal_numpy, replace_checked, static
+from ..core.module import (
+    Module,
+    evaluate,
+    primal_numpy,
+    replace_checked,
+    static,
+    unique_indices,
+)
 from ..core.types import (
     AnyArray,
     Batch,
@@ -54,25 +61,32 @@ from ..core.validation import (
     warn_pressure_units,
 )
 from ..muscle import Muscle
-from ..muscle.muscle import BACKENDS
+from ..muscle.muscle import BACKENDS, batch_shape
 from ..muscle.validation import check_strain, lowest_strain, strain_domain
 from ..repr_table import with_table_repr
-from .equilibria import attach_derivatives, equilibria
+from .equilibria import Equilibria, attach_derivatives, find_equilibria
 from .pressurized import (
-    bundle_shape,
+    check_plate_strain,
     flatten_batch,
     plate_distance,
-    plate_strain_in_domain,
     pressurized,
     stack_muscles,
-    unique_indices,
 )
-from .printing import bundle_line, bundle_table, equilibria_table, unit_line, unit_table
+from .printing import (
+    bundle_line,
+    bundle_table,
+    recruitment_table,
+    solutions_table,
+    unit_line,
+    unit_table,
+)
 from .schemes import AbstractScheme, scheme_of
 
 
 if TYPE_CHECKING:
-    from .inverse import RecruitmentResult
+    from .efficiency import EfficiencyMap
+    from .recruitment import Workspace
+    from .reversal import Reversal
 
 
 @with_table_repr(unit_table, unit_line)
@@ -90,15 +104,37 @@ class MotorUnit(Module):
         self.muscle, self.count = muscle, np.asarray(count)[()] if is_concrete(count) else count
 
 
-@with_table_repr(equilibria_table)
-class Equilibria(NamedTuple):
-    """Strains of zero force [-], rising along the last axis, which ends in NaN where there
-    are fewer. `stable`: the force falls with strain there. `count`: their number.
+@with_table_repr(solutions_table)
+class Solutions(NamedTuple):
+    """All pressures that give a demanded force, by state and pressure on the last axis.
+
+    `pressure`: the throttled pressure [Pa]; `state`, counted from 1; `stable`: the force falls
+    with strain. NaN, 0 and False where there are fewer. Without derivatives.
     """
 
-    strain: Float[AnyArray, "*#points zero"]
-    stable: Bool[AnyArray, "*#points zero"]
-    count: Int[AnyArray, "*#points"]
+    pressure: Float[AnyArray, "*points solution"]
+    state: Int[AnyArray, "*points solution"]
+    stable: Bool[AnyArray, "*points solution"]
+
+
+@with_table_repr(recruitment_table)
+class RecruitmentResult(NamedTuple):
+    """Pressures for a demanded force.
+
+    `pressures` [Pa], units on the last axis; `state`, counted from 1; `force` [N] that they give;
+    `status`: 0 reached, 1 the demand is above what is reachable, 2 below: then the result is that
+    of the nearest reachable force. `stable`: the force falls with strain at these pressures.
+    `solutions`, and their `count`. `unit`: the first throttled unit, counted from 1.
+    """
+
+    pressures: Numbers
+    state: Int[AnyArray, "*points"]
+    force: Float[AnyArray, "*points"]
+    status: Int[AnyArray, "*points"]
+    stable: Bool[AnyArray, "*points"]
+    solutions: Solutions
+    count: Int[AnyArray, "*points"]
+    unit: Int[AnyArray, "*points"]
 
 
 @with_table_repr(bundle_table, bundle_line)
@@ -212,8 +248,9 @@ class Bundle(Module):
         """
         P = self._check_pressures(pressures)
         if not resistance:
-            return evaluate(_free_strain_without_resistance, self, P)
-        return self._search(_free_strain, P)
+            return evaluate(_largest_free_strain, self, P)
+        roots = self._find_equilibria(P)
+        return where(roots.count > 0, roots.strain[..., 0], np.inf)[()]
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and their stability.
@@ -229,9 +266,11 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._check_pressures(pressures)
-        if not resistance:
-            return evaluate(_single_equilibrium, self, P)
-        return self._search(_equilibria, P)
+        if resistance:
+            return self._find_equilibria(P)
+        strain = evaluate(_largest_free_strain, self, P)[..., None]
+        exists = strain > -np.inf
+        return Equilibria(strain, exists, exists.sum(axis=-1))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
         """All strains at which the bundle pulls with a force: equilibria of a hanging load.
@@ -248,7 +287,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F = match_array_type(force, check_finite(force, "force", "N"))
-        return self._search(_strain_at, self._check_pressures(pressures), F)
+        return self._find_equilibria(self._check_pressures(pressures), F)
 
     def recruit(
         self,
@@ -260,11 +299,12 @@ class Bundle(Module):
         *,
         present: Values = None,
         resistance: bool = True,
-    ) -> "RecruitmentResult":
+    ) -> RecruitmentResult:
         """State and pressures [Pa] that give a force [N] at a strain [-], equation (B9);
         arguments and result are those of `fascicle.recruitment.recruit`.
         """
-        recruit = import_late("bundle.recruitment.recruit")
+        from .inverse import recruit
+
         options = {"present": present, "resistance": resistance}
         return recruit(self, force, strain, supply, scheme, prefer, **options)
 
@@ -275,20 +315,23 @@ class Bundle(Module):
         strain: Values = None,
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
-    ) -> Any:
+    ) -> "Workspace":
         """Region of forces [N] and strains [-] that every recruitment state reaches; arguments and
-        result are those of `fascicle.recruitment.space`.
+        result are those of `fascicle.recruitment.workspace`.
         """
-        space = import_late("bundle.workspace.space")
-        return space(self, supply_pressure, levels, strain, resistance, scheme)
+        from .recruitment import workspace
+
+        return workspace(self, supply_pressure, levels, strain, resistance, scheme)
 
     def reversal(
         self, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
-    ) -> Any:
+    ) -> "Reversal":
         """Turn of the free strain [-] as a unit's pressure [Pa] rises from zero to the supply's;
         arguments and result are those of `fascicle.reversal.reversal`.
         """
-        return import_late("bundle.reversal.reversal")(self, unit, supply_pressure, resistance)
+        from .reversal import reversal
+
+        return reversal(self, unit, supply_pressure, resistance)
 
     def efficiency_map(
         self,
@@ -298,11 +341,12 @@ class Bundle(Module):
         strain: Values = None,
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
-    ) -> Any:
+    ) -> "EfficiencyMap":
         """Efficiency over forces [N] and strains [-]; arguments and result are those of
         `fascicle.energetics.efficiency_map`.
         """
-        efficiency_map = import_late("bundle.efficiency.efficiency_map")
+        from .efficiency import efficiency_map
+
         return efficiency_map(self, supply_pressure, path, force, strain, resistance, scheme)
 
     def average_efficiency(
@@ -312,20 +356,20 @@ class Bundle(Module):
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
     ) -> float:
-        """Average efficiency [-] over the force-strain space at a supply pressure [Pa]; arguments
-        are those of `fascicle.energetics.average_efficiency`.
+        """Average efficiency [-] over the workspace at a supply pressure [Pa]; arguments are those
+        of `fascicle.energetics.average_efficiency`.
         """
-        average = import_late("bundle.efficiency.average_efficiency")
-        return average(self, supply_pressure, path, resistance, scheme)
+        options = {"resistance": resistance, "scheme": scheme}
+        return self.efficiency_map(supply_pressure, path, **options).average
 
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
     ) -> Any:
-        """Figure of the force-strain space of each state; or of the force at given pressures.
+        """Figure of the workspace of each state, or of the force at `pressures`.
 
         **Arguments:**
 
-        - `pressures`: one for each motor unit [Pa]; by default, the space up to the supply's.
+        - `pressures`: one for each motor unit [Pa]; by default, the workspace up to the supply's.
         - `strains`: contractions [-], rising; by default, to the largest free strain or past it.
         - `resistance`: units past their own free strain push back.
 
@@ -370,7 +414,7 @@ class Bundle(Module):
             return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
-            return plate_strain_in_domain(strain, self.plate_distance, muscles)
+            return check_plate_strain(strain, self.plate_distance, muscles)
         lowest = [lowest_strain(*strain_domain(muscle)) for muscle in muscles]
         return check_strain(strain, reduce(np.maximum, lowest))
 
@@ -395,54 +439,41 @@ class Bundle(Module):
 
     @cached_property
     def _batch(self) -> tuple[int, ...]:
-        """Shape of a batch of bundles [-]."""
-        return bundle_shape(self)
+        """Shape of a batch of bundles, `()` of a single one."""
+        shapes = {"length": np.shape(self.plate_distance)}
+        for i, unit in enumerate(self.motor_units, start=1):
+            shapes[f"motor unit {i}"] = batch_shape(unit.muscle)
+            shapes[f"count {i}"] = np.shape(unit.count)
+        return broadcast_shape(**shapes)
 
-    def _search(self, law: Callable, pressures: PerUnit, *force: Numbers) -> Any:
-        """Result of a `law` that searches. If JAX traces for derivatives alone, NumPy searches, and
-        the strains get their derivatives afterwards.
+    def _find_equilibria(self, pressures: PerUnit, *force: Numbers) -> Equilibria:
+        """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. If JAX traces for
+        derivatives alone, NumPy searches, and the strains get their derivatives afterwards.
         """
         self._check_shapes(pressures, **dict(zip(("force",), force, strict=False)))
         primal = primal_numpy(self, pressures, *force)
         if primal is None:
-            return evaluate(law, self, pressures, *force)
+            return evaluate(_equilibria, self, pressures, *force)
         bundle, *arrays = primal
-        result = bundle._search(law, *arrays)
-        if isinstance(result, Equilibria):
-            strain = evaluate(_with_derivatives, self, result.strain, pressures, *force)
-            return result._replace(strain=strain)
-        return evaluate(_with_derivatives, self, result[..., None], pressures, *force)[..., 0]
+        roots = bundle._find_equilibria(*arrays)
+        return roots._replace(
+            strain=evaluate(_with_derivatives, self, roots.strain, pressures, *force)
+        )
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
     return pressurized(bundle, pressures).unit_forces(strain)[0]
 
 
-def _free_strain_without_resistance(bundle: Bundle, pressures: PerUnit) -> Numbers:
+def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
     free_strains = pressurized(bundle, pressures).free_strains
     return array_namespace(free_strains).max(free_strains, axis=-1)
 
 
-def _single_equilibrium(bundle: Bundle, pressures: PerUnit) -> Equilibria:
-    strain = _free_strain_without_resistance(bundle, pressures)[..., None]
-    exists = strain > -np.inf
-    return Equilibria(strain, exists, array_namespace(exists).sum(exists, axis=-1))
-
-
-def _free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
-    roots = _equilibria(bundle, pressures)
-    return where(roots.count > 0, roots.strain[..., 0], np.inf)
-
-
-def _equilibria(bundle: Bundle, pressures: PerUnit) -> Equilibria:
-    batch, shape = flatten_batch(bundle, pressures)
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in equilibria(batch)))
-
-
-def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria:
-    batch, shape = flatten_batch(bundle, pressures, force)
-    load = array_namespace(force).broadcast_to(force, shape).reshape(-1)
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in equilibria(batch, load)))
+def _equilibria(bundle: Bundle, pressures: PerUnit, *force: Numbers) -> Equilibria:
+    batch, shape = flatten_batch(bundle, pressures, *force)
+    load = [array_namespace(x).broadcast_to(x, shape).reshape(-1) for x in force]
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in find_equilibria(batch, *load)))
 
 
 def _with_derivatives(
@@ -494,14 +525,14 @@ def resolve_supply_pressure(bundle: Bundle, supply_pressure: Values = None) -> f
 
 def check_single(bundle: Any) -> None:
     """Refuse anything but a `Bundle`, and batches of bundles."""
-    if not isinstance(bundle, Bundle):
-        remedy, description = "build one: fs.Bundle([fs.MotorUnit(muscle)])", type(bundle).__name__
-        raise InvalidInputError("bundle", "must be a Bundle", bundle, remedy, shown=description)
-    if shape := bundle._batch:
-        remedy, description = "build a bundle for each of its muscles", f"a batch of shape {shape}"
-        raise InvalidInputError(
-            "bundle", "must be a single one here", None, remedy, shown=description
-        )
+    rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"
+    description = type(bundle).__name__
+    if isinstance(bundle, Bundle):
+        if not bundle._batch:
+            return
+        rule, remedy = "must be a single one here", "build a bundle for each of its muscles"
+        description = f"a batch of shape {bundle._batch}"
+    raise InvalidInputError("bundle", rule, bundle, remedy, shown=description)
 
 
 def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:

@@ -41,7 +41,7 @@ from ..core.validation import check_choice, check_finite, is_concrete, to_si
 from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work
 from ..muscle.piecewise import Pressurized
-from ..repr_table import ReprTable, format_number, format_range, with_table_repr
+from ..repr_table import with_table_repr
 from .bundle import (
     Bundle,
     MotorUnit,
@@ -50,13 +50,14 @@ from .bundle import (
     resolve_supply_pressure,
 )
 from .pressurized import muscle_strain, pressurized
+from .printing import efficiency_table
+from .recruitment import unit_tables
 from .schemes import AbstractScheme
 from .states import states_of
-from .workspace import unit_tables
 
 
 PATHS = ("isobaric", "isotonic")
-_LEVELS = 129  # throttled pressures, between which a force is interpolated
+_LEVELS = 129  # throttled pressures, between which forces and works are interpolated
 _FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
 _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 _PIECE = 1 / 50  # of strain: the fastest decay in use, 100, falls to exp(-2) over it
@@ -67,7 +68,7 @@ Grid = Float[np.ndarray, "force strain"]
 
 
 def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
-    """Refuse `muscles` with compliant ends: their volume depends on their force, too. Warn of
+    """Refuse `muscles` with compliant ends, whose volume depends on their force, too; warn of
     muscles whose braid swells by its pressure.
     """
     for muscle in muscles:
@@ -102,17 +103,13 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     """
     units, ratios = bundle.motor_units, bundle.ratios
     check_volume_by_strain(unit.muscle for unit in units)
-    start: list[Values] = [0.0] * len(units)
-    end: list[Values] = [strain] * len(units)
-    if ratios is not None:
-        eps = bundle._check_strain(strain)
-        start, end = (
-            [muscle_strain(ratios[..., i], x) for i in range(len(units))] for x in (0.0, eps)
-        )
-    volumes = [
-        unit.count * (unit.muscle.volume(eps) - unit.muscle.volume(first))
-        for unit, first, eps in zip(units, start, end, strict=True)
-    ]
+    eps = strain if ratios is None else bundle._check_strain(strain)
+    volumes = []
+    for i, unit in enumerate(units):
+        start, end = 0.0, eps
+        if ratios is not None:
+            start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
+        volumes.append(unit.count * (unit.muscle.volume(end) - unit.muscle.volume(start)))
     return array_namespace(*volumes).stack(volumes, axis=-1)
 
 
@@ -248,31 +245,13 @@ def constant_cross_section(
     return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)
 
 
-def _efficiency_table(efficiencies: "EfficiencyMap") -> ReprTable:
-    """Range, average and best of a map."""
-    eta, force, strain = efficiencies.efficiency, efficiencies.force, efficiencies.strain
-    covered = np.isfinite(eta)
-    facts = [
-        ("path", efficiencies.path),
-        ("reached", f"{np.sum(covered)} of {eta.size} points"),
-        ("forces", format_range(force, lambda F: f"{format_number(F)} N")),
-        ("strains", format_range(strain, "{:.4f}".format)),
-    ]
-    if np.any(covered):
-        row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
-        point = f"at {format_number(force[row])} N, strain {strain[column]:.4f}"
-        facts += [
-            ("average", f"{efficiencies.average:.4f}"),
-            ("best", f"{np.nanmax(eta):.4f} {point}"),
-        ]
-    return ReprTable("Efficiency", facts)
-
-
-@with_table_repr(_efficiency_table)
+@with_table_repr(efficiency_table)
 @dataclass(frozen=True)
 class EfficiencyMap:
-    """`efficiency` [-] over `force` [N] (rows) and `strain` [-] (columns), NaN where the
-    bundle doesn't reach; `state`: the recruitment state it is reached in, 0 for none.
+    """Efficiency of a bundle over `force` [N] (rows) and `strain` [-] (columns).
+
+    `efficiency` [-]: NaN where the bundle doesn't reach; `state`: recruitment state of the highest
+    efficiency, 0 for none; `path`: "isobaric" or "isotonic".
     """
 
     path: str
@@ -296,7 +275,7 @@ def efficiency_map(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> EfficiencyMap:
-    """Efficiency over the force-strain space.
+    """Efficiency over forces and strains that the bundle reaches.
 
     **Arguments:**
 
@@ -360,7 +339,15 @@ def efficiency_map(
         better = (np.fmax(best, work / energy[k]) != best) & np.isfinite(work)
         best = np.where(better, work / energy[k], best)
         state = np.where(better, owner[k] + 1, state)
-    _warn_impossible(bundle, best)
+    highest = float(np.nanmax(best, initial=0.0))
+    if highest > 1 + _ROUNDING:
+        laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
+        warnings.warn(
+            f"an efficiency of {highest:.3g} is impossible: {' and '.join(laws)} does more work"
+            " than the fluid in a braid of these sizes brings, which a law that is only fitted, or"
+            " was fitted to another muscle, may do. Don't rely on the average either.",
+            stacklevel=2,
+        )
     return EfficiencyMap(path, force, strain, best, state)
 
 
@@ -371,7 +358,7 @@ def average_efficiency(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> float:
-    """Mean efficiency over the force-strain space that the bundle reaches [R18].
+    """Mean efficiency over the workspace of a bundle [R18].
 
     **Arguments:**
 
@@ -387,19 +374,6 @@ def average_efficiency(
     """
     options = {"resistance": resistance, "scheme": scheme}
     return efficiency_map(bundle, supply_pressure, path, **options).average
-
-
-def _warn_impossible(bundle: Bundle, efficiency: Grid) -> None:
-    """Warn of an `efficiency` [-] above 1, which laws that are mere fits can give."""
-    largest = float(np.nanmax(efficiency, initial=0.0))
-    if largest > 1 + _ROUNDING:
-        laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
-        warnings.warn(
-            f"an efficiency of {largest:.3g} is impossible: {' and '.join(laws)} does more work"
-            " than the fluid in a braid of these sizes brings, which a law that is only fitted, or"
-            " was fitted to another muscle, may do. Don't rely on the average either.",
-            stacklevel=3,
-        )
 
 
 def _largest_work(

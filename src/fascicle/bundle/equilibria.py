@@ -3,11 +3,11 @@ r"""Equilibria of a bundle: strains at which its force equals a load, stable or 
 A bundle's force at fixed pressures is smooth between the kinks of its units (free strain, onset of
 buckling, collapse). In such a stretch each unit's force lies, with a margin, among the control
 points of the cubic through its values and slopes at the stretch's two ends; if their sums leave
-out the load, nothing crosses it. The other stretches are cut into cells, and each of these once
-more at the extremum of its own cubic. A change of sign between two nodes, within a stretch or from
-it to the next, brackets an equilibrium, and `find_root` finds all of them at once. A pair that is
-missed lies in a dip shallower than that cubic's error, of fourth order in the cell. If the
-force jumps past the load, the jump is reported.
+out the load, nothing crosses it. The other stretches are cut into cells, and each cell once more at
+the extremum of its own cubic. A change of sign between two nodes, within a stretch or from it to
+the next, brackets an equilibrium, and `find_root` finds all of them at once. A pair that is missed
+lies in a dip shallower than that cubic's error, of fourth order in the cell. If the force jumps
+past the load, the jump is reported.
 
 Without a load all units pull before the least free strain: stretches begin there. With one, they
 begin where the fibers of a muscle are straight.
@@ -29,47 +29,45 @@ from ..core.array_namespace import (
 from ..core.module import tree_map
 from ..core.roots import find_root, refine_root, stop_gradient
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
+from ..repr_table import with_table_repr
 from .pressurized import BundleBatch, Pressurized
+from .printing import equilibria_table
 
 
-CELLS = 8  # of a stretch that may hold an equilibrium
+_CELLS = 8  # of a stretch that may hold an equilibrium: a dip between two nodes is of fourth order
 _MARGIN = 0.25  # of a unit's span over a stretch, beyond its control points
 _WIDTH = 1e-13  # strains closer than this are equal: some 100 units in the last place
 _INSET = 1e-7  # of a stretch: its ends are evaluated inside, where kinks have one slope
-_LARGEST_BATCH = 2**12  # searches at once
-_LARGEST_PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
+_BATCH = 2**12  # bundles searched at once
+_PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
 
 
-class Roots(NamedTuple):
-    """Equilibria [-], rising along the last axis and NaN where there are fewer; whether the force
-    falls there; their number.
+@with_table_repr(equilibria_table)
+class Equilibria(NamedTuple):
+    """Strains of zero force [-], rising along the last axis, which ends in NaN where there
+    are fewer. `stable`: the force falls with strain there. `count`: their number.
     """
 
-    strain: Float[AnyArray, "batch root"]
-    falls: Bool[AnyArray, "batch root"]
-    count: Int[AnyArray, " batch"]
+    strain: Float[AnyArray, "*#points zero"]
+    stable: Bool[AnyArray, "*#points zero"]
+    count: Int[AnyArray, "*#points"]
 
 
-def batch_size(units: int) -> int:
-    """Number of bundles of so many `units` that are searched at once."""
-    return max(1, min(_LARGEST_BATCH, _LARGEST_PAIRS // units**2))
-
-
-def equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Roots:
-    """All equilibria of each bundle of a batch under its `load` [N]; with `None`, without force,
-    stretches begin at the free strain.
+def find_equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Equilibria:
+    """All equilibria of each bundle of a batch under its `load` [N]; without one, stretches begin
+    at the free strain.
     """
     count, units = bundles.pressures.shape
-    size = batch_size(units)
+    size = max(1, min(_BATCH, _PAIRS // units**2))
     if count <= size:
         return _equilibria(bundles, load)
 
-    def search(index: Any) -> Roots:
+    def search(index: Any) -> Equilibria:
         return _equilibria(bundles.take(index), None if load is None else load[index])
 
     if bundles.is_numpy and isinstance(load, np.ndarray | None):
         parts = [search(slice(start, start + size)) for start in range(0, count, size)]
-        return Roots(*map(np.concatenate, zip(*parts, strict=True)))
+        return Equilibria(*map(np.concatenate, zip(*parts, strict=True)))
     from ..core.jax_backend import jnp, lax
 
     # one compiled search, called block after block, so that memory doesn't grow with the batch
@@ -78,17 +76,15 @@ def equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Roots:
 
 
 def attach_derivatives(pressurized: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
-    """Equilibria [-] with their derivatives.
-
-    `pressurized`: bundles with an axis of one ahead of units; `load`: their force [N], with an
-    axis of one; `strain`: equilibria without derivatives [-], not finite if there are none.
+    """Equilibria [-] with their derivatives, from `strain` [-] without them, which is not finite
+    where there are none; `load`: force of the bundles [N]. Both have an axis of one ahead of units.
     """
     exists = isfinite(strain)
     roots = refine_root(_falling_force, (pressurized, 1.0, load), where(exists, strain, 0.0))
     return where(exists, roots, strain)
 
 
-def _equilibria(bundles: BundleBatch, load: Numbers | None) -> Roots:
+def _equilibria(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
     pressurized = bundles.pressurized()
     constant = stop_gradient(pressurized)
     free_strains = constant.free_strains[:, 0]
@@ -127,7 +123,7 @@ def _equilibria(bundles: BundleBatch, load: Numbers | None) -> Roots:
     strain = refine_root(_falling_force, (pressurized, sign, target[:, None]), strain)
     padding = [(0, 0), (0, slots - index.shape[1])]
     strain = xp.pad(where(exists, strain, np.nan), padding, constant_values=np.nan)
-    return Roots(strain, xp.pad(falls, padding), count)
+    return Equilibria(strain, xp.pad(falls, padding), count)
 
 
 def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers, Numbers]:
@@ -153,7 +149,7 @@ def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers,
     force, slope = forces.sum(axis=-1) - load[:, None], slopes.sum(axis=-1)
 
     # without an equilibrium the force keeps the sign of its ends
-    strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 2 * CELLS + 1)
+    strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 2 * _CELLS + 1)
     values = force[:, :1] + 0.0 * strains
     (row,) = _indices((lowest <= 0) & (highest >= 0))
     x, cut = strains[row, ::2], bundles.take(batch[row])
@@ -168,7 +164,7 @@ def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers,
     strains = _put(strains, (row,), _interleave(x, middle))
     values = _put(values, (row,), _interleave(value, middle_value))
 
-    shape = (*wide.shape, 2 * CELLS + 1)
+    shape = (*wide.shape, 2 * _CELLS + 1)
     flat = (len(ends), shape[1] * shape[2])
     exists = xp.broadcast_to(wide[..., None], shape).reshape(flat)
     # stretches without a width take the node before them, at the beginning the first that is wide
@@ -187,14 +183,14 @@ def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _indices(mask: Any) -> tuple[Any, ...]:
-    """Indices of what a mask marks; under JAX, which knows no lists of unknown length, of all."""
+    """Indices where a mask is true; under JAX, whose arrays have fixed lengths, all indices."""
     if array_namespace(mask) is np:
         return np.nonzero(mask)
     return tuple(x.reshape(-1) for x in np.indices(mask.shape))
 
 
 def _put(table: Any, index: tuple, values: Any) -> Any:
-    """A `table` with other `values` at an index."""
+    """A `table` with `values` at an index."""
     if array_namespace(table, values) is np:
         table[index] = values
         return table
@@ -203,7 +199,7 @@ def _put(table: Any, index: tuple, values: Any) -> Any:
 
 def _interleave(ends: Numbers, middle: Numbers) -> Numbers:
     xp = array_namespace(ends, middle)
-    pairs = xp.stack([ends[:, :-1], middle], axis=-1).reshape(len(ends), 2 * CELLS)
+    pairs = xp.stack([ends[:, :-1], middle], axis=-1).reshape(len(ends), 2 * _CELLS)
     return xp.concatenate([pairs, ends[:, -1:]], axis=1)
 
 

@@ -1,21 +1,28 @@
-r"""Force over pressure of every recruitment state of a bundle, for its inverse.
+r"""Force over pressure of every recruitment state of a bundle, and the pressures of a given force.
 
 In recruitment state $k$ the throttled units share one pressure $p$; with $w_{kj}$ muscles of kind
 $j$ among them, and the other units at no or at supply pressure, the state's force is
 
 $$F_k(p, \varepsilon) = H_k(\varepsilon) + \sum_j w_{kj} F_j(p, \varepsilon). \tag{B8}$$
 
-Free and collapse strains of each kind of muscle are solved for once, on a grid of pressures;
-forces at the grid's nodes are closed forms. A *level* is a pressure over the supply's.
+Free and collapse strains of each kind of muscle are solved once, on a grid of pressures; forces at
+the grid's nodes are closed forms. A *level* is a pressure over the supply's.
+
+**Search for the levels of a force.** Cells of the grid that may hold the demanded force get the
+levels at which a muscle has a kink at the demand's strain (its free strain, onset of buckling, fold
+or collapse strain), then the extrema that may reach the demand. Every change of sign between
+neighbors brackets a root; a force that jumps past the demand (at some pressure collapse ends for
+good) is none. If no state has a root, the nearest force is that of the nearest node or extremum.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..core.module import unique_indices
 from ..core.types import Numbers
-from .pressurized import muscle_strain, unique_indices
+from .pressurized import muscle_strain
 from .states import States
 
 
@@ -23,13 +30,23 @@ if TYPE_CHECKING:
     from ..muscle import Muscle
     from ..muscle.piecewise import Pressurized
 
-CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
-COLUMNS = 129  # strains of the force table: a step is some 0.002, as fine as a transition
+_CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
+_COLUMNS = 129  # strains of the force table: a step is some 0.002, as fine as a transition
 _END_INSET = 1e-6  # of the supply: nodes this near to both ends show the slope there
 _NEWTON_STEPS = 8  # at most: from the grid's free strain three are enough
 _NEWTON_TOLERANCE = 1e-9  # of strain: the step after it is within rounding
+FEW_CELLS = 2**12  # below it all cells are searched: selecting them costs as much
+_BATCH = 2**16  # searches at once: their table of forces takes 40 MB
+ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
+_SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
+_TIE = 1e-10  # N: forces this near to each other are equal
+_KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
+_JUMP = 1e-7  # N, and of the force: two sides of a kink differ by less, but for a jump
+_EXTREMUM_WIDTH = 1e-8  # of its bracket: the value of a flat extremum is exact to its square
+_GOLDEN = 0.381966  # (3 − √5)/2, the golden section
 
-Residual = Callable[[np.ndarray, np.ndarray], np.ndarray]
+Array = np.ndarray
+Residual = Callable[[Array, Array], Array]
 
 
 class MuscleCurves:
@@ -39,30 +56,30 @@ class MuscleCurves:
     there, and the muscle's strain at the kink [-] at each node of the grid.
     """
 
-    def __init__(self, muscle: "Muscle", ratio: float | None, supply: float, levels: np.ndarray):
+    def __init__(self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array):
         """**Arguments:** `muscle`; `ratio`: $L/L_i$ [-] or None; `supply`: $P_s$ [Pa]; `levels`:
         nodes of the grid [-].
         """
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
         self.free_strain, self.collapse = self.nodes.column.free_strain, self.nodes.collapse
-        self.kinks: list[tuple[Residual, np.ndarray]] = [(self._pull, self.free_strain)]
+        self.kinks: list[tuple[Residual, Array]] = [(self._pull, self.free_strain)]
         for i, strains in enumerate(_kink_strains(self.nodes)):
             # most laws buckle at the free strain itself
             if strains is not self.free_strain and not np.all(np.isinf(strains)):
                 nodes = np.broadcast_to(strains, levels.shape)
                 self.kinks.append((self._kink_residual(i), nodes))
 
-    def strain(self, plates: np.ndarray) -> np.ndarray:
+    def strain(self, plates: Array) -> Array:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, node: np.ndarray, plates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def force_at_nodes(self, node: Array, plates: Array) -> tuple[Array, Array]:
         """Force [N] at nodes and the `plates`' strain [-], and its slope in that strain [N]."""
-        picked = _pick_nodes(self.nodes, node, self.levels.size)
-        return self._plate_slope(*picked.force(self.strain(plates)))
+        force, slope = _pick_nodes(self.nodes, node, self.levels.size).force(self.strain(plates))
+        return force, slope if self.ratio is None else slope * self.ratio
 
-    def force(self, level: np.ndarray, plates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def force(self, level: Array, plates: Array) -> tuple[Array, Array]:
         """Force [N] at `level` and the `plates`' strain [-], and its slope in that strain [N].
 
         Free and collapse strain at a pressure are most of its cost. A muscle that surely pulls
@@ -83,13 +100,13 @@ class MuscleCurves:
                 collapse = None if may_collapse else np.full(P.shape, np.inf)
                 muscle = self.law.at(P, self._free_strain(level[index]), collapse)
                 force[index], slope[index] = muscle.force(strain[index])
-        return self._plate_slope(force, slope)
+        return force, slope if self.ratio is None else slope * self.ratio
 
-    def _cell(self, level: np.ndarray) -> np.ndarray:
+    def _cell(self, level: Array) -> Array:
         index = np.searchsorted(self.levels, level, "right") - 1
         return np.clip(index, 0, self.levels.size - 2)
 
-    def _free_strain(self, level: np.ndarray) -> np.ndarray | None:
+    def _free_strain(self, level: Array) -> Array | None:
         """Free strain [-] by Newton's method from the grid's; `None` if that doesn't converge."""
         cell = self._cell(level)
         left, right = self.levels[cell], self.levels[cell + 1]
@@ -103,15 +120,12 @@ class MuscleCurves:
                 return free
         return None
 
-    def _plate_slope(self, force: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return force, slope if self.ratio is None else slope * self.ratio
-
-    def _pull(self, level: np.ndarray, plates: np.ndarray) -> np.ndarray:
+    def _pull(self, level: Array, plates: Array) -> Array:
         """Tension [N]: it has the sign of free strain less strain, and needs no root."""
         return self.law.tension.pull(level * self.supply, self.strain(plates)).force
 
     def _kink_residual(self, index: int) -> Residual:
-        def residual(level: np.ndarray, plates: np.ndarray) -> np.ndarray:
+        def residual(level: Array, plates: Array) -> Array:
             muscle = self.law.at(level * self.supply, self._free_strain(level))
             strain = np.broadcast_to(_kink_strains(muscle)[index], level.shape)
             return strain - self.strain(plates)
@@ -124,8 +138,7 @@ class StateCurves:
 
     def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
         """**Arguments:** `bundle` of NumPy's numbers; `supply`: $P_s$ [Pa]; `states` of the scheme:
-        if its units are independent, each unit is a state by itself; `resistance`: whether
-        muscles push.
+        if its units are independent, each unit is a state by itself; `resistance`: muscles push.
         """
         units = bundle.motor_units
         self.supply, self.resistance, self.scheme_states = float(supply), resistance, states
@@ -135,21 +148,19 @@ class StateCurves:
         self.muscles = [
             MuscleCurves(units[i].muscle, ratios[i], self.supply, self.levels) for i in unique
         ]
-        counts = np.eye(len(unique))[list(self.kind)] * np.reshape(bundle.counts, (-1, 1))
         masks, self.owns_endpoints = (
             (states.throttled, states.vented, states.full), states.owns_endpoints
         )  # fmt: skip
         if states.independent:
             identity = np.eye(len(units), dtype=bool)
-            masks, self.owns_endpoints = (
-                (identity, 0 * identity, 0 * identity),
-                (np.diag(identity), np.diag(identity)),
-            )
+            masks = identity, 0 * identity, 0 * identity
+            self.owns_endpoints = np.diag(identity), np.diag(identity)
+        counts = np.eye(len(unique))[list(self.kind)] * np.reshape(bundle.counts, (-1, 1))
         self.throttled, self.vented, self.full = (x.astype(float) @ counts for x in masks)
         self.states = len(self.throttled)
-        self._table: tuple[float, float, np.ndarray] | None = None
+        self._table: tuple[float, float, Array] | None = None
 
-    def fixed_force(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def fixed_force(self, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
         total = np.zeros((2, len(strain), self.states))
         for j, muscle in enumerate(self.muscles):
@@ -160,44 +171,41 @@ class StateCurves:
                     total += np.stack(forces)[..., None] * count[:, j]
         return total[0], total[1]
 
-    def force(
-        self, state: np.ndarray, level: np.ndarray, strain: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def force(self, state: Array, level: Array, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each `state` throttles, at `level` and `strain` [-], and its
         slope in strain [N].
         """
         return self._sum(state, lambda muscle, i: muscle.force(level[i], strain[i]))
 
-    def force_at_nodes(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    def force_at_nodes(self, state: Array, node: Array, strain: Array) -> Array:
         """Force [N] of the units that each `state` throttles, at a `node` of the grid."""
         return self._sum(state, lambda muscle, i: muscle.force_at_nodes(node[i], strain[i]))[0]
 
-    def interpolate(self, state: np.ndarray, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def interpolate(self, state: Array, strain: Array) -> tuple[Array, Array]:
         """Force [N] that a `state` throttles at each node, by a table over `strain` [-], and how
         much it changes between two columns of that table [N].
         """
         low, high, table = self._force_table(strain)
-        position = (strain - low) / (high - low) * (COLUMNS - 1)
-        column = np.clip(position.astype(int), 0, COLUMNS - 2)
+        position = (strain - low) / (high - low) * (_COLUMNS - 1)
+        column = np.clip(position.astype(int), 0, _COLUMNS - 2)
         weight = (position - column)[:, None]
         left, right = table[column, state], table[column + 1, state]
         return (1 - weight) * left + weight * right, np.abs(right - left)
 
-    def _force_table(self, strain: np.ndarray) -> tuple[float, float, np.ndarray]:
+    def _force_table(self, strain: Array) -> tuple[float, float, Array]:
         """Least and largest strain [-] of the table, and forces [N] over strain, state and node."""
-        low, high = (0.0, 0.3) if self._table is None else self._table[:2]
+        low, high = (0.0, 0.3) if self._table is None else self._table[:2]  # where muscles work
         if self._table is None or strain.min() < low or strain.max() > high:
             low, high = min(strain.min(), low), max(strain.max(), high)
-            columns, nodes = np.linspace(low, high, COLUMNS), np.arange(len(self.levels))
-            table = np.zeros((COLUMNS, self.states, len(self.levels)))
+            columns, nodes = np.linspace(low, high, _COLUMNS), np.arange(len(self.levels))
+            table = np.zeros((_COLUMNS, self.states, len(self.levels)))
             for j, muscle in enumerate(self.muscles):
-                forces = muscle.force_at_nodes(nodes, columns[:, None])
-                force = self._without_pushing(*forces)[0]
+                force, _ = self._without_pushing(*muscle.force_at_nodes(nodes, columns[:, None]))
                 table += self.throttled[:, j, None] * force[:, None, :]
             self._table = (low, high, table)
         return self._table
 
-    def _sum(self, state: np.ndarray, law: Callable) -> tuple[np.ndarray, np.ndarray]:
+    def _sum(self, state: Array, law: Callable) -> tuple[Array, Array]:
         force, slope = np.zeros(len(state)), np.zeros(len(state))
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
@@ -208,9 +216,7 @@ class StateCurves:
                 slope[index] += count[index] * muscle_slope
         return force, slope
 
-    def _without_pushing(
-        self, force: np.ndarray, slope: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _without_pushing(self, force: Array, slope: Array) -> tuple[Array, Array]:
         if self.resistance:
             return force, slope
         return np.where(force > 0, force, 0.0), np.where(force > 0, slope, 0.0)
@@ -221,21 +227,314 @@ def _kink_strains(muscle: "Pressurized") -> list[Numbers]:
     return [muscle.onset, muscle.collapse, *muscle.law.buckling.folds(muscle.column)]
 
 
-def _grid(tunings: list, supply: float) -> np.ndarray:
+def _grid(tunings: list, supply: float) -> Array:
     """Levels of the grid [-], those of the tunings' kinks among them."""
-    levels = (np.arange(CELLS + 1) / CELLS) ** 2
     kinks = [np.ravel((t.pressures + np.asarray(t.dead_band)[..., None]) / supply) for t in tunings]
     kinks = np.concatenate([*kinks, [0.0]])
     kinks = kinks[kinks < 1]
-    levels = [levels, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]]
-    levels = np.concatenate(levels)
+    even = (np.arange(_CELLS + 1) / _CELLS) ** 2
+    levels = np.concatenate([even, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]])
     return np.unique(levels[(levels >= 0) & (levels <= 1)])
 
 
-def _pick_nodes(value: Any, node: np.ndarray, count: int) -> Any:
+def _pick_nodes(value: Any, node: Array, count: int) -> Any:
     """A muscle at the pressures of some of `count` nodes, which are on the last axis."""
     if isinstance(value, tuple):
         picked = [_pick_nodes(x, node, count) for x in value]
         return type(value)(*picked) if hasattr(value, "_fields") else tuple(picked)
     has_nodes = isinstance(value, np.ndarray) and value.shape[-1:] == (count,)
     return value[..., node] if has_nodes else value
+
+
+class Roots(NamedTuple):
+    """Solutions in order: index of the `demand`, its `state` and `level` [-], and whether it is
+    `exact`: a demand without a solution has one root, of the nearest force.
+    """
+
+    demand: Array
+    state: Array
+    level: Array
+    exact: Array
+
+
+class Searches(NamedTuple):
+    """Searches, a row each, for the levels at which a `state` gives a `target` [N] at a `strain`
+    [-]; `demand`: index of the demand that each serves.
+    """
+
+    curves: StateCurves
+    demand: Array
+    state: Array
+    strain: Array
+    target: Array
+
+    def excess(self, row: Array, level: Array) -> Array:
+        """Force beyond the target [N] at a `level` [-]."""
+        force, _ = self.curves.force(self.state[row], level, self.strain[row])
+        return force - self.target[row]
+
+
+class Points(NamedTuple):
+    """Points on force curves, in order of `row` and `level` [-]: force beyond the target
+    (`excess` [N]), whether the curve is continuous to the next point (`linked`), and whether the
+    point is a kink.
+    """
+
+    row: Array
+    level: Array
+    excess: Array
+    linked: Array
+    kink: Array
+
+    def insert(
+        self, row: Array, level: Array, excess: Array, linked: Any = True, kink: bool = False
+    ) -> "Points":
+        """Points with additional ones, which are linked to their neighbors."""
+        added = (row, level, excess, *(np.full(len(row), x) for x in (linked, kink)))
+        columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
+        order = np.lexsort((columns[1], columns[0]))
+        points = Points(*(x[order] for x in columns))
+        repeats = np.zeros(len(order), bool)
+        repeats[1:] = (np.diff(points.row) == 0) & (np.diff(points.level) == 0)
+        points.linked[:-1] &= points.linked[1:] | ~repeats[1:]
+        return Points(*(x[~repeats] for x in points))
+
+
+def find_roots(
+    curves: StateCurves, force: Array, strain: Array, state: Array | None = None
+) -> Roots:
+    """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
+    `strain` [-].
+    """
+    size = max(1, _BATCH // (curves.states if state is None else 1))
+    parts = []
+    for start in range(0, max(1, len(force)), size):
+        batch = slice(start, start + size)
+        states = None if state is None else state[batch]
+        roots = _find_roots(curves, force[batch], strain[batch], states)
+        parts.append(roots._replace(demand=roots.demand + start))
+    return Roots(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def _find_roots(curves: StateCurves, force: Array, strain: Array, state: Array | None) -> Roots:
+    demand = np.arange(len(force))
+    if state is None:
+        demand = np.repeat(demand, curves.states)
+        state = np.tile(np.arange(curves.states), len(force))
+    target = force[demand] - curves.fixed_force(strain)[0][demand, state]
+    searches = Searches(curves, demand, state, strain[demand], target)
+    every_cell = cells = np.ones((len(demand), len(curves.levels) - 1), bool)
+    if cells.size > FEW_CELLS:  # those that may hold the target, by the force table
+        forces, change = curves.interpolate(state, searches.strain)
+        # a kink moves through the cells between two columns of the table
+        slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
+        cells = _may_reach_zero(forces - target[:, None], slack)
+    row, level, _ = _search(searches, cells, np.zeros(len(demand)))
+    unreached = np.flatnonzero(~np.isin(demand, demand[row]))
+    exact = np.ones(len(row), bool)
+    if len(unreached):
+        remaining = Searches(curves, *(x[unreached] for x in searches[1:]))
+        index, levels, points = _search(remaining, every_cell[: len(unreached)], None)
+        owner, distance = remaining.demand[points.row], np.abs(points.excess)
+        smallest = np.full(len(force), np.inf)
+        np.minimum.at(smallest, owner, distance)
+        smallest[remaining.demand[index]] = -np.inf  # reached, in a cell that was not selected
+        ties = np.flatnonzero(distance <= smallest[owner] + _TIE)
+        nearest = ties[np.unique(owner[ties], return_index=True)[1]]
+        row = np.concatenate([row, unreached[index], unreached[points.row[nearest]]])
+        level = np.concatenate([level, levels, points.level[nearest]])
+        exact = np.arange(len(row)) < len(row) - len(nearest)
+    order = np.lexsort((level, row))
+    row = row[order]
+    return Roots(demand[row], state[row], level[order], exact[order])
+
+
+def _search(searches: Searches, cells: Array, slack: Array | None) -> tuple[Array, Array, Points]:
+    """Roots by row and level [-] in some cells, and all points that were evaluated. `slack`: how
+    far from the target [N] an extremum is of interest; `None`: as far as the nearest node.
+    """
+    padded = np.pad(cells, ((0, 0), (1, 1)))
+    # neighbors show where a curve turns
+    padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
+    row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
+    linked = padded[row, node + 1]
+    curves = searches.curves
+    force = curves.force_at_nodes(searches.state[row], node, searches.strain[row])
+    excess = force - searches.target[row]
+    points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
+    if slack is None:
+        smallest = np.full(searches.demand.max(initial=0) + 1, np.inf)
+        np.minimum.at(smallest, searches.demand[row], np.abs(excess))
+        slack = smallest[searches.demand]
+    points = _insert_kinks(searches, points, node, slack)
+    points = _insert_extrema(searches, points, slack)
+    return *_collect_roots(searches, points), points
+
+
+def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
+    """Points with the kinks in cells that come as near to the target as `slack` [N]."""
+    is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
+    point = np.flatnonzero(is_near)
+    rows, nodes = points.row[point], node[point]
+    kinks = []
+    for j, muscle in enumerate(searches.curves.muscles):
+        throttled = np.flatnonzero(searches.curves.throttled[searches.state[rows], j])
+        strain = muscle.strain(searches.strain[rows[throttled]])
+        for residual, strains in muscle.kinks:
+            left, right = (strains[nodes[throttled] + i] > strain for i in (0, 1))
+            cells = throttled[left != right]
+            if not len(cells):
+                continue
+            start, end = points.level[point[cells]], points.level[point[cells] + 1]
+            plates = searches.strain[rows[cells]]
+            values = residual(start, plates), residual(end, plates)
+            change = np.flatnonzero((values[0] > 0) != (values[1] > 0))
+            row, start, end, plates = (x[change] for x in (rows[cells], start, end, plates))
+            *_, left, right = _bracketed_root(
+                lambda i, level, residual=residual, plates=plates: residual(level, plates[i]),
+                start, end, values[0][change], values[1][change], np.full(len(row), -1.0),
+            )  # fmt: skip
+            kinks.append((row, left, right, start, end))
+    if not any(len(row) for row, *_ in kinks):
+        return points
+    row, left, right, start, end = map(np.concatenate, zip(*kinks, strict=True))
+    f_left, f_right = searches.excess(row, left), searches.excess(row, right)
+    # but for rounding both sides are one point, unless the force jumps
+    jumps = np.abs(f_right - f_left) > _JUMP * (1 + np.abs(f_left) + np.abs(f_right))
+    points = points.insert(row, right, f_right, kink=True)
+    points = points.insert(row, left, f_left, ~jumps, kink=True)
+    for level in (left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)):
+        points = points.insert(row, level, searches.excess(row, level))
+    return points
+
+
+def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
+    """Points with the extrema that come as near to the target as `slack` [N]."""
+    if len(points.row) < 3:
+        return points
+    sign = np.where(points.excess[1:-1] > 0, 1.0, -1.0)
+    windows = (slice(None, -2), slice(1, -1), slice(2, None))
+    before, middle, after = (sign * points.excess[window] for window in windows)
+    is_extremum = points.linked[:-2] & points.linked[1:-1] & ~points.kink[1:-1]
+    is_extremum &= (middle > 0) & (before >= middle) & (after >= middle)
+    span = np.maximum(before, after) - middle
+    # a parabola through three nodes turns less than their span below the lowest
+    is_extremum &= (span > ROOT_TOLERANCE) & (middle - span < slack[points.row[1:-1]])
+    i = np.flatnonzero(is_extremum)
+    if not len(i):
+        return points
+    row, sign = points.row[1:-1][i], sign[i]
+    level = _bracketed_minimum(
+        lambda index, x: sign[index] * searches.excess(row[index], x),
+        np.stack([points.level[window][i] for window in windows]),
+        np.stack([before[i], middle[i], after[i]]),
+    )
+    return points.insert(row, level, searches.excess(row, level))
+
+
+def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
+    """Roots by row and level [-]: points that meet the target, and changes of sign."""
+    tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[points.row]
+    meets = np.abs(points.excess) <= tolerance
+    # a run of points that all meet it counts once, by its first
+    follows = np.zeros(len(meets), bool)
+    follows[1:] = meets[1:] & meets[:-1] & points.linked[:-1]
+    first = meets & ~follows
+    # an endpoint that is an earlier state's, too, counts there
+    state = searches.state[points.row]
+    owns_start, owns_end = (x[state] for x in searches.curves.owns_endpoints)
+    first &= ((points.level > 0) | owns_start) & ((points.level < 1) | owns_end)
+    change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
+    i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
+    row = points.row[i]
+    level, miss, *_ = _bracketed_root(
+        lambda index, x: searches.excess(row[index], x),
+        points.level[i], points.level[i + 1], points.excess[i], points.excess[i + 1],
+        1e-2 * tolerance[i],
+    )  # fmt: skip
+    crosses = np.abs(miss) <= tolerance[i]  # else the force jumps past the target
+    return (
+        np.append(points.row[first], row[crosses]),
+        np.append(points.level[first], level[crosses]),
+    )
+
+
+def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:
+    """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N], by
+    its ends and by how much it changes there and in the neighboring cells.
+    """
+    change = np.where(linked, np.abs(np.diff(excess)), 0.0)
+    padded = np.pad(change, [*[(0, 0)] * (change.ndim - 1), (1, 1)])
+    margin = np.maximum(np.maximum(padded[..., :-2], padded[..., 2:]), change)
+    left, right = excess[..., :-1], excess[..., 1:]
+    distance = np.maximum(np.minimum(left, right), -np.maximum(left, right))
+    # strictly: a plateau at the nearest force holds nothing nearer
+    return linked & (distance - margin < slack)
+
+
+def _bracketed_root(
+    residual: Residual, low: Array, high: Array, f_low: Array, f_high: Array, tolerance: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Roots by Chandrupatla's method, all at once: the best level [-], its residual, and the ends
+    of the last bracket [-]. It ends at a residual of `tolerance`, or at rounding. (SciPy's of the
+    same method takes as long for one root as a whole demand takes here.)
+    """
+    x = np.stack([low, high, high])  # the newest, the other side of the bracket, the one before
+    f = np.stack([f_low, f_high, f_high])
+    index = np.arange(len(low))
+    fraction = f_low / (f_low - f_high)  # the secant, exact on a straight line
+    for _ in range(100):  # bisection alone would need 53
+        width = np.abs(x[1, index] - x[0, index])
+        smallest = (2e-16 * np.abs(x[0, index]) + 1e-300) / np.where(width > 0, width, 1.0)
+        best = np.minimum(np.abs(f[0, index]), np.abs(f[1, index]))
+        active = (best > tolerance[index]) & (smallest < 0.5) & (width > 0)
+        index, fraction, smallest = index[active], fraction[active], smallest[active]
+        if not len(index):
+            break
+        fraction = np.clip(np.where(np.isfinite(fraction), fraction, 0.5), smallest, 1 - smallest)
+        (x1, x2, _), (f1, f2, _) = x[:, index], f[:, index]
+        new = x1 + fraction * (x2 - x1)
+        value = residual(index, new)
+        keeps_side = (value > 0) == (f1 > 0)
+        x1, x2, x3 = new, np.where(keeps_side, x2, x1), np.where(keeps_side, x1, x2)
+        f1, f2, f3 = value, np.where(keeps_side, f2, f1), np.where(keeps_side, f1, f2)
+        x[:, index], f[:, index] = (x1, x2, x3), (f1, f2, f3)
+        xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+        inverse = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+        quadratic = f1 / (f2 - f1) * f3 / (f2 - f3)
+        quadratic += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+        fraction = np.where(inverse, quadratic, 0.5)
+    newest = np.abs(f[0]) < np.abs(f[1])
+    ends = np.minimum(x[0], x[1]), np.maximum(x[0], x[1])
+    return np.where(newest, x[0], x[1]), np.where(newest, f[0], f[1]), *ends
+
+
+def _bracketed_minimum(residual: Residual, x: Array, f: Array) -> Array:
+    """Minima [-] by parabolas and golden sections, all at once, from three points `x` each, the
+    middle one lowest, with residuals `f`; or a point at which the residual is negative.
+    """
+    limits, index = _EXTREMUM_WIDTH * (x[2] - x[0]), np.arange(x.shape[1])
+    for n in range(60):  # golden sections alone would need 38
+        index = index[(f[1, index] > 0) & (x[2, index] - x[0, index] > 4 * limits[index])]
+        if not len(index):
+            break
+        (a, m, b), (f_a, f_m, f_b), limit = x[:, index], f[:, index], limits[index]
+        p, q = (m - a) * (f_m - f_b), (m - b) * (f_m - f_a)
+        vertex = m - 0.5 * ((m - a) * p - (m - b) * q) / (p - q)
+        right_is_wider = b - m > m - a
+        inside = (a + limit < vertex) & (vertex < b - limit) & (n % 3 < 2)
+        new = np.where(inside, vertex, m + _GOLDEN * np.where(right_is_wider, b - m, a - m))
+        step = np.where(right_is_wider, limit, -limit)
+        new = np.where(np.abs(new - m) < limit, m + step, new)
+        value = residual(index, new)
+        lower = value < f_m
+        cuts_right = lower == (new < m)  # the higher of both points becomes an end
+        for table, (low, middle, high), added in (
+            (x, (a, m, b), new),
+            (f, (f_a, f_m, f_b), value),
+        ):
+            end = np.where(lower, middle, added)
+            table[0, index] = np.where(cuts_right, low, end)
+            table[2, index] = np.where(cuts_right, end, high)
+            table[1, index] = np.where(lower, added, middle)
+    return x[1]

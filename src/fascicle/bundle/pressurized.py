@@ -24,7 +24,6 @@ from ..core.module import Module, static, tree_leaves, tree_map, tree_replace, t
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
     LARGEST_STRAIN,
-    broadcast_shape,
     check_size,
     is_concrete,
     traced_floats,
@@ -36,8 +35,10 @@ from ..muscle.validation import check_strain, lowest_strain, strain_domain
 
 
 class Pressurized(Module):
-    """A bundle at given pressures: `groups` of its units' muscles, the `indices` of their units;
-    muscles of each unit, units last, and $L/L_i$ [-] if lengths differ.
+    """A bundle at given pressures.
+
+    `groups`: muscles of the same laws, with the `indices` of their units; `counts`: muscles of each
+    unit [-], units last; `ratios`: $L/L_i$ [-], if lengths differ.
     """
 
     groups: tuple[PressurizedMuscles, ...]
@@ -55,7 +56,7 @@ class Pressurized(Module):
 
     @property
     def least_strain(self) -> Numbers:
-        """Strain of the bundle [-] at which the fibers of a first muscle are straight."""
+        """Least strain of the bundle [-], at which the fibers of a muscle are straight."""
         strains = self.map_units(
             lambda muscle: (
                 muscle.law.tension.bladder.braid.straight_strain + 0.0 * muscle.column.free_strain
@@ -65,25 +66,27 @@ class Pressurized(Module):
 
     @property
     def kinks(self) -> Numbers:
-        """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
+        """Strains of the bundle [-] at which the slope of a unit's force jumps (its free strain,
+        onset of buckling, folds and collapse, on the first axis); units last.
+        """
         return self._plate_strains(self.map_units(lambda muscle: muscle.kinks))
 
     @property
     def free_strains(self) -> Numbers:
-        """Strain of the bundle [-] at which each unit by itself neither pulls nor pushes."""
+        """Strain of the bundle [-] at which each unit neither pulls nor pushes, units last."""
         return self._plate_strains(self.map_units(lambda muscle: muscle.column.free_strain))
 
     def take(self, index: Any) -> "Pressurized":
-        """Some bundles of a batch, which is on the last axis but two."""
+        """Bundles of a batch by `index`; the batch is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
     def map_units(self, function: Callable[[PressurizedMuscles], Any]) -> Any:
-        """`function` of one muscle of every unit, units on the last axis."""
+        """Value of a `function` of one muscle of every unit, units on the last axis."""
         return self._in_order([function(group) for group in self.groups])
 
     def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
-        """`function` of one muscle of every unit and of its strains [-] at the bundle's `strains`
-        [-], units on the last axis.
+        """Value of a `function` of one muscle of every unit and of the muscle's strains at the
+        bundle's `strains` [-], units on the last axis.
         """
         values = []
         for group, index in zip(self.groups, self.indices, strict=True):
@@ -111,7 +114,7 @@ class Pressurized(Module):
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def _in_order(self, values: list[Any]) -> Any:
-        """Values of all groups in the order of their units, on the last axis."""
+        """Groups' values in the order of the units, on the last axis."""
         if isinstance(values[0], tuple):
             return tuple(self._in_order(list(entries)) for entries in zip(*values, strict=True))
         if len(values) == 1:
@@ -134,8 +137,8 @@ def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
 
 
 class BundleBatch(NamedTuple):
-    """A `bundle` whose numbers are common to a batch, or one for each on an axis ahead of an axis
-    of one; gauge `pressures` [Pa], the batch first.
+    """A batch of bundles at `pressures` [Pa], the batch on the first axis. Numbers of the `bundle`
+    are common to all, or have the axis of the batch and an axis of one.
     """
 
     bundle: Any
@@ -156,28 +159,13 @@ class BundleBatch(NamedTuple):
         return BundleBatch(bundle, self.pressures[index])
 
 
-def bundle_shape(bundle: Any) -> tuple[int, ...]:
-    """Shape of a batch of bundles, `()` of a single one."""
-    shapes = {"length": np.shape(bundle.plate_distance)}
-    for i, unit in enumerate(bundle.motor_units, start=1):
-        shapes |= {f"motor unit {i}": batch_shape(unit.muscle), f"count {i}": np.shape(unit.count)}
-    return broadcast_shape(**shapes)
-
-
 def flatten_batch(
     bundle: Any, pressures: PerUnit, force: Numbers = 0.0
 ) -> tuple[BundleBatch, tuple[int, ...]]:
-    """A bundle, or a batch of bundles, at pressures and forces, with one axis for all points.
-
-    **Arguments:**
-
-    - `bundle`: one, or a batch of them.
-    - `pressures`: gauge pressures [Pa], units on the last axis, the rest broadcasts.
-    - `force`: that broadcasts against both [N].
-
-    **Returns:** the batch, and the shape that it had.
+    """A bundle, or a batch of bundles, at `pressures` [Pa], units last, and a `force` [N], all of
+    which broadcast: a batch with one axis for all points, and the shape of the points.
     """
-    units, batch = np.shape(pressures)[-1], bundle_shape(bundle)
+    units, batch = np.shape(pressures)[-1], bundle._batch
     shape = np.broadcast_shapes(batch, np.shape(pressures)[:-1], np.shape(force))
     flat = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
     if not batch:
@@ -216,20 +204,6 @@ def _stack(muscles: list[Muscle]) -> Muscle:
     return tree_replace(first, leaves)
 
 
-def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
-    """Indices of those `objects` that equal none before them, and for each object which of these
-    it equals.
-    """
-    unique: list[int] = []
-    inverse = []
-    for i, entry in enumerate(objects):
-        equal = (k for k, j in enumerate(unique) if entry == objects[j])
-        inverse.append(next(equal, len(unique)))
-        if inverse[-1] == len(unique):
-            unique.append(i)
-    return unique, tuple(inverse)
-
-
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
     """A muscle's contraction [-] at the plates' `strain` [-]; `ratio`: $L/L_i$ [-], (B7)."""
     return 1 - ratio * (1 - strain)
@@ -241,7 +215,7 @@ def plate_strain(ratio: Batch, strain: Batch) -> Batch:
 
 
 def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
-    """Distance [m] between the plates at rest, or `None` if all muscles are as long.
+    """Distance between the plates at rest [m], or `None` if all muscles are as long.
 
     **Arguments:** `length`: the distance [m], or `None` for the muscles' common length;
     `muscles`: between the plates.
@@ -251,8 +225,16 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
     """
     lengths = [muscle.length for muscle in muscles]
     if length is None:
-        if is_concrete(*lengths):
-            _check_equal([np.asarray(x) for x in lengths])
+        for i, muscle_length in enumerate(lengths[1:] if is_concrete(*lengths) else (), start=2):
+            if not np.allclose(muscle_length, lengths[0], rtol=1e-9, atol=0):  # a file's decimals
+                first, largest = (float(np.max(x)) for x in (lengths[0], muscle_length))
+                raise InvalidInputError(
+                    "motor_units",
+                    "must hold muscles of one length, or `length` say how far apart the plates are"
+                    " at rest, in m",
+                    largest,
+                    shown=f"{first:g} m in unit 1 and {largest:g} m in unit {i}",
+                )
         return None
     L = check_size(length, "length")
     if not is_concrete(L, *lengths):
@@ -264,9 +246,9 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
     return L
 
 
-def plate_strain_in_domain(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Batch:
-    """The plates' `strain` [-] as floats, checked against the domain of each muscle; `length`: of
-    the plates' distance at rest [m].
+def check_plate_strain(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Batch:
+    """Plates' `strain` [-] as floats, refused outside the domain of any of the `muscles`; `length`:
+    distance of the plates at rest [m].
     """
     if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return traced_floats(strain)
@@ -278,7 +260,7 @@ def plate_strain_in_domain(strain: Values, length: Batch, muscles: Sequence[Musc
 
 
 def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
-    """Refuse muscles of which one is overstretched before another one is even taut."""
+    """Refuse muscles of which one is overstretched before another is taut."""
     longest = reduce(np.maximum, [np.asarray(m.length) for m in muscles], np.asarray(length))
     for i, muscle in enumerate(muscles, start=1):
         straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
@@ -290,18 +272,4 @@ def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
                 float(np.max(longest)),
                 "take lengths that are nearer to each other",
                 shown=f"{float(np.max(longest)):g} m",
-            )
-
-
-def _check_equal(lengths: Sequence[np.ndarray]) -> None:
-    first = lengths[0]
-    for i, length in enumerate(lengths[1:], start=2):
-        if not np.allclose(length, first, rtol=1e-9, atol=0):  # a file's decimals
-            raise InvalidInputError(
-                "motor_units",
-                "must hold muscles of one length, or `length` say how far apart the plates are at"
-                " rest, in m",
-                float(np.max(length)),
-                shown=f"{float(np.max(first)):g} m in unit 1 and {float(np.max(length)):g} m in"
-                f" unit {i}",
             )

@@ -142,21 +142,21 @@ def solutions_table(solutions: Any) -> ReprTable:
     return ReprTable(f"Solutions, {len(rows)}", (), heads, rows, notes)
 
 
-def space_table(space: Any) -> ReprTable:
+def workspace_table(workspace: Any) -> ReprTable:
     """Largest force and strain that each recruitment state reaches."""
     facts = [
-        ("scheme", space.scheme),
-        ("supply pressure", _format_pressure(space.supply_pressure)),
-        ("throttled to", format_range(space.level, _format_pressure)),
-        ("strains", format_range(space.strain, "{:.4f}".format)),
+        ("scheme", workspace.scheme),
+        ("supply pressure", _format_pressure(workspace.supply_pressure)),
+        ("throttled to", format_range(workspace.level, _format_pressure)),
+        ("strains", format_range(workspace.strain, "{:.4f}".format)),
     ]
     rows = []
-    for state, high in enumerate(space.high, start=1):
-        pulls = space.strain[high > -_ROUNDING * np.max(high)]
+    for state, high in enumerate(workspace.high, start=1):
+        pulls = workspace.strain[high > -_ROUNDING * np.max(high)]
         strain = np.max(pulls, initial=0.0)
         rows.append([str(state), format_number(np.max(high)), f"{strain:.4f}"])
     heads = ("state", "largest force N", "pulls to strain")
-    return ReprTable("Force-strain space", facts, heads, rows)
+    return ReprTable("Workspace", facts, heads, rows)
 
 
 def reversal_table(reversal: Any) -> ReprTable:
@@ -171,6 +171,26 @@ def reversal_table(reversal: Any) -> ReprTable:
         ("jump", "yes, it turns at one" if reversal.jump else "no"),
     ]
     return ReprTable("Reversal of the free strain", facts)
+
+
+def efficiency_table(efficiencies: Any) -> ReprTable:
+    """Range, average and best of an efficiency map."""
+    eta, force, strain = efficiencies.efficiency, efficiencies.force, efficiencies.strain
+    covered = np.isfinite(eta)
+    facts = [
+        ("path", efficiencies.path),
+        ("reached", f"{np.sum(covered)} of {eta.size} points"),
+        ("forces", format_range(force, lambda F: f"{format_number(F)} N")),
+        ("strains", format_range(strain, "{:.4f}".format)),
+    ]
+    if np.any(covered):
+        row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
+        point = f"at {format_number(force[row])} N, strain {strain[column]:.4f}"
+        facts += [
+            ("average", f"{efficiencies.average:.4f}"),
+            ("best", f"{np.nanmax(eta):.4f} {point}"),
+        ]
+    return ReprTable("Efficiency", facts)
 
 
 def _format_count(unit: Any) -> str:

@@ -1,66 +1,60 @@
-r"""Recruitment: the pressures of motor units in each recruitment state, and for a force.
+r"""Recruitment: the pressures and the workspace of each recruitment state, and overlaps of two.
 
-A scheme says which units are held at supply pressure in recruitment state $k$ and which
-are throttled: *orderly* recruitment holds $1 \dots k-1$ and throttles unit $k$, *batch*
-recruitment gives all of $1 \dots k$ one pressure, *free* recruitment has one state, in
-which each unit has a pressure of its own. `space` is the region that they reach, `recruit` the
-inverse, from a force to the pressures that give it.
+A scheme says which units are held at supply pressure in recruitment state $k$ and which are
+throttled: *orderly* recruitment holds $1 \dots k-1$ and throttles unit $k$, *batch* recruitment
+gives all of $1 \dots k$ one pressure, *free* recruitment has one state, in which each unit has a
+pressure of its own. As the throttled pressure goes from zero to the supply's, a state sweeps a
+region of the force-strain plane; together the regions are the bundle's workspace. With resistance
+the force isn't monotone in that pressure, so a region's edges are the least and the largest force
+over all pressures, and regions of different states overlap: points that two states reach.
 
-**Source:** Kim, Mazzoleni and Bryant (2021), section 4, Fig. 8.
+**Resolution:** regions are taken over a fixed number of pressures; their edges are exact
+where the force is linear in pressure, that is, wherever the muscle pulls.
+**Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
 """
 
-from collections.abc import Callable
-from functools import cache, partial
-from typing import Any
+from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, where
 from ..core.errors import InvalidInputError
 from ..core.lazy import attach_lazy
-from ..core.module import tree_map
-from ..core.roots import guarded, stop_gradient
-from ..core.types import Float, Numbers, Values
-from ..core.validation import (
-    broadcast_shape,
-    check_choice,
-    check_finite,
-    is_concrete,
-    match_array_type,
-    to_si,
-)
-from .bundle import Bundle, resolve_scheme, resolve_supply_pressure
-from .efficiency import unit_volume_change
-from .force_curves import StateCurves
-from .inverse import (
-    REACHED,
-    SLOTS_PER_STATE,
+from ..core.types import Float, Values
+from ..core.validation import check_interval, has_units, to_si
+from ..repr_table import with_table_repr
+from .bundle import (
+    Bundle,
     RecruitmentResult,
     Solutions,
-    minimum_energy_pressures,
-    solve_inverse,
+    distinct_units,
+    resolve_scheme,
+    resolve_supply_pressure,
 )
-from .pressurized import pressurized, unique_indices
+from .inverse import recruit
+from .printing import workspace_table
 from .schemes import AbstractScheme, scheme_of
-from .states import States, states_of
-from .workspace import Overlap, Space, overlap, space
+from .states import overlap_edges, states_of
 
 
 __all__ = [
     "Overlap",
     "RecruitmentResult",
     "Solutions",
-    "Space",
+    "Workspace",
     "overlap",
     "pressures_of",
     "recruit",
-    "space",
+    "workspace",
 ]
-__getattr__, _ = attach_lazy(__name__, {}, renamed={"Recruited": "RecruitmentResult"})
+# names of the last release
+_RENAMED = {"Recruited": "RecruitmentResult", "Space": "Workspace", "space": "workspace"}
+__getattr__, _ = attach_lazy(__name__, {}, renamed=_RENAMED)
 
-PREFERENCES = ("efficiency", "nearest")
-_MAX_PAIRS = 2**22  # of a set of units and a demand at once: some 0.2 GB
-_BATCH = 2**13  # demands at once, of independent units
+_LEVELS = 241  # pressures over which a region's edges are taken: 0.4 % of the supply apart
+_TOUCH = 1e-9  # of the largest force: regions that share an edge alone differ by rounding
+Forces = Float[np.ndarray, "state strain"]
+Outline = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]
 
 
 def pressures_of(
@@ -94,206 +88,131 @@ def pressures_of(
     return np.where(throttled, level, np.where(full, supply, 0.0))
 
 
-def recruit(
+@with_table_repr(workspace_table)
+@dataclass(frozen=True)
+class Workspace:
+    """Region of forces and strains that each recruitment state of a bundle reaches.
+
+    `force` [N] at constant throttled pressures, over state, `level` [Pa] and `strain` [-]; `low`
+    and `high` [N], over state and strain: the edges of each state's region.
+    """
+
+    scheme: str
+    supply_pressure: float
+    strain: Float[np.ndarray, " strain"]
+    level: Float[np.ndarray, " level"]
+    force: Float[np.ndarray, "state level strain"]
+    low: Forces
+    high: Forces
+
+    def outline(self, state: int) -> Outline:
+        """Outline of the region of a `state`, counted from 1: strain [-] and force [N]; at zero
+        force where the bundle would push.
+        """
+        low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
+        return _outline(self.strain, low, high, self.high[state - 1] >= 0)
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Points that two states reach, a row for each pair of `states`, counted from 1: edges `low`
+    and `high` [N] over `strain` [-] (NaN where there is no overlap), and the `area` [N].
+    """
+
+    states: tuple[tuple[int, int], ...]
+    strain: Float[np.ndarray, " strain"]
+    low: Float[np.ndarray, "pair strain"]
+    high: Float[np.ndarray, "pair strain"]
+    area: Float[np.ndarray, " pair"]
+
+    @property
+    def width(self) -> Float[np.ndarray, "pair strain"]:
+        """Height of the overlap in force [N] at each strain, zero where there is none."""
+        return np.nan_to_num(self.high - self.low)
+
+    def outline(self, pair: int) -> Outline:
+        """Outline of the overlap in row `pair`: strain [-] and force [N]; empty without one."""
+        low, high = self.low[pair], self.high[pair]
+        return _outline(self.strain, low, high, np.isfinite(low))
+
+
+def _outline(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
+    strain, low, high = strain[inside], low[inside], high[inside]
+    return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
+
+
+def workspace(
     bundle: Bundle,
-    force: Values,
-    strain: Values,
-    supply: Values = None,
-    scheme: AbstractScheme | str | None = None,
-    prefer: str = "efficiency",
-    *,
-    present: Values = None,
+    supply_pressure: Values = None,
+    levels: Values = 7,
+    strain: Values = None,
     resistance: bool = True,
-) -> RecruitmentResult:
-    """State and pressures that give a force at a strain, equation (B9).
+    scheme: AbstractScheme | str | None = None,
+) -> Workspace:
+    """Region of forces and strains that every recruitment state reaches.
 
     **Arguments:**
 
     - `bundle`: the bundle.
-    - `force`: the demanded pulling force [N].
-    - `strain`: the bundle's contraction [-]; broadcasts against `force`.
-    - `supply`: the supply's pressure [Pa], one for all; by default the bundle's own.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
-    - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
-      "nearest" for the one whose pressures are nearest to `present`.
-    - `present`: the present pressures [Pa], units on the last axis; the rest broadcasts.
+    - `supply_pressure`: [Pa]; by default the bundle's own.
+    - `levels`: throttled pressures of the curves [Pa], or their number, evenly from zero to
+      the supply's.
+    - `strain`: rising strains [-]; by default 201 from zero to the largest free strain.
     - `resistance`: units past their own free strain push back.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
-    **Returns:** `RecruitmentResult`: pressures [Pa], state, force [N], status and all solutions.
-    If the demanded force can't be reached, the nearest that can, and a status.
+    **Returns:** a `Workspace`: forces [N], strains [-], pressures [Pa].
 
-    **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
-    "nearest" without `present`.
+    **Raises:** `ValueError` for no supply pressure and values off the domain.
     """
+    supply = resolve_supply_pressure(bundle, supply_pressure)
     scheme = resolve_scheme(bundle, scheme)
-    check_choice(prefer, PREFERENCES, "prefer")
-    F = match_array_type(force, check_finite(force, "force", "N"))
-    eps = bundle._check_strain(strain)
-    supply = bundle.supply_pressure if supply is None else supply
-    if is_concrete(supply):  # a traced one can't be checked
-        supply = np.float64(resolve_supply_pressure(bundle, supply))
-    arrays: tuple[Numbers, ...] = (F, eps)
-    shapes = {"force": np.shape(F), "strain": np.shape(eps)}
-    if prefer == "nearest":
-        if scheme.independent:
-            raise InvalidInputError(
-                "prefer",
-                f"must be 'efficiency' with scheme {scheme.name!r}",
-                prefer,
-                "its units' pressures are free: there is no list of solutions of which one is the"
-                " nearest",
-            )
-        if present is None:
-            raise InvalidInputError(
-                "present",
-                "must be given in Pa with `prefer` 'nearest'",
-                None,
-                f"pass a pressure for each of the {len(bundle.motor_units)} motor units",
-            )
-        arrays = (F, eps, bundle._check_pressures(present))
-        shapes["present"] = np.shape(arrays[2])[:-1]
-    shape, units = broadcast_shape(**shapes), len(bundle.motor_units)
-    solve = _solve if bundle.is_numpy and is_numpy(supply, *arrays) else _solve_traced
-    xp = np if solve is _solve else _jax_numpy()
-    arrays = tuple(xp.broadcast_to(x, shape) for x in arrays[:2]) + tuple(
-        xp.broadcast_to(x, (*shape, units)) for x in arrays[2:]
-    )
-    return solve(bundle, supply, *arrays, scheme=scheme, resistance=bool(resistance))
+    if has_units(levels):
+        levels = np.atleast_1d(to_si(levels, "levels", "Pa"))
+    if np.ndim(levels) == 0:
+        levels = np.linspace(0.0, supply, int(levels))
+    levels = np.asarray(check_interval(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
+    if strain is None:
+        full = np.full(len(bundle.motor_units), supply)
+        strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
+    strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
+    states = states_of(scheme, len(bundle.motor_units))
+    fine = np.union1d(np.linspace(0.0, supply, _LEVELS), levels)
+    region = unit_tables(bundle, supply, fine, strain, resistance)
+    curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
+    return Workspace(scheme.name, supply, strain, levels, curves, *states.edges(*region))
 
 
-def _jax_numpy() -> Any:
-    import jax.numpy as jnp
+def overlap(workspace: Workspace) -> Overlap:
+    """Overlaps of the regions of two states, at forces of zero and above.
 
-    return jnp
+    **Arguments:** `workspace`: that of a bundle.
 
-
-def _solve(
-    bundle: Bundle,
-    supply: Any,
-    force: np.ndarray,
-    strain: np.ndarray,
-    *present: np.ndarray,
-    scheme: AbstractScheme,
-    resistance: bool,
-) -> RecruitmentResult:
-    """Result for demands of one shape, by NumPy."""
-    shape, units = np.shape(force), len(bundle.motor_units)
-    F, eps = (np.reshape(x, -1) + 0.0 for x in (force, strain))
-    states = states_of(scheme, units)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        curves = _cached_curves(bundle, float(supply), states, resistance)
-        if states.independent:
-            volume = unit_volume_change(bundle, eps)
-            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
-            size = max(1, min(_BATCH, _MAX_PAIRS // sets.size))
-            parts = [
-                minimum_energy_pressures(curves, F[batch], eps[batch], volume[batch], sets, owner)
-                for batch in (slice(i, i + size) for i in range(0, max(1, F.size), size))
-            ]
-            result = tree_map(lambda *x: np.concatenate(x), *parts)
-        else:
-            pressures = present[0].reshape(-1, units) if present else None
-            # otherwise the order of states is that of their energies
-            volume = None if states.nested else unit_volume_change(bundle, eps)
-            result = solve_inverse(curves, F, eps, states, pressures, volume)
-    return tree_map(lambda x: x.reshape((*shape, *x.shape[1:]))[()], result)
-
-
-def _cached_curves(bundle: Bundle, supply: float, states: States, resistance: bool) -> StateCurves:
-    """Force curves at a `supply` [Pa], kept with the bundle: they take longer than a demand."""
-    cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
-    curves = cache.get(key)
-    if curves is None or curves.supply != supply or curves.scheme_states is not states:
-        curves = cache[key] = StateCurves(bundle, supply, states, resistance)
-    return curves
-
-
-def _solve_traced(
-    bundle: Bundle,
-    supply: Any,
-    force: Any,
-    strain: Any,
-    *present: Any,
-    scheme: AbstractScheme,
-    resistance: bool,
-) -> RecruitmentResult:
-    """Result for demands with arrays of JAX's: solved by NumPy, with derivatives by JAX."""
-    import jax
-
-    states, shape = states_of(scheme, len(bundle.motor_units)), np.shape(force)
-    slots = 1 if states.independent else SLOTS_PER_STATE * states.size + 2
-
-    def solve(*arguments: Any) -> RecruitmentResult:
-        # in single precision only arguments and results are; the search itself is not
-        arguments = tree_map(
-            lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), arguments
-        )
-        result = _solve(*arguments, scheme=scheme, resistance=resistance)
-        result = result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
-        return tree_map(lambda x, shape: np.asarray(x, shape.dtype), result, shapes)
-
-    def array_spec(kind: type, *columns: int) -> Any:
-        return jax.ShapeDtypeStruct((*shape, *columns), jax.dtypes.canonicalize_dtype(kind))
-
-    solutions = Solutions(*(array_spec(kind, slots) for kind in (float, int, bool)))
-    shapes = RecruitmentResult(
-        pressures=array_spec(float, len(bundle.motor_units)),
-        state=array_spec(int),
-        force=array_spec(float),
-        status=array_spec(int),
-        stable=array_spec(bool),
-        solutions=solutions,
-        count=array_spec(int),
-        unit=array_spec(int),
-    )
-    arguments = stop_gradient((bundle, supply, force, strain, *present))
-    result = jax.pure_callback(solve, shapes, *arguments, vmap_method="sequential")
-    return _derivatives_for(scheme, resistance)(bundle, force, strain, supply, result)
-
-
-@cache
-def _derivatives_for(scheme: AbstractScheme, resistance: bool) -> Callable[..., RecruitmentResult]:
-    import jax
-
-    return jax.jit(partial(_attach_derivatives, scheme=scheme, resistance=resistance))
-
-
-def _attach_derivatives(
-    bundle: Bundle,
-    force: Any,
-    strain: Any,
-    supply: Any,
-    result: RecruitmentResult,
-    scheme: AbstractScheme,
-    resistance: bool,
-) -> RecruitmentResult:
-    r"""A result with its derivatives, by one step of Newton's from the root of (B9),
-
-    $$\mathrm{d}p = (\mathrm{d}F_d - \mathrm{d}F|_p)/(\partial F/\partial p), \tag{B12}$$
-
-    where $p$ is the pressure that the throttled units share. The others stay at their fraction of
-    the supply, and so do throttled units if the demand wasn't reached.
+    **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
     """
-    import jax
+    pairs = tuple(combinations(range(1, len(workspace.low) + 1), 2))
+    shape = (len(pairs), len(workspace.strain))
+    low, high = np.full(shape, np.nan), np.full(shape, np.nan)
+    for row, pair in enumerate(pairs):
+        bottom, top = overlap_edges(*((workspace.low[k - 1], workspace.high[k - 1]) for k in pair))
+        inside = top - bottom > _TOUCH * np.abs(workspace.high).max()
+        low[row, inside], high[row, inside] = bottom[inside], top[inside]
+    area = np.trapezoid(np.nan_to_num(high - low), workspace.strain, axis=1)
+    return Overlap(pairs, workspace.strain, low, high, area)
 
-    units, states = len(bundle.motor_units), states_of(scheme, len(bundle.motor_units))
-    throttled = np.arange(units) == result.unit[..., None] - 1
-    if not states.independent:
-        throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
 
-    def total(bundle: Bundle, pressures: Any, strain: Any) -> Any:
-        forces, _ = pressurized(bundle, pressures).unit_forces(strain)
-        return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
-
-    P = result.pressures / stop_gradient(supply) * supply
-    value = total(bundle, P, strain)
-    constant, eps = stop_gradient((bundle, strain))
-    slope = jax.jvp(lambda p: total(constant, p, eps), (stop_gradient(P),), (1.0 * throttled,))[1]
-    is_reached = result.status == REACHED
-    moves = is_reached & (slope != 0)
-    miss = where(moves, force - value, 0.0)
-    step = (miss - stop_gradient(miss)) / guarded(moves, slope)
-    return result._replace(
-        pressures=P + where(throttled, step[..., None], 0.0),
-        force=where(is_reached, force + stop_gradient(result.force - force), value),
-    )
+def unit_tables(
+    bundle: Bundle,
+    supply_pressure: float,
+    levels: Float[np.ndarray, " level"],
+    strain: Float[np.ndarray, " strain"],
+    resistance: bool,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force of every unit [N] at each of `levels` [Pa], with level, strain and unit axes, and at no
+    and at full pressure, without levels: the arguments of `States.sums` and `States.edges`.
+    """
+    distinct, inverse = distinct_units(bundle)
+    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None]
+    pressures = pressures * np.ones(len(distinct.motor_units))
+    table = np.asarray(distinct.unit_forces(pressures, strain, resistance))[..., inverse]
+    return table[:-2], table[-2], table[-1]

@@ -24,7 +24,7 @@ from .printing import reversal_table
 from .recruitment import pressures_of
 
 
-_GRID = 129  # pressures of each bracket, between which the fall or the onset is narrowed down
+_GRID = 129  # pressures of each bracket: fine enough for a fall or an onset not to slip through
 _ZOOMS = 6  # each narrows the bracket 64 times: to the last bits of a pressure
 _NO_FALL = 1e-12  # of strain: rounding of two roots
 _JUMP = 1e-6  # of strain: a bracket of 1e-9 of the supply is too narrow for a smooth curve to rise
@@ -33,8 +33,10 @@ _JUMP = 1e-6  # of strain: a bracket of 1e-9 of the supply is too narrow for a s
 @with_table_repr(reversal_table)
 @dataclass(frozen=True)
 class Reversal:
-    """`pressure` [Pa] at the turn, `free_strain` [-] there and at no pressure (`initial`),
-    `depth` [-] between them; `jump`: the free strain jumps at the turn.
+    """Turn of a bundle's free strain as a unit's pressure rises.
+
+    `pressure` [Pa] and `free_strain` [-] at the turn; `initial`: free strain at no pressure [-];
+    `depth`: fall between the two [-]; `jump`: the free strain jumps at the turn.
     """
 
     pressure: float

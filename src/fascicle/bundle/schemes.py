@@ -1,10 +1,10 @@
 """Recruitment schemes: the motor units that each recruitment state pressurizes.
 
 A scheme is a list of states. In each, some units are held at full supply pressure, some are
-throttled between none and it, and the rest is vented. Forces, work, pressures, the inverse, the
-evaluation of designs, the command line's choices and the explorer's all read that list.
-Arguments named `scheme` take a name or an object; files and the command line know the names in
-`SCHEMES`. This module imports nothing slow: the command line's help shows the names.
+throttled between zero and supply pressure, and the others are vented. Bundles, designs, the command
+line and the explorer use that list. Arguments named `scheme` take a name or an object; files and
+the command line know the names in `SCHEMES`. This module imports no NumPy, since the command line's
+help shows the names.
 
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4, Fig. 8, for orderly and batch.
 """
@@ -28,7 +28,7 @@ class State(NamedTuple):
 class AbstractScheme(ABC):
     """Order in which a bundle's motor units are pressurized; equals its `name` and prints as it.
 
-    `independent`: every throttled unit of a state has a pressure of its own; else they share one.
+    `independent`: each throttled unit of a state has a pressure of its own; else they share one.
     """
 
     name: ClassVar[str]
@@ -40,7 +40,7 @@ class AbstractScheme(ABC):
 
     @property
     def about(self) -> str:
-        """First sentence of the scheme's docstring."""
+        """Description of the scheme, the first sentence of its docstring."""
         return " ".join((self.__doc__ or "").split()).split(". ")[0].rstrip(".")
 
     def __eq__(self, scheme: object) -> bool:
@@ -85,7 +85,7 @@ def register(scheme: type[Scheme]) -> type[Scheme]:
 
 @register
 class Orderly(AbstractScheme):
-    """Unit after unit: those before it at supply pressure, one throttled, those after it vented."""
+    """Unit after unit: earlier units at supply pressure, one throttled, later ones vented."""
 
     name = "orderly"
 
@@ -96,7 +96,7 @@ class Orderly(AbstractScheme):
 
 @register
 class Batch(AbstractScheme):
-    """More and more units together: those pressurized share one throttled pressure."""
+    """More and more units together: pressurized units share one throttled pressure."""
 
     name = "batch"
 
@@ -107,7 +107,7 @@ class Batch(AbstractScheme):
 
 @register
 class Free(AbstractScheme):
-    """Any unit at any pressure: of all that give a force, those that take least fluid energy."""
+    """Any unit at any pressure: of all pressures that give a force, those of least fluid energy."""
 
     name = "free"
     independent = True
@@ -120,12 +120,12 @@ class Free(AbstractScheme):
 def scheme_of(
     scheme: AbstractScheme | str | type[AbstractScheme], argument: str = "scheme"
 ) -> AbstractScheme:
-    """A `scheme` by its name or as an object, given as an `argument`; `ValueError` for an unknown
-    name (the nearest is suggested) and for a class.
+    """Scheme by name or as an object; `argument`: name of the argument that an error reports.
+    `ValueError` for an unknown name (the nearest is suggested) and for a class.
     """
     if isinstance(scheme, AbstractScheme):
         return scheme
-    from ..core.validation import check_choice  # imports JAX, which help does without
+    from ..core.validation import check_choice  # imports NumPy
 
     if isinstance(scheme, type):
         remedy, description = f"write {scheme.__name__}()", f"the class {scheme.__name__}"
@@ -136,7 +136,7 @@ def scheme_of(
 
 
 def serializable_name(scheme: AbstractScheme) -> str:
-    """Name by which a file can refer to a `scheme`; `ValueError` for one that isn't registered."""
+    """Name that a file has for a `scheme`; `ValueError` for one that isn't registered."""
     if SCHEMES.get(scheme.name) != scheme:
         raise InvalidInputError(
             "scheme",
@@ -149,6 +149,8 @@ def serializable_name(scheme: AbstractScheme) -> str:
 
 
 def format_names(quote: str = "", start: int = 0) -> str:
-    """Names as text, such as "orderly, batch or free", each in a `quote`, from a `start` on."""
+    """Names of the schemes as text, such as "orderly, batch or free", each between quotes `quote`,
+    from index `start` on.
+    """
     *first, last = (f"{quote}{name}{quote}" for name in list(SCHEMES)[start:])
     return f"{', '.join(first)} or {last}" if first else last

@@ -7,7 +7,7 @@ $$X_k(u) = \sum_u f_{ku} X_u(1) + o_{ku} X_u(0) + t_{ku} X_u(u) \tag{B10}$$
 
 at the throttled level $u = p/P_s$. A state's region lies between the least and the largest of it
 over the level that its throttled units share; if each has its own, between the sums of least
-and of largest. Bundles, their efficiency and designs all read it here.
+and of largest. Bundles, their efficiency and designs use it.
 """
 
 from collections.abc import Sequence
@@ -30,8 +30,9 @@ StateMask = Bool[np.ndarray, " state"]
 
 
 class States(NamedTuple):
-    """Masks of the units at `full` supply pressure and of those `throttled` in each state;
-    `independent`: the latter have a pressure each. `scheme`: name of their scheme.
+    """Masks of the units at `full` supply pressure and of those `throttled` in each state.
+
+    `independent`: each throttled unit has a pressure of its own; `scheme`: name of the scheme.
     """
 
     full: Masks
@@ -41,7 +42,7 @@ class States(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Number of states [-]."""
+        """Number of states."""
         return len(self.full)
 
     @property
@@ -56,22 +57,17 @@ class States(NamedTuple):
 
     @property
     def throttled_unit(self) -> Int[np.ndarray, " state"]:
-        """First unit that each state throttles, counted from 0 [-]."""
+        """First unit that each state throttles, counted from 0."""
         return self.throttled.argmax(axis=1)
 
     @property
-    def single(self) -> bool:
-        """True if every state throttles a single unit."""
-        return bool(np.all(self.throttled.sum(axis=1) == 1))
-
-    @property
     def separable(self) -> bool:
-        """True if no two units share a pressure: a state's edges are sums of its units' own."""
-        return self.single or self.independent
+        """True if no two units share a pressure: then a state's edges are sums of its units'."""
+        return self.independent or bool(np.all(self.throttled.sum(axis=1) == 1))
 
     @property
     def order(self) -> Int[np.ndarray, " unit"]:
-        """Units in the order of their recruitment [-]."""
+        """Indices of the units in the order of their recruitment."""
         pressurized = self.pressurized
         first = np.where(pressurized.any(axis=0), pressurized.argmax(axis=0), self.size)
         return np.argsort(first, kind="stable")
@@ -100,11 +96,8 @@ class States(NamedTuple):
     @property
     def owns_endpoints(self) -> tuple[StateMask, StateMask]:
         """Masks of the states whose beginning, and whose end, is no earlier state's."""
-        endpoints = [
-            row.tobytes()
-            for pair in zip(self.full, self.pressurized, strict=True)
-            for row in pair
-        ]  # fmt: skip
+        pairs = np.stack([self.full, self.pressurized], axis=1)
+        endpoints = [row.tobytes() for pair in pairs for row in pair]
         new = np.array([row not in endpoints[:i] for i, row in enumerate(endpoints)])
         return new[::2], new[1::2]
 
@@ -122,13 +115,13 @@ class States(NamedTuple):
         return where(full, supply, where(throttled, xp.asarray(level * supply)[..., None], 0.0))
 
     def sums(self, throttled: Numbers, vented: Numbers, full: Numbers) -> Numbers:
-        """Sum over units in every state, (B10); units of an independent state have one level.
+        """Sum over units in every state, (B10); independent units of a state have one level.
 
         **Arguments:**
 
-        - `throttled`: of each unit at every level, which are first; units last [SI].
+        - `throttled`: of each unit at every level, levels first, units last [SI].
         - `vented`: of each unit at no pressure [SI].
-        - `full`: of each unit at the supply's [SI].
+        - `full`: of each unit at supply pressure [SI].
 
         **Returns:** sums [SI], states on a new first axis.
         """
@@ -143,25 +136,27 @@ class States(NamedTuple):
         **Returns:** both [SI], without an axis of levels.
         """
         xp, fixed = array_namespace(throttled, vented, full), self._fixed_sum(vented, full)
-        if self.independent:
-            edges = [self._throttled_sum(pick(throttled, axis=0)) for pick in (xp.min, xp.max)]
-        else:
-            edges = [pick(self._throttled_sum(throttled), axis=0) for pick in (xp.min, xp.max)]
-        low, high = (xp.moveaxis(fixed + edge, -1, 0) for edge in edges)
-        return low, high
+        edges = []
+        for pick in (xp.min, xp.max):
+            if self.independent:
+                edge = self._throttled_sum(pick(throttled, axis=0))
+            else:
+                edge = pick(self._throttled_sum(throttled), axis=0)
+            edges.append(xp.moveaxis(fixed + edge, -1, 0))
+        return edges[0], edges[1]
 
     def sets(
         self, kinds: Sequence[int] | None = None, max_sets: int = MAX_SETS
     ) -> tuple["States", Int[np.ndarray, " set"]]:
-        """All that differ in (29): the states, and if units are independent every choice of
-        pressurized units, few before many.
+        """Sets of pressurized units, which differ in their fluid energy (29): those of the states,
+        and if units are independent every choice of them, few units before many.
 
         **Arguments:**
 
-        - `kinds`: kind of each unit; of one kind the first units are pressurized.
-        - `max_sets`: largest number of sets [-].
+        - `kinds`: index of each unit's kind; of equal units the first are pressurized.
+        - `max_sets`: largest number of sets.
 
-        **Returns:** a state for each set, and the index of its state among these.
+        **Returns:** a state for each set, and the index of the state that each set belongs to.
 
         **Raises:** `ValueError` for too many sets.
         """
@@ -200,7 +195,7 @@ class States(NamedTuple):
 
     def _throttled_sum(self, values: Numbers) -> Numbers:
         """Sum over each state's throttled units, states last."""
-        if self.single:
+        if np.all(self.throttled.sum(axis=1) == 1):
             return values[..., self.throttled_unit]
         return values @ self.throttled.T.astype(float)
 
@@ -208,8 +203,8 @@ class States(NamedTuple):
 def overlap_edges(
     first: tuple[Numbers, Numbers], second: tuple[Numbers, Numbers]
 ) -> tuple[Numbers, Numbers]:
-    """Least and largest force [N], zero or more, that two states share, from their edges [N]; the
-    least is the larger if they don't overlap.
+    """Least and largest force [N] that two states both reach, zero or more, from the edges of each
+    [N]; the least is the larger if they don't overlap.
     """
     return maximum(maximum(first[0], second[0]), 0.0), minimum(first[1], second[1])
 
@@ -217,13 +212,8 @@ def overlap_edges(
 @cache
 def states_of(scheme: AbstractScheme, units: int) -> States:
     """States of a `scheme` for so many motor `units`; `ValueError` for impossible ones."""
-    states = list(scheme.states(units))
-    if not states:
-        raise InvalidInputError(
-            "scheme", f"{scheme.name!r} has no state for {units} motor units", scheme, shown=""
-        )
-    masks = np.zeros((2, len(states), units), bool)
-    for k, state in enumerate(states):
+    masks: list[list[np.ndarray]] = []
+    for k, state in enumerate(scheme.states(units), start=1):
         full, throttled = map(list, state)
         members, rule = full + throttled, ""
         if not throttled or len(set(members)) < len(members):
@@ -231,20 +221,21 @@ def states_of(scheme: AbstractScheme, units: int) -> States:
         elif any(not 0 <= unit < units for unit in members):
             rule = f"name units of 0 to {units - 1}"
         if rule:
-            raise InvalidInputError(
-                "scheme",
-                f"{scheme.name!r} must {rule} in state {k + 1}",
-                state,
-                shown=f"full {full} and throttled {throttled}",
-            )
-        masks[0, k, full], masks[1, k, throttled] = True, True
-    return States(masks[0], masks[1], scheme.independent, scheme.name)
+            rule = f"{scheme.name!r} must {rule} in state {k}"
+            description = f"full {full} and throttled {throttled}"
+            raise InvalidInputError("scheme", rule, state, shown=description)
+        masks.append([np.isin(np.arange(units), index) for index in (full, throttled)])
+    if not masks:
+        rule = f"{scheme.name!r} has no state for {units} motor units"
+        raise InvalidInputError("scheme", rule, scheme, shown="")
+    full_mask, throttled_mask = map(np.array, zip(*masks, strict=True))
+    return States(full_mask, throttled_mask, scheme.independent, scheme.name)
 
 
 @cache
 def is_prefix_consistent(scheme: AbstractScheme, units: int) -> bool:
-    """True if a bundle of fewer units has the first states of one of so many `units`: it counts as
-    one whose last units have no muscles.
+    """True if fewer units have the first states of so many `units`: then a bundle of fewer counts
+    as one whose last units have no muscles.
     """
     states = states_of(scheme, units)
     for fewer in range(1, units):

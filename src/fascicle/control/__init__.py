@@ -21,9 +21,9 @@ from .metrics import controlled_output as controlled_output
 from .metrics import front as front
 from .metrics import reachability as reachability
 from .policies import POLICIES as POLICIES
+from .policies import PolicyChoice as PolicyChoice
 from .policies import cascade as cascade
-from .policy_selection import PolicyChoice as PolicyChoice
-from .policy_selection import select_policy as select_policy
+from .policies import select_policy as select_policy
 from .transition import Transition as Transition
 from .transition import gain as gain
 from .transition import needed_reserve as needed_reserve

@@ -1,7 +1,7 @@
 r"""A motor unit's rising branch as a table: from pressure to force and back, in microseconds.
 
-Past its free strain a muscle that is fed resists more before it pulls: at a strain $\varepsilon$
-its force is back to that of an empty one at the onset $p_{on}(\varepsilon)$, the last pressure at
+Past its free strain a pressurized muscle resists more before it pulls: at a strain $\varepsilon$
+its force is back to that of a vented one at the onset $p_{on}(\varepsilon)$, the last pressure at
 which $F(p, \varepsilon) = F(0, \varepsilon)$, and from there on it gains. On that branch, up to the
 supply's pressure, the inverse
 
@@ -49,12 +49,12 @@ class BranchPressure(NamedTuple):
 
 
 class Branches(Module):
-    """Rising branches of a bundle's motor units, made by `Branches.of(bundle, supply)`.
+    """Rising branches of a bundle's motor units, from `Branches.of(bundle, supply)`.
 
-    `muscles`: tables of one muscle of each unit. `top`: the pressure at which branches end [Pa]. Of
-    each unlike muscle at its table's strains: `onsets` [Pa], `dips` [N] and `dip_pressures` [Pa],
-    and the branch's `pressures` [Pa] at fractions of its force, even in √φ. Units are on the last
-    axis of arguments and results; a unit's force is that of a single muscle of it.
+    `muscles`: tables of one muscle of each unit; `top`: pressure at which branches end [Pa]. Of
+    each different muscle, at its table's strains: `onsets` [Pa], `dips` [N] and `dip_pressures`
+    [Pa], and the branch's `pressures` [Pa] at fractions of its force, even in √φ. Units are on the
+    last axis of arguments and results; forces are those of a single muscle.
     """
 
     muscles: Tables
@@ -166,7 +166,7 @@ class Branches(Module):
         return BranchPressure(where(inside, p, ends), status)
 
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
-        """Column of a `strain` [-], fraction of it [-], and index of the unlike muscle."""
+        """Column of the table at a `strain` [-], the fraction beyond it, and each unit's muscle."""
         xp = array_namespace(strain)
         low, high = self.muscles.table.strains
         columns = self.onsets.shape[-1] - 1

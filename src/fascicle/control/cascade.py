@@ -5,9 +5,9 @@ With the errors $e = r - q$ of the position and $e_F = F_r - F$ of the force,
 $$F_r = F_{load} + F_{friction} + k_p e + k_i \int e\,\mathrm{d}t - k_d \dot q, \qquad
   F_{demand} = F_r + k_F e_F + k_{Fi} \int e_F\,\mathrm{d}t: \tag{K2}$$
 
-what the load and friction take is fed forward, the damping acts on what is measured. A policy makes
-pressures of the demand, and each valve opens as the flow is that brings its chamber's content $m$
-there with a time constant $\tau$,
+forces of load and friction are fed forward, the damping acts on the measured velocity. A policy
+turns the demand into pressures, and each valve opens for the flow that brings its chamber's content
+$m$ there with a time constant $\tau$,
 
 $$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
   + \frac{\partial m}{\partial \varepsilon} \dot\varepsilon, \tag{K3}$$
@@ -19,9 +19,8 @@ that it needs
 $$\tau \ge 2 \left(\tau_v + \theta + \Delta t\right): \tag{K3a}$$
 
 damped by $\sqrt{1/2}$ where the valve alone is late, a phase margin of 61° where the measurement
-alone is. Integrals stand still while no unit can give what is asked of it in their
-direction. Of a joint each bundle gets half of the moment, over its pulley's radius, and a
-`co_contraction` on top.
+alone is. Integrals stand still while no unit can give more in their direction. Each bundle of a
+joint gets half of the moment, over its pulley's radius, and a `co_contraction` on top.
 
 **Sign:** as of the load's coordinate. **Source:** anti-windup by conditional integration: Åström
 and Hägglund (2006), Advanced PID Control; (K3) and (K3a) derived here, for an integrator with a lag
@@ -65,7 +64,7 @@ class Gains(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Memory of a controller: integrals of its errors [SI], the previous `demand` and its filtered
+    """Memory of a cascade: integrals of its errors [SI], the previous `demand` and its filtered
     `rate` [SI], the model's `friction` forces [N], the previous `reference` [SI], each bundle's
     policy, the `queue` of measurements [SI], the present `commands` [-], steps to `wait` until the
     next ones and steps since the start.

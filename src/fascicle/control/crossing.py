@@ -74,10 +74,12 @@ class Path(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """A hand-over: its `start` and `end` [s], the `time` $t_c$ that the next unit alone needs at
-    the end's strain [s], (X4); the `strain` [-], `dip` [N] and `onset_pressure` [Pa] at its end;
-    the `reserve` at its start [N]; the time from which the units before no longer suffice, `needed`
-    [s]; the `reason` why there is none. Missing values are `None`.
+    """Hand-over to the next unit.
+
+    `start` and `end` [s]; `time`: $t_c$, (X4), that the next unit alone needs at the end's strain
+    [s]; `strain` [-], `dip` [N] and `onset_pressure` [Pa] at the end; `reserve` at the start [N];
+    `needed`: time from which the units before no longer suffice [s]; `reason` why there is none.
+    Missing values are `None`.
     """
 
     start: float | None
@@ -108,7 +110,7 @@ class Crossing(NamedTuple):
 def hand_over_time(
     bundle: Bundle, strain: Values, valves: Any, unit: int = 2, supply_pressure: Values = None
 ) -> Numbers:
-    """Time in which a unit's valve feeds it to its onset, $t_c$ of equation (X4).
+    """Time in which a unit's valve fills it to its onset pressure, $t_c$ of equation (X4).
 
     **Arguments:**
 

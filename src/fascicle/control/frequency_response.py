@@ -18,7 +18,7 @@ $$W_{relief} = \frac{P_s \max Q}{\eta f}, \qquad
 `relief`, a pump of fixed displacement with the largest flow of that sine, the rest over a relief
 valve; `accumulator`, a switched one that charges an accumulator over a band $b$ above $P_s$, from
 which a reducer feeds the bundle; `sensing`, one that delivers the flow at the pressure $P_{top}$ of
-the highest unit that is fed and $c$ more.
+the highest unit that takes fluid and $c$ more.
 
 **Assumes** a supply of constant pressure, one overall efficiency $\eta$ everywhere, which real
 pumps don't have, and a sensing pump whose lower pressure still drives the flow: it is a bound.
@@ -48,11 +48,12 @@ _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop"
 
 
 class FrequencyResponse(NamedTuple):
-    """Response for each amplitude, in rows, and frequency: the `error`, root mean square over that
-    of the reference [-]; the fraction of moments that could be `reached` [-]; a period's useful
-    `work` [J]; the flow from the supply, `drawn` [kg/s], and the largest pressure of a unit that is
-    fed, `top` [Pa], with time on the last axis, `dt` [s] apart, over a `time` [s]; `trusted`, true
-    without a doubtful event.
+    """Response for each amplitude, in rows, and frequency.
+
+    `error`: root mean square over that of the reference [-]; `reached`: fraction of steps whose
+    reference was in reach [-]; useful `work` of a period [J]; flow `drawn` from the supply [kg/s]
+    and the largest pressure of a unit that takes fluid, `top` [Pa], with time on the last axis,
+    `dt` [s] apart, over a `time` [s]; `trusted`: true without a doubtful event.
     """
 
     amplitudes: Numbers

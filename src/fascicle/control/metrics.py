@@ -29,12 +29,13 @@ _EQUAL = 1e-6  # of the larger one: runs that differ by less are as good as each
 
 
 class ControlMetrics(NamedTuple):
-    """Metrics: the `drawdown` while the demand rose [SI], and the deepest `dip` of a unit at the
-    run's strains [N]; root mean square of the error, `rms`, and `largest_error` [SI]; the `lag`
-    with the least error [s]; `supply_energy` [J] and `fluid` [kg] from the supply; the number of
-    times that a unit was `recruited`; the number of `moments`, of those with an `unreachable`
-    demand, the `first` and `last` of them [s], nan if there are none, and the force or moment by
-    which they are out of reach at most, `short` [SI].
+    """Metrics of a controlled run.
+
+    `drawdown` while the demand rose [SI]; deepest `dip` of a unit at the run's strains [N]; root
+    mean square `rms` and `largest_error` of the error [SI]; `lag` with the least error [s];
+    `supply_energy` [J] and `fluid` [kg] from the supply; how often a unit was `recruited`. Of the
+    run's `moments`, the number of those whose demand was `unreachable`, the `first` and `last` of
+    them [s], nan if there are none, and the largest distance from reach, `short` [SI].
     """
 
     drawdown: float
@@ -194,8 +195,8 @@ def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
 
 
 def front(dips: Values, energies: Values) -> Marks:
-    """Front of runs by depth of the dip and energy: true if no other run is better in one of both
-    and as good in the other.
+    """Pareto front of runs by depth of the dip and energy: true for each run that no other run
+    beats in one of them without being worse in the other.
 
     **Arguments:**
 

@@ -1,10 +1,14 @@
-"""Policies by name, and controllers made of them."""
+r"""Policies by name, controllers with them, and the selection of a policy for a task.
+
+A dip of length $t_c$ hardly moves a load of mass $M$ on its muscles' stiffness $k$ while
+$t_c \sqrt{k/M} \ll 1$; derived here.
+"""
 
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +17,7 @@ from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
 from .cascade import DAMPED, FASTEST, Cascade, Gains
+from .crossing import Crossing, Path, crossing, hand_over_time
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
 from .units import Units
@@ -29,6 +34,9 @@ POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
 })  # fmt: skip
 OF = ("force", "position")
 _BAND = 0.02  # of the largest unit's force at rest: more than noise
+_HARMLESS = (
+    0.2  # of t_c √(k/M): below it a dip moves the load by 2 % of a lasting dip's way at most
+)
 
 
 def cascade(
@@ -66,7 +74,7 @@ def cascade(
 
     **Raises:** `InvalidInputError` for arguments that don't fit.
     """
-    create = POLICIES[check_choice(policy, POLICIES, "policy")]
+    policy_with_band = POLICIES[check_choice(policy, POLICIES, "policy")]
     check_choice(of, OF, "of")
     if plant.commands != plant.units:
         rule = "must have one command for each motor unit"
@@ -88,7 +96,7 @@ def cascade(
         "Pa", "of the supply", (False, True),
     ))  # fmt: skip
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
-    units = tuple(Units.of(plant, side) for side in range(len(plant.bundles)))
+    units = tuple(Units.from_plant(plant, side) for side in range(len(plant.bundles)))
     if band is None:
         forces = (
             bundle.counts
@@ -96,20 +104,18 @@ def cascade(
             for bundle in units
         )
         band = _BAND * max(float(np.max(force)) for force in forces)
-    policies = tuple(create(band) for _ in units)
+    policies = tuple(policy_with_band(band) for _ in units)
     for rule, bundle in zip(policies, units, strict=True):
         rule.begin(bundle)
     derived = gains.pressure_time is None
     pressure_time = FASTEST if derived else gains.pressure_time
     pressure_time = check_positive(pressure_time, "pressure_time", "s")
     gains = Gains(*map(np.float64, gains._replace(pressure_time=pressure_time)))
+    tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
     controller = Cascade(
         plant, units, policies, gains, np.float64(highest), np.float64(limit),
-        plant.hysteresis if compensate else None,
-        np.float64(
-            check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
-        ),
-        np.float64(step), of, delay_steps, period_steps,
+        plant.hysteresis if compensate else None, np.float64(tension), np.float64(step), of,
+        delay_steps, period_steps,
     )  # fmt: skip
     if derived:
         pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
@@ -125,3 +131,73 @@ def _steps(value: Any, dt: float, name: str) -> int:
         rule = f"must be whole steps of {dt:g} s"
         raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
     return steps
+
+
+class PolicyChoice(NamedTuple):
+    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on."""
+
+    policy: str
+    why: str
+    crossings: tuple[Crossing, ...]
+
+
+def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> PolicyChoice:
+    """Select a policy for a plant and its reference.
+
+    **Arguments:**
+
+    - `plant`: of one bundle or two.
+    - `reference`: one for each step [SI].
+    - `dt`: the step [s].
+    - `of`: quantity of the reference, "force" or "position".
+
+    **Raises:** `InvalidInputError` as `crossing` does.
+    """
+    if plant.units == 1:
+        return PolicyChoice("orderly", "there is one motor unit, nothing is handed over", ())
+    if max(plant.sides) > 0:
+        why = "each of two bundles has a demand of its own, which is not known beforehand"
+        return PolicyChoice("hand_over", why, ())
+    path = _path(plant, np.asarray(reference, float), dt, of)
+    bundle, supply = plant.bundles[0], plant.supply_pressure
+    units = range(2, plant.units + 1)
+    crossings = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
+    return PolicyChoice(*_select(plant, path, crossings), crossings)
+
+
+def _select(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[str, str]:
+    """A policy and the reason for it."""
+    needed = [entry for entry in crossings if entry.needed is not None]
+    if not needed:
+        return "threshold", f"no crossing is needed: {crossings[0].reason}"
+    infeasible = next((entry for entry in needed if not entry.found), None)
+    if infeasible is not None:
+        ratio = np.inf
+        if not plant.load.prescribed:  # the unit's valve wide open, at the path's middle strain
+            eps = float(np.median(path.strain))
+            supply, units = plant.supply_pressure, plant.units
+            time = float(hand_over_time(plant.bundles[0], eps, plant, 2, supply))
+            muscles = plant.muscles.at(np.full(units, supply / 2), np.full(units, eps))
+            stiffness = plant.counts * plant.lengths * plant.gains**2 * muscles.force_by_strain
+            ratio = time * float(np.sqrt(max(-np.sum(stiffness), 0.0) / float(plant.load.inertia)))
+        if ratio < _HARMLESS:
+            why = f"{infeasible.reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
+            return "fast_cross", why
+        return "hand_over", f"{infeasible.reason}; it keeps the dip as small as it can be"
+    wait = max((entry.needed or 0.0) - (entry.end or 0.0) - (entry.time or 0.0) for entry in needed)
+    if wait > 0 and np.ptp(path.strain) > 1e-6:
+        why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
+        return "pre_charge", why
+    return "hand_over", f"there is a crossing without a dip, {needed[0]}"
+
+
+def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
+    """Demand and strain of quasi-static motion."""
+    steps = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
+    time, target = dt * steps, reference[steps]
+    low, high = plant.stroke
+    if of == "position":
+        q = np.clip(target, low, high)
+        return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
+    q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
+    return Path.of(time, target, float(np.atleast_1d(plant.strains(q))[0]))

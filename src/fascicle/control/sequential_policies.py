@@ -4,15 +4,15 @@ Their memory is the number of recruited units, whole except during a hand-over, 
 that of the onset that the next unit's pressure has reached. Units are filled in turn; a recruited
 unit stays at its onset or above.
 
-- `orderly`: the plain inverse. The next unit is fed when the units before it no longer suffice.
+- `orderly`: the plain inverse. The next unit is pressurized when the earlier ones don't suffice.
 - `threshold`: as `orderly`, and back only when the demand is lower by a band.
 - `hand_over`: begins while the reserve just suffices for the dip, (X6); the unit's ramp is held
   back by the pressure that the unit before lacks.
 - `pre_charge`: as much earlier as the valve takes: the unit is parked at its onset before.
 - `fast_cross`: when the units before no longer suffice, with its valve wide open up to the onset.
 
-If the reserve is already less than the dip, no crossing without one exists any more: the unit is
-fed when it must be. Units are vented by the same rule, at a demand lower by the band.
+If the reserve is already less than the dip, no crossing without a dip exists any more: the unit is
+pressurized when it must be. Units are vented by the same rule, at a demand lower by the band.
 
 The reserve at which a hand-over begins is
 
@@ -44,8 +44,8 @@ _SHORT = 0.02  # of the supply: a unit before that is so far off stops the next 
 
 
 class SequentialState(NamedTuple):
-    """Memory: the number of `recruited` units, the `direction` of its change, 1, 0 or -1, and the
-    `target` of each unit [Pa].
+    """Memory of a sequential policy: the number of `recruited` units, the `direction` of its
+    change, 1, 0 or -1, and the `target` of each unit [Pa].
     """
 
     recruited: Batch
@@ -54,8 +54,11 @@ class SequentialState(NamedTuple):
 
 
 class SequentialPolicy(Module):
-    """One of the policies above: its `band` [N]; 1 if it hands over `early`; its `lead`, in times
-    of the valve; 1 if it opens `wide`; 1 if recruited units stay `parked` at their onset.
+    """Sequential policy, by its switches.
+
+    `band` [N] of the demand, by which a unit is vented later; `early`: 1 if it hands over before
+    it must; `lead`: how much earlier, in times of the valve; `wide`: 1 if it opens the valve wide;
+    `parked`: 1 if recruited units stay at their onset.
     """
 
     band: Batch
@@ -146,18 +149,18 @@ class SequentialPolicy(Module):
         )
         need = maximum(dip * (1 + _MARGIN) + deepest, end)
         lead = self.lead * rise * select(next_, capability.time)
-        need = need + select(last, capability.near) + lead
+        need = need + select(last, capability.shortfall) + lead
         return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
 
 
 def _sequential_policy(**options: float) -> Any:
-    def create(band: Any) -> SequentialPolicy:
+    def policy_with_band(band: Any) -> SequentialPolicy:
+        """Policy that vents a unit when the demand has fallen by a `band` [N]."""
         values = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | options
-        return SequentialPolicy(
-            check_positive(band, "band", "N"), *map(np.float64, values.values())
-        )
+        numbers = map(np.float64, values.values())
+        return SequentialPolicy(check_positive(band, "band", "N"), *numbers)
 
-    return create
+    return policy_with_band
 
 
 def orderly(band: Any = None) -> SequentialPolicy:

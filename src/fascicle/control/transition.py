@@ -1,11 +1,11 @@
 r"""Force that the next motor unit takes before it pulls.
 
 At the strain $\varepsilon$ the units before $k$ are at the supply's pressure, unit $k$ is
-throttled, those after it are empty. What the next one adds as it is fed,
+throttled, later ones are vented. As the next one is pressurized, it adds
 
 $$g(p) = n_{k+1} \left[F_{k+1}(p, \varepsilon) - F_{k+1}(0, \varepsilon)\right], \tag{X1}$$
 
-is negative at first, past its free strain: a fed muscle resists more than an empty one. Its dip is
+which is negative at first past its free strain: a pressurized muscle resists more. Its dip is
 $D = -\min g$, at $p_d$; it ends at the onset $p_{on}$, the last root of $g$. Without that unit the
 bundle holds at most
 
@@ -13,7 +13,7 @@ $$F_{max} = \sum_{i \le k} n_i F_i(P_s, \varepsilon) + \sum_{i > k} n_i F_i(0, \
   \qquad \rho = F_{max} - F_{demand} \tag{X2}$$
 
 is its reserve, out of which unit $k$ makes up for the dip: quasi-statically there is none if and
-only if $\rho \ge D$ while the next unit is fed. While the demand rises by $\dot F$, and the
+only if $\rho \ge D$ while the next unit is pressurized. While the demand rises by $\dot F$, and the
 hand-over takes $t_c$, the reserve when it begins must be
 
 $$\rho \ge \max_{p \le p_{on}} \left[-g(p) + \dot F\, t_c\, \frac{p}{p_{on}}\right]. \tag{X3}$$

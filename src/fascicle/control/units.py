@@ -12,8 +12,8 @@ from .branches import Branches
 from .valves import select_units
 
 
-CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would be endless
-SLACK = 1.2  # of a valve's time: a ramp at its limit couldn't be followed
+CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would take forever
+SLACK = 1.2  # of a valve's time: pressures couldn't follow a ramp at the valve's limit
 _CHORD = 0.85  # of the supply: the highest beginning of a chord up to `CLOSE`
 _FLAT = 0.01  # of a unit's mean slope, which no chord is taken to be below
 _LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 % up to `CLOSE`
@@ -35,7 +35,7 @@ class Units(Module):
     supply_temperature: Batch
 
     @classmethod
-    def of(cls, plant: Plant, side: int) -> "Units":
+    def from_plant(cls, plant: Plant, side: int) -> "Units":
         """Units of the bundle `side` of a `plant`, counted from 0."""
         bundle, top = plant.bundles[side], plant.supply_pressure
         key = "control.units", top
@@ -74,9 +74,10 @@ class Units(Module):
 
 
 class UnitDemand(NamedTuple):
-    """Present demand: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
-    [-], with their `pressures` [Pa] and the `supply`'s [Pa], which follow after a `lag` [s]; `dt`
-    since the last demand [s].
+    """Present demand on the units of a bundle.
+
+    `force` [N] and its `rate` [N/s]; `strains` of the units [-] and their `pressures` [Pa], which
+    follow the `supply`'s [Pa] after a `lag` [s]; `dt` since the last demand [s].
     """
 
     force: Batch
@@ -89,12 +90,13 @@ class UnitDemand(NamedTuple):
 
 
 class UnitCapability(NamedTuple):
-    """Capability of units at their strains: the force of each when `full` and `empty` [N],
-    `gains`, true if it adds force, its `onset` [Pa], `dip` [N] and `dip_pressure` [Pa]; the
-    `largest` force of each state [N]; the time of each valve up to the onset, `time`, from the
-    onset down, `vent`, and from the present pressure to near the supply's, `climb` [s], with its
-    mean `speed` [Pa/s]; the `slope` of the force [N/Pa]; and the force that is missing near the
-    supply's pressure, `near` [N], beyond which the valve is slow.
+    """Capability of units at their strains.
+
+    Of each unit: force when `full` and when `empty` [N]; `gains`, true if pressure adds force;
+    `onset` [Pa], `dip` [N] and `dip_pressure` [Pa]; `largest` force of the state that ends with it
+    [N]. Of its valve: `time` up to the onset, `vent` from the onset down, `climb` from the present
+    pressure to near the supply's [s], with its mean `speed` [Pa/s]. `slope` of the force [N/Pa];
+    `shortfall`: force that is missing near the supply's pressure, where the valve is slow [N].
     """
 
     full: Numbers
@@ -109,7 +111,7 @@ class UnitCapability(NamedTuple):
     climb: Numbers
     speed: Numbers
     slope: Numbers
-    near: Numbers
+    shortfall: Numbers
 
 
 def evaluate_capability(units: Units, demand: UnitDemand) -> UnitCapability:
@@ -125,18 +127,18 @@ def evaluate_capability(units: Units, demand: UnitDemand) -> UnitCapability:
     largest = xp.cumsum(full, axis=-1) + xp.sum(empty) - xp.cumsum(empty, axis=-1)
     end = minimum(onset, CLOSE * top)
     flow, _ = units.flows(end, top)
-    near = where(gains, full - n * units.branches.force(CLOSE * top, eps), 0.0)
+    shortfall = where(gains, full - n * units.branches.force(CLOSE * top, eps), 0.0)
     _, out = units.flows(_LATE * end, top)
     content = maximum(units.content(end, eps) - units.content(zero, eps), 0.0)
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
     climb = _climb(units, demand, CLOSE * top)
     speed = maximum(CLOSE * top - demand.pressures, 0.0) / maximum(climb, 1e-9)
     level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
-    rise = full - near - n * units.branches.force(level, eps)
+    rise = full - shortfall - n * units.branches.force(level, eps)
     slope = maximum(rise / (CLOSE * top - level), _FLAT * absolute(full) / top + 1e-12)
     return UnitCapability(
         full, empty, gains, onset, n * depth, dip_pressure, largest, time, vent, climb, speed,
-        slope, near,
+        slope, shortfall,
     )  # fmt: skip
 
 
@@ -190,5 +192,5 @@ def hand_over_times(
 
 
 def select(index: Numbers, values: Numbers) -> Batch:
-    """Values of a unit whose `index` is given as a one among zeros, several in rows."""
+    """Value of the unit that `index` marks by a one among zeros; several units in rows."""
     return array_namespace(values).sum(index * values, axis=-1)

@@ -1,4 +1,4 @@
-r"""Time of a valve to feed a motor unit to its onset.
+r"""Valves of motor units, and the time to fill a unit to its onset pressure.
 
 The content $m$ of a chamber is a gas's mass or a liquid's volume. At the strain $\varepsilon$,
 with the volume $V^*$ that is conjugate to the force,
@@ -115,7 +115,7 @@ class PlantValves(AbstractValves):
 
 
 def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
-    """Valves of each of so many `units`, from a plant, one for all, or a list of `valves`."""
+    """Valves of each of the `units`, from a plant, one for all, or a list of `valves`."""
     if isinstance(valves, Plant):
         per_unit: tuple[Any, ...] = PlantValves.of(valves)
     elif isinstance(valves, AbstractValves):

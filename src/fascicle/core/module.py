@@ -9,7 +9,7 @@ module caches (`functools.cached_property`) are no part of its structure.
 """
 
 from abc import ABC
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
 from functools import cached_property
 from inspect import signature
@@ -270,6 +270,18 @@ def _value_text(value: Any) -> str:
 
 Tree = TypeVar("Tree")
 Kind = TypeVar("Kind", bound=Module)
+
+
+def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
+    """Indices of the distinct `objects`, and for each object the position of its equal in them."""
+    unique: list[int] = []
+    inverse = []
+    for i, item in enumerate(objects):
+        equal = (k for k, j in enumerate(unique) if item == objects[j])
+        inverse.append(next(equal, len(unique)))
+        if inverse[-1] == len(unique):
+            unique.append(i)
+    return unique, tuple(inverse)
 
 
 def to_numpy(tree: Tree) -> Tree:

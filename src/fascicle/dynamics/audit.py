@@ -57,10 +57,11 @@ _HARMLESS = ("supply_empty", "stop")  # events, but no reason to doubt the run
 
 
 class Balance(NamedTuple):
-    """One balance: its `name` and `unit`; terms that come `into` it and that `went` out of it, by
-    name [J or kg]; the residual that is `left` [J or kg], and its `share` of the largest term [-];
-    the largest share that it `closes_within` [-]; a `remedy` if it doesn't close for a known
-    reason.
+    """Balance of energy or mass over a run.
+
+    `name` and `unit`; terms that come `into` it and that `went` out of it, by name [J or kg]; the
+    residual that is `left` [J or kg], and its `share` of the largest term [-]; `closes_within`: the
+    largest share at which it closes [-]; a `remedy` if it doesn't close for a known reason.
     """
 
     name: str
@@ -158,12 +159,26 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
                   "stop, stored": stores["stop"], "friction, lost": ledger["friction"],
                   "friction, stored": stores["friction"]},
                  ("pull", "motor", "Δmotion", "Δload")),
-        _mass_balance(run, ledger, largest),
     ]  # fmt: skip
+    mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
+    went = {"held": mass[-1] - mass[0]}
+    balances.append(
+        _balance("mass of the fluid", COUNTED, largest | {"held": float(np.max(mass))},
+                 {"flowed in": ledger["mass"]}, went, ("mass", "held"), unit="kg")
+    )  # fmt: skip
     if plant.liquid and plant.supply.count:
         balances.append(_supply_balance(plant, run, ledger, largest))
     if isinstance(plant.chamber, AdiabaticWall):
-        balances.append(_first_law_balance(plant, run, ledger, largest))
+        # U = p V/(γ − 1), from the outputs rather than from the state that was integrated
+        p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
+        V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
+        U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
+        went = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
+                "internal energy": U[-1] - U[0]}  # fmt: skip
+        terms = ("enthalpy", "heat", "displaced", "held")
+        largest = largest | {"held": float(np.max(U))}
+        into = {"enthalpy": ledger["enthalpy"]}
+        balances.append(_balance("first law", SMOOTH, largest, into, went, terms))
     return Audit(tuple(balances), events(run))
 
 
@@ -173,9 +188,8 @@ def events(run: Trajectory) -> tuple[Event, ...]:
     for bit, name in enumerate(STATUS):
         times = time[np.flatnonzero(status & (1 << bit))].tolist()
         if times:
-            is_harmless = name in _HARMLESS
-            event = Event(name, times[0], times[-1], len(times), MESSAGES[name], is_harmless)
-            result.append(event)
+            number, harmless = len(times), name in _HARMLESS
+            result.append(Event(name, times[0], times[-1], number, MESSAGES[name], harmless))
     return tuple(sorted(result, key=lambda event: event.first))
 
 
@@ -204,13 +218,6 @@ def _balance(
     return Balance(name, unit, into, went, left, relative, tolerance, remedy)
 
 
-def _mass_balance(run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]) -> Balance:
-    mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
-    into, went = {"flowed in": ledger["mass"]}, {"held": mass[-1] - mass[0]}
-    largest = largest | {"held": float(np.max(mass))}
-    return _balance("mass of the fluid", COUNTED, largest, into, went, ("mass", "held"), unit="kg")
-
-
 def _supply_balance(
     plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
@@ -223,17 +230,3 @@ def _supply_balance(
     largest = largest | {"held": float(np.max(np.abs(stored - stored[0])))}
     terms = ("supplied", "held")
     return _balance("energy of the supply", SMOOTH, largest, into, went | losses, terms)
-
-
-def _first_law_balance(
-    plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
-) -> Balance:
-    # U = p V/(γ − 1), from the outputs rather than from the state that was integrated
-    p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
-    V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
-    U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
-    went = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
-            "internal energy": U[-1] - U[0]}  # fmt: skip
-    terms = ("enthalpy", "heat", "displaced", "held")
-    largest = largest | {"held": float(np.max(U))}
-    return _balance("first law", SMOOTH, largest, {"enthalpy": ledger["enthalpy"]}, went, terms)

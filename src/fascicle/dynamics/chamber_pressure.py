@@ -9,6 +9,21 @@ $$\dot P = - \frac{g_s \cdot \dot s|_{\dot V = 0}
   \dot V = V_\varepsilon \dot\varepsilon + V_P \dot P. \tag{T4}$$
 
 The pressure itself is the root of $g$, by Newton's method from an integrated pressure.
+
+**Fixed steps conserve energy.** When a muscle collapses, the slope of its volume jumps, and a
+method of fixed steps that adds up $\dot V$ of its stages misses some of the change of volume: it
+creates energy. A chamber's state $s$, whose rates are affine in $\dot V$ with a slope
+$\dot s_{\dot V}$ that is affine in pressure, has a conserved state
+
+$$k = s - \dot s_{\dot V}(P)\, V, \qquad
+  \dot k = \dot s|_{\dot V = 0} - \frac{\mathrm{d} \dot s_{\dot V}}{\mathrm{d} P} \dot P\, V,
+  \tag{T6}$$
+
+which depends on the volume alone: of gas behind a wall, mass and enthalpy. At the end of a substep
+the state follows from $k$ and the volume then, so that no volume is lost; the correction of its
+pressure includes the wall's work.
+
+**Source** of (T6): the first law, by parts.
 """
 
 from typing import NamedTuple
@@ -19,19 +34,22 @@ from jax import lax
 from ..core.array_namespace import absolute, array_namespace, maximum
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
+from ..fluid import AbstractChamber
 from ..fluid.chamber import Balance
 from ..muscle.surface import Surface
 from .muscles import Volumes
 from .plant import Plant
 
 
-_FLAT = 1e-2  # of the fluid's own slope, below which the residual hardly tells pressures apart
+_FLAT = 1e-2  # of the fluid's own slope: below it a residual says little about the pressure
 
 
 class ChamberEvaluation(NamedTuple):
-    """Chambers at `pressures` [Pa]: the `muscles` of each unit, the volume they fill [m³] with its
-    slopes by strain [m³] and pressure [m³/Pa], the residual (F12) as a `balance` [SI], and
-    `volume_sensitivity`: $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
+    """Chambers of a plant at `pressures` [Pa].
+
+    `muscles` of each unit; the `volume` they fill [m³] with its slopes by strain [m³] and pressure
+    [m³/Pa]; the residual (F12) as a `balance` [SI]; `volume_sensitivity`,
+    $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
     """
 
     pressures: Numbers
@@ -90,7 +108,7 @@ class ChamberEvaluation(NamedTuple):
 def evaluate_chambers(
     plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers
 ) -> ChamberEvaluation:
-    """`chambers` [SI] of a `plant` at `strains` [-], evaluated at `pressures` [Pa]."""
+    """Evaluate `chambers` [SI] of a `plant` at `strains` [-] and `pressures` [Pa]."""
     return assemble_chambers(plant, chambers, pressures, *muscle_volumes(plant, strains, pressures))
 
 
@@ -106,8 +124,8 @@ def muscle_volumes(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[
 def assemble_chambers(
     plant: Plant, chambers: Numbers, pressures: Numbers, muscles: Surface, volumes: Volumes
 ) -> ChamberEvaluation:
-    """`chambers` [SI] of a `plant` evaluated at `pressures` [Pa], from `muscles` [SI] and their
-    `volumes` [m³] there.
+    """Evaluate `chambers` [SI] of a `plant` at `pressures` [Pa] for `muscles` [SI] and `volumes`
+    [m³] that are known there: the residual of their fluid's state and its slopes.
     """
     V, by_strain, by_pressure = volumes
     g = plant.chamber.balance(chambers, pressures, V)
@@ -134,3 +152,63 @@ def solve_pressures(
         return guess
     # a loop, which is compiled once
     return lax.scan(newton, guess, length=steps)[0]
+
+
+class ProjectedChambers(NamedTuple):
+    """Chambers with corrected pressures: states of the `chambers` [SI], `pressures` [Pa], and what
+    the correction adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to the `work` and to
+    its `mismatch`.
+    """
+
+    chambers: Numbers
+    pressures: Numbers
+    work: Batch
+    mismatch: Batch
+
+
+def conserved_state(
+    chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
+) -> Numbers:
+    """$k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` at `pressures` [Pa], with
+    `volumes` of muscles [m³].
+    """
+    return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
+
+
+def conserved_rates(
+    chamber: AbstractChamber, chambers: Numbers, fixed_volume_rate: Numbers,
+    pressure_rates: Numbers, volumes: Numbers,
+) -> Numbers:  # fmt: skip
+    """$\\dot k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` with a
+    `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` of muscles [m³].
+    """
+    push, P_dot = chamber.per_volume_rate, pressure_rates
+    folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
+    return fixed_volume_rate - folded * volumes[..., None]
+
+
+def project_chambers(
+    plant: Plant, conserved: Numbers, strains: Numbers, guess: Numbers, steps: int
+) -> ProjectedChambers:
+    """Chambers of a `plant` with the `conserved` states $k$ [SI] at `strains` [-], in `steps` of
+    Newton's method from pressures `guess` [Pa].
+    """
+    n, chamber = plant.counts, plant.chamber
+    push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
+    start, start_volumes = muscles, volumes = muscle_volumes(plant, strains, guess)
+    V_0 = start_volumes.volume
+    s = s_0 = conserved + push(conserved, guess) * V_0[..., None]
+    P = before = guess
+    for i in range(steps):
+        if i:
+            muscles, volumes = muscle_volumes(plant, strains, P)
+            s = s_0 + push(s_0, (guess + P) / 2) * (volumes.volume - V_0)[..., None]
+        step = assemble_chambers(plant, s, P, muscles, volumes).working_step
+        P, before = maximum(P + step, (P + lowest) / 2), P  # half-way to no fluid at most
+    last = P - before
+    V = volumes.volume + volumes.by_pressure * last
+    s = s_0 + push(s_0, (guess + P) / 2) * (V - V_0)[..., None]
+    add, change = array_namespace(P).sum, guess - P
+    work = (V_0 + V) / 2 * change
+    conjugate = n * (start.volume + muscles.volume + muscles.volume_by_pressure * last) / 2 * change
+    return ProjectedChambers(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))

@@ -27,13 +27,14 @@ _POSITIONS = 801  # that bracket an equilibrium: four in each of a table's 200 c
 def equilibrium_state(
     plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None
 ) -> State:
-    """A state at rest, equation (T5).
+    """State at rest of a plant, at the position where its forces balance, equation (T5).
 
     **Arguments:**
 
     - `plant`: the plant.
     - `pressures`: gauge, of each unit [Pa], or one for all.
-    - `position`: of the load [SI], fixed until the run begins; by default that of rest.
+    - `position`: of the load [SI], fixed until the run begins; by default that of rest. Not for a
+      prescribed motion, which gives its own.
     - `command`: position of the valves' spools [-]; by default, the middle.
 
     **Returns:** the state [SI].
@@ -56,6 +57,9 @@ def equilibrium_state(
             "take other lengths, or another contraction at the start", shown="none",
         )  # fmt: skip
     v = 0.0
+    if load.prescribed and position is not None:
+        rule, remedy = "must be left out with a prescribed motion", "the load gives its own"
+        raise InvalidInputError("position", rule, position, remedy)
     if load.prescribed:
         q, v = (float(x) for x in load.motion_at(0.0, 0.0, 0.0))
         size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))

@@ -24,7 +24,8 @@ energy.
 $f$ may rise with pressure, $f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it is
 bent makes energy.
 
-`Coulomb` is friction as a width in pressure: the muscle behaves as at $P \mp w$,
+`Coulomb` is dry friction, given as a width in pressure: the muscle pulls as at $P - w$ while it
+contracts, and as at $P + w$ while it is stretched,
 
 $$z = w \left|\frac{\partial F}{\partial P}\right| \tanh(\dot x/v_0), \tag{H3}$$
 
@@ -221,9 +222,10 @@ class Dahl(AbstractHysteresis):
 
 
 class Coulomb(AbstractHysteresis):
-    """Friction as a width in pressure, equation (H3).
+    """Dry friction that depends on speed alone, equation (H3): without memory.
 
-    `width`: $w$ [Pa]. `velocity`: $v_0$, at which friction is three quarters of its limit [m/s].
+    `width`: $w$, by which the pressure seems lower in contraction, higher in extension [Pa].
+    `velocity`: $v_0$, at which friction is three quarters of its limit [m/s].
     """
 
     source: ClassVar[str] = "Chou and Hannaford (1996)"

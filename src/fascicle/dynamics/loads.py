@@ -35,6 +35,7 @@ from ..core.validation import (
 
 GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
 
+# outside the inner limits a warning asks for the unit; outside the outer ones a value is refused
 _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 _OPEN, _FROM_ZERO, _CLOSED = (False, False), (True, False), (True, True)
@@ -80,7 +81,7 @@ class Stop(Module):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Force of the stop at `position` and `velocity` [SI], and the damper's part of it [SI]."""
+        """Force of the stop at `position` and `velocity` [SI], and its damper's share [SI]."""
         over, under = self._depths(position)
         depth = over + under
         spring = self.stiffness * (over - under)
@@ -102,11 +103,11 @@ class Stop(Module):
 
 
 class AbstractLoad(Module):
-    """A load with one coordinate.
+    """Load with one coordinate.
 
-    `arms`: for each bundle, by how much its plates are nearer at $q = 0$ [m] and how much more per
-    unit of $q$ [m/m or m/rad]; by default one bundle, as $q$ rises. `unit`: of the coordinate.
-    `prescribed`: the motion is given.
+    `arms`: contraction of each bundle's plates at $q = 0$ [m], and per unit of $q$ [m/m or m/rad];
+    by default one bundle contracts as $q$ rises. `unit`: of the coordinate. `prescribed`: the
+    motion is given.
     """
 
     unit: ClassVar[str] = "m"
@@ -138,7 +139,7 @@ class AbstractLoad(Module):
 
     @property
     def stiffness(self) -> Batch:
-        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]; zero by default."""
+        """Estimate of the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]; zero by default."""
         return 0.0 * self.inertia
 
     @abc.abstractmethod
@@ -232,7 +233,7 @@ class InertiaSpringDamper(AbstractFreeLoad):
 
     @property
     def stiffness(self) -> Batch:
-        """The spring's [N/m]."""
+        """Stiffness of the spring [N/m]."""
         return self.spring_stiffness
 
 
@@ -274,7 +275,7 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     @property
     def stiffness(self) -> Batch:
-        """The pendulum's at most [SI]."""
+        """Largest stiffness of the pendulum [SI]."""
         return self.gravity_moment
 
 

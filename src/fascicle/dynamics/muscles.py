@@ -7,15 +7,15 @@ so makes or loses energy when muscles buckle: an audit reports how much.
 
 import abc
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..bundle.pressurized import stack_muscles, unique_indices
+from ..bundle.pressurized import stack_muscles
 from ..core.array_namespace import absolute, maximum, minimum, where
-from ..core.module import Module, static
+from ..core.module import Module, static, unique_indices
 from ..core.types import Numbers
 from ..core.validation import is_concrete
 from ..muscle import Muscle
@@ -33,7 +33,14 @@ class Volumes(NamedTuple):
 
 
 class AbstractMuscles(Module):
-    """One muscle of every unit, units on the last axis."""
+    """One muscle of every unit, units on the last axis.
+
+    `strains`: lowest and highest strain of the tables [-], and `highest_pressure` [Pa], of each
+    unit.
+    """
+
+    strains: ClassVar[Any]
+    highest_pressure: ClassVar[Any]
 
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
@@ -51,16 +58,6 @@ class AbstractMuscles(Module):
         by_strain = rest_length * surface.force_by_pressure
         return Volumes(surface.volume, by_strain, surface.volume_by_pressure)
 
-    @property
-    @abc.abstractmethod
-    def strains(self) -> tuple[Numbers, Numbers]:
-        """Ends of the tabulated strains [-], of each unit."""
-
-    @property
-    @abc.abstractmethod
-    def highest_pressure(self) -> Numbers:
-        """Highest tabulated pressure [Pa], of each unit."""
-
 
 class Tables(AbstractMuscles):
     """Tables of several units, one for each kind of muscle: `table`, with numbers for each unit,
@@ -77,18 +74,19 @@ class Tables(AbstractMuscles):
         """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes."""
         unique, indices = unique_indices(muscles)
         tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
-        per_unit = [tables[i] for i in indices]
-        table = UnitSurface(
-            np.stack([unit_table.coefficients for unit_table in tables]),
-            _of_units(per_unit, lambda unit_table: unit_table.root_step),
-            (
-                _of_units(per_unit, lambda unit_table: unit_table.strains[0]),
-                _of_units(per_unit, lambda unit_table: unit_table.strains[1]),
-            ),
-            _of_units(per_unit, lambda unit_table: unit_table.rest_length),
-            _largest_errors([unit_table.errors for unit_table in tables]),
+
+        def per_unit(get: Callable[[UnitSurface], Any]) -> Numbers:
+            return np.array([float(get(tables[i])) for i in indices])
+
+        median, upper, largest = map(max, zip(*(table.errors for table in tables), strict=True))
+        surface = UnitSurface(
+            np.stack([table.coefficients for table in tables]),
+            per_unit(lambda table: table.root_step),
+            (per_unit(lambda table: table.strains[0]), per_unit(lambda table: table.strains[1])),
+            per_unit(lambda table: table.rest_length),
+            (median, upper, largest),
         )
-        return cls(table, np.array(indices))
+        return cls(surface, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """Surface of each at its `pressure` [Pa] and `strain` [-], (V3)."""
@@ -105,41 +103,29 @@ class Tables(AbstractMuscles):
         return self.table.highest_pressure
 
 
-def _of_units(tables: Sequence[UnitSurface], get: Callable[[UnitSurface], Any]) -> Numbers:
-    return np.array([float(get(unit_table)) for unit_table in tables])
-
-
-def _largest_errors(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
-    median, upper, largest = (max(column) for column in zip(*errors, strict=True))
-    return median, upper, largest
-
-
 class Exact(AbstractMuscles):
     """Muscles by their laws, integrated each time: exact to rounding, and a hundred times slower.
 
-    `groups`: muscles of the same laws stacked, as of a bundle, `indices` of their units;
-    `ends`: of the strains [-]; `top`: the highest pressure [Pa].
+    `groups`: muscles of the same laws stacked, as of a bundle, with the `indices` of their units.
     """
 
     groups: tuple[Muscle, ...]
     indices: tuple[tuple[int, ...], ...] = static()
-    ends: tuple[Numbers, Numbers]
-    top: Numbers
+    strains: tuple[Numbers, Numbers]
+    highest_pressure: Numbers
 
     @classmethod
     def from_muscles(
-        cls, muscles: Sequence[Muscle], highest_pressure: float, ends: tuple[Numbers, Numbers]
+        cls, muscles: Sequence[Muscle], highest_pressure: float, strains: tuple[Numbers, Numbers]
     ) -> "Exact":
-        """Exact laws of each unit's muscle, up to `highest_pressure` [Pa], between strains `ends`
-        [-].
-        """
+        """Exact laws of each unit's muscle up to `highest_pressure` [Pa], within `strains` [-]."""
         indices, groups = zip(*stack_muscles(list(muscles)), strict=True)
-        return cls(groups, indices, ends, np.full(len(muscles), highest_pressure))
+        return cls(groups, indices, strains, np.full(len(muscles), highest_pressure))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """Surface of each at its `pressure` [Pa] and `strain` [-], (V2)."""
-        P = minimum(maximum(pressure, 0.0), self.top)
-        eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
+        P = minimum(maximum(pressure, 0.0), self.highest_pressure)
+        eps = minimum(maximum(strain, self.strains[0]), self.strains[1])
         surfaces = [
             _exact_surface(muscles, P[..., np.array(index)], eps[..., np.array(index)])
             for index, muscles in zip(self.indices, self.groups, strict=True)
@@ -159,28 +145,20 @@ class Exact(AbstractMuscles):
         """Force of each [N] at its `pressure` [Pa] and `strain` [-], without the integral for its
         volume, which takes a hundred times as long.
         """
-        if not is_concrete(pressure, strain) or np.any((pressure < 0) | (pressure > self.top)):
+        if not is_concrete(pressure, strain) or np.any(
+            (pressure < 0) | (pressure > self.highest_pressure)
+        ):
             return self.at(pressure, strain).force
-        P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.ends))
+        P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.strains))
         force = np.empty(P.shape)
         for indices, muscles in zip(self.indices, self.groups, strict=True):
             index = np.array(indices)
             force[..., index] = muscles.law.at(P[..., index]).force(eps[..., index])[0]
         return force
 
-    @property
-    def strains(self) -> tuple[Numbers, Numbers]:
-        """Ends [-] of the strains, of each unit."""
-        return self.ends
-
-    @property
-    def highest_pressure(self) -> Numbers:
-        """The domain's end [Pa], of each unit."""
-        return self.top
-
 
 def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
-    """Surface of `muscles` [SI], one for each unit on the last axis."""
+    """Surface of `muscles`, each unit at its `pressure` [Pa] and `strain` [-]."""
     one_pascal = jnp.ones_like(pressure)
     volume_at_rest = muscles.braid.volume(0.0) - muscles.bladder.volume
 

@@ -1,7 +1,13 @@
-"""Simulating a plant with its controller, step by step.
+r"""Simulating a plant with its controller, in fixed steps of the classic Runge-Kutta method.
 
-The whole run is one compiled loop of fixed steps, so that it can be batched and differentiated by
-numbers of the plant and the controller; `integrate` is its reference.
+A controller acts once a step of $\Delta t$; its commands are constant until it acts again, so that
+no stage of a step sees the next command. Pressures are integrated by (T4) and corrected at the end
+of each substep; of chambers the conserved states (T6) are integrated.
+
+The whole run is one compiled loop, so that it can be batched and differentiated by numbers of the
+plant and the controller; `integrate` is its reference.
+
+**Source:** Kutta (1901).
 """
 
 import warnings
@@ -16,24 +22,102 @@ from jax import lax
 
 from ..core.errors import InvalidInputError
 from ..core.module import Module, to_numpy
-from ..core.types import Batch, Numbers, Values
+from ..core.types import Batch, BoolBatch, Numbers, Values
 from ..core.validation import check_positive, is_concrete
 from ..fluid import validate_commands
-from .energy_ledger import LEDGER, pressure_volume_term
+from .chamber_pressure import conserved_state, project_chambers, solve_pressures
+from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
-from .motion import FrictionMemory, evaluate_plant
+from .motion import FrictionMemory, evaluate_plant, time_derivative, update_friction
 from .muscles import Tables
 from .outputs import STATUS, PlantOutputs, observe
 from .plant import Plant, State
 from .schedule import Controller, Measurement, Schedule
 from .step_size import StepSizeEstimate, estimate_substeps
-from .stepping import IntegratorState, project_pressures, substep
 
 
-_NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
-_NEWTON = 8  # pressures of a user's `start` may be a rough guess
+_NUMBERS = (
+    jax.Array,
+    np.ndarray,
+    np.generic,
+    float,
+    int,
+)  # leaves of a controller that may be differentiated
+_NEWTON_START = 8  # pressures of a user's `start` may be a rough guess
+_NEWTON = 2  # from integrated pressures, two steps leave 1e-12
+_TIMES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  # of stages
+# entries of the ledger that a substep adds to: friction's loss, and works taken by parts
+_FRICTION = np.array([name == "friction" for name in LEDGER], float)
+_BY_PARTS = np.array([[name == entry for name in LEDGER] for entry in
+                      ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
 _MIN_BITS, _MANY_BITS = 10, 16  # of a number of steps: least, and from which memory counts
 _CHUNK = 20_000  # steps at once: their cells of the tables take some megabytes
+
+
+class IntegratorState(NamedTuple):
+    """Progress of a run: its `state` [SI], friction's `anchor` [SI], the entries of its energy
+    `ledger` [J or kg], and whether a chamber `folded`.
+    """
+
+    state: State
+    anchor: FrictionMemory
+    ledger: Numbers
+    folded: BoolBatch
+
+
+def substep(
+    plant: Plant, time: Batch, progress: IntegratorState, command: Numbers, h: Batch
+) -> IntegratorState:
+    """Advance the `progress` [SI] of a `plant` from `time` [s] by a substep of `h` [s], under a
+    `command` [-].
+    """
+    state, anchor, ledger, folded = progress
+
+    def stage(carry: tuple, weights: Numbers) -> tuple[tuple, tuple]:
+        slope, total, growth = carry
+        delay, weight = weights
+        stage_state = add_scaled(state, slope, delay * h)
+        evaluation = evaluate_plant(plant, time + delay * h, stage_state, command, anchor)
+        slope = time_derivative(plant, stage_state, evaluation, command)
+        growth = growth + weight * h * ledger_rates(plant, stage_state, evaluation)
+        total = add_scaled(total, slope._replace(chambers=evaluation.conserved_rates), weight)
+        return (slope, total, growth), (evaluation.fluid.volume, evaluation.fluid.is_folded)
+
+    # a loop, as four copies of the stage would take four times as long to compile
+    zeros = jax.tree.map(lambda x: 0.0 * x, state)
+    stages = np.stack([_TIMES, _WEIGHTS], axis=1)
+    (_, total, growth), (volumes, folds) = lax.scan(stage, (zeros, zeros, 0.0 * ledger), stages)
+    initial = conserved_state(plant.chamber, state.chambers, state.pressures, volumes[0])
+    after = add_scaled(state._replace(chambers=initial), total, h)
+    q, _ = plant.load.motion_at(time + h, after.position, after.velocity)
+    end = project_chambers(
+        plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON
+    )
+    after = after._replace(
+        chambers=end.chambers, pressures=end.pressures, supply=plant.supply.update_switch(after.supply)
+    )
+    ledger = ledger + growth + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
+    folded |= jnp.any(folds)
+    if plant.hysteresis is None:
+        return IntegratorState(after, anchor, ledger, folded)
+    anchor, loss = update_friction(plant, anchor, q, after.pressures)
+    return IntegratorState(after, anchor, ledger + loss * _FRICTION, folded)
+
+
+def add_scaled(state: State, rate: State, h: Batch) -> State:
+    """A `state` [SI] after `h` [s] at a `rate` [SI]."""
+    return jax.tree.map(lambda x, slope: x + h * slope, state, rate)
+
+
+def project_pressures(plant: Plant, time: Batch, state: State, steps: int) -> State:
+    """A `state` [SI] at `time` [s] with the pressures of its chambers, in `steps` of Newton's
+    method.
+    """
+    q, _ = plant.load.motion_at(time, state.position, state.velocity)
+    eps = plant.strains(q[..., None])
+    return state._replace(
+        pressures=solve_pressures(plant, state.chambers, eps, state.pressures, steps)
+    )
 
 
 class Trajectory(NamedTuple):
@@ -53,19 +137,13 @@ class Trajectory(NamedTuple):
     step_size: StepSizeEstimate | None
     end: State
 
-    @property
-    def seen(self) -> PlantOutputs:
-        """Former name of `outputs` [SI]."""
-        return self._former("seen", "outputs")
-
-    @property
-    def account(self) -> Numbers:
-        """Former name of `ledger` [J]."""
-        return self._former("account", "ledger")
-
-    def _former(self, name: str, field: str) -> Any:
+    def __getattr__(self, name: str) -> Any:
+        """Fields by the names of the last release."""
+        field = {"seen": "outputs", "account": "ledger"}.get(name)
+        if field is None:
+            raise AttributeError(f"Trajectory has no attribute {name!r}")
         message = f"`Trajectory.{name}` is now `Trajectory.{field}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=3)
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
         return getattr(self, field)
 
 
@@ -109,20 +187,17 @@ def simulate(
     if not len(inputs):
         name = "reference" if callable(controller) else "commands"
         raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
-    # numbers of a controller may be differentiated; all else in it is fixed
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    is_concrete_run, steps, count = (
-        is_concrete((plant, numbers, memory, inputs, begin)),
-        len(inputs),
-        None,
-    )
-    if is_concrete_run:  # so that another length mostly compiles nothing
-        count = np.int64(steps)
-        inputs = np.concatenate(
-            [inputs, np.repeat(inputs[-1:], _padded_steps(steps) - steps, axis=0)]
-        )
+    is_concrete_run = is_concrete((plant, numbers, memory, inputs, begin))
+    steps, count = len(inputs), None
+    if (
+        is_concrete_run
+    ):  # a power of four, or of two for many: another length mostly compiles nothing
+        count, bits = np.int64(steps), max(_MIN_BITS, (steps - 1).bit_length())
+        length = 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
+        inputs = np.concatenate([inputs, np.repeat(inputs[-1:], length - steps, axis=0)])
     numbered = plant, numbers, memory, inputs, begin, np.float64(dt), count
     history, commands, last = _run(*numbered, (fixed, kind), int(substeps))
     xp = jnp
@@ -184,7 +259,9 @@ def _run(
     )
     hysteresis = plant.hysteresis
     spring_forces = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
-    state = project_pressures(plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON)
+    state = project_pressures(
+        plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON_START
+    )
     anchor = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
 
@@ -194,7 +271,13 @@ def _run(
         if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
-            memory, command = act(memory, _measure(plant, time, progress), reference)
+            state, no_command = progress.state, jnp.zeros(plant.commands)
+            now = evaluate_plant(plant, time, state, no_command, progress.anchor)
+            measurement = Measurement(  # its force is the muscles' pull without friction
+                time, now.position, now.velocity, state.pressures, now.pull,
+                plant.supply.pressure_at(state.supply),
+            )  # fmt: skip
+            memory, command = act(memory, measurement, reference)
 
         # a derivative computes a substep again, which takes less memory than storing it
         @partial(jax.checkpoint, prevent_cse=False)
@@ -233,12 +316,6 @@ def _scan(step: Callable, initial: Any, inputs: Any, count: Any) -> tuple[Any, A
     return lax.fori_loop(0, count, advance, (initial, empty))
 
 
-def _padded_steps(steps: int) -> int:
-    """Length of a compiled loop for so many `steps`: a power of four, or of two for many."""
-    bits = max(_MIN_BITS, (steps - 1).bit_length())
-    return 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
-
-
 def _observe_step(
     plant: Plant, time: Batch, progress: IntegratorState, command: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
@@ -269,13 +346,3 @@ def _observe_numpy(
             progress = jax.tree.map(lambda x, chunk=chunk: x[chunk], history)
             chunks.append(_observe_step(plant, times[chunk], progress, commands[chunk]))
     return jax.tree.map(lambda *arrays: np.concatenate(arrays), *chunks)
-
-
-def _measure(plant: Plant, time: Batch, progress: IntegratorState) -> Measurement:
-    state = progress.state
-    evaluation = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), progress.anchor)
-    # the force is the muscles' pull without friction
-    return Measurement(
-        time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
-        plant.supply.pressure_at(state.supply),
-    )  # fmt: skip

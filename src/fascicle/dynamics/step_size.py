@@ -21,7 +21,7 @@ MAX_SUBSTEPS = 64  # more cost more than a smaller `dt`
 # cycles, two substeps left up to 3e-3 of it, sixteen 5e-5, and in two of them more than 1e-5
 _LIQUID = 16
 _GAS = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
-_STABLE = 2.0  # of h|λ|; the method's own limit is 2.78
+_STABLE = 2.0  # largest h|λ|; the method's own limit is 2.78
 
 
 class StepSizeEstimate(NamedTuple):
@@ -53,7 +53,7 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     T_s = plant.supply.temperature_at(plant.supply.start())
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, positions=7)
+        s, fluid = _rest_evaluations(plant, P, positions=7)
         rate, no_flow = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
         rise = fluid.pressure_rate(rate - no_flow, np.zeros(1))  # of pressure with mass [Pa/kg]
         step = 1e-4 * np.maximum(P, 1e-6 * top)
@@ -82,7 +82,7 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     M = float(load.inertia)
     P = np.linspace(0.0, plant.supply_pressure, 31)[:, None, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, positions=41)
+        s, fluid = _rest_evaluations(plant, P, positions=41)
         muscles, rise = fluid.muscles, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
         spring = -n * L * g**2 * (muscles.force_by_strain + muscles.force_by_pressure * rise)
         stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
@@ -98,8 +98,12 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     return rates
 
 
-def _charged(plant: Plant, pressures: Numbers, positions: int) -> tuple[Numbers, ChamberEvaluation]:
-    """Chambers [SI] at rest at `pressures` [Pa] and so many `positions` along the stroke."""
+def _rest_evaluations(
+    plant: Plant, pressures: Numbers, positions: int
+) -> tuple[Numbers, ChamberEvaluation]:
+    """States of chambers [SI] at rest, and their evaluation, at `pressures` [Pa] and a number of
+    `positions` along the stroke.
+    """
     q = np.linspace(*plant.stroke, positions)
     P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
     s = plant.chambers_at(P, q)

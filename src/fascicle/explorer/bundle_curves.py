@@ -9,7 +9,7 @@ import numpy as np
 
 from ..bundle import Bundle, recruitment
 from ..bundle.pressurized import muscle_strain
-from ..bundle.workspace import Overlap, Space
+from ..bundle.recruitment import Overlap, Workspace
 from ..core.errors import InvalidInputError
 from .muscle_curves import muscle_curves
 from .solid import AROUND, RINGS, Solid, muscle_solid
@@ -26,7 +26,7 @@ _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 class DrawnSpace:
     """Force-strain `space` of a bundle, its `overlap`, and the largest strain drawn, `top` [-]."""
 
-    space: Space
+    space: Workspace
     overlap: Overlap
     top: float
 
@@ -69,7 +69,7 @@ class BundleSolids(NamedTuple):
 @lru_cache(maxsize=16)  # visitors share it
 def drawn_space(bundle: Bundle, resistance: bool) -> DrawnSpace:
     """Force-strain space of a `bundle`, with `resistance` or without."""
-    space = recruitment.space(bundle, levels=LEVELS, resistance=resistance)
+    space = recruitment.workspace(bundle, levels=LEVELS, resistance=resistance)
     return DrawnSpace(space, recruitment.overlap(space), float(space.strain[-1]) * 1.15)
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from .. import __version__
 from ..bundle import Bundle
-from ..bundle.pressurized import unique_indices
 from ..core.errors import InvalidInputError
+from ..core.module import unique_indices
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.validation import lowest_strain, strain_domain
@@ -97,7 +97,7 @@ def write_c(
 
 
 def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
-    """The laws of different muscles as C, and how many doubles of stack they need."""
+    """Laws of different muscles as C, and the number of doubles that they need on the stack."""
     try:
         import casadi as ca
     except ModuleNotFoundError:

@@ -7,7 +7,7 @@ energy. The header states the error of the table.
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,9 +15,9 @@ import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
-from ..bundle.pressurized import unique_indices
 from ..control import Cascade
 from ..core.errors import InvalidInputError
+from ..core.module import unique_indices
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
@@ -69,9 +69,15 @@ class MuscleTables(NamedTuple):
 
     def code(self, name: str) -> tuple[str, str]:
         """Header and source in C; `name`: prefix of all names."""
-        surfaces, number = self.surfaces, _number_format(self.precision)
+        surfaces = self.surfaces
         lines, columns = surfaces[0].coefficients.shape[:2]
         ends = np.array([[float(x) for x in surface.strains] for surface in surfaces])
+
+        def number(value: float) -> str:
+            """Number in C, with all its digits."""
+            if self.precision == "float":
+                return f"{np.format_float_scientific(np.float32(value), trim='0')}f"
+            return repr(float(value))
 
         def row(values: Values) -> str:
             return join(values, number)
@@ -153,15 +159,8 @@ def write_table(
 ) -> tuple[Path, Path]:
     """Write `NAME.h` and `NAME.c` of a table into a folder.
 
-    **Arguments:**
-
-    - `target`: the muscle, bundle or controller, as for `table_code`.
-    - `folder`: the folder; it is created if it is missing.
-    - `name`: prefix of all names in C, and of the files.
-    - `precision`: type of numbers in C, "double" or "float".
-    - `highest_pressure`: highest gauge pressure of the table [Pa]; default: the bundle's supply
-      pressure, or 1 MPa.
-    - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
+    **Arguments:** those of `table_code`, among them `highest_pressure` [Pa], and `folder`, which is
+    created if it is missing.
 
     **Returns:** the paths of header and source.
 
@@ -208,7 +207,7 @@ def tabulate(
 
 
 def nodes(surface: UnitSurface) -> np.ndarray:
-    """Hermite's numbers of a table at its nodes.
+    """Values and slopes of a table at its nodes, for Hermite interpolation.
 
     **Returns:** [line, column, 4], the co-energy [J] and its slopes by strain, per cell [J], by
     pressure [m³] and by both, per cell [m³].
@@ -233,13 +232,6 @@ def nodes(surface: UnitSurface) -> np.ndarray:
     return tables
 
 
-def _number_format(precision: str) -> Callable[[float], str]:
-    """Format of a number in C, with all its digits."""
-    if precision == "float":
-        return lambda x: f"{np.format_float_scientific(np.float32(x), trim='0')}f"
-    return lambda x: repr(float(x))
-
-
 def _error_text(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
     """Error of one muscle's table, the largest of all kinds, in words."""
     errors = [table_error(*pair) for pair in zip(surfaces, muscles, strict=True)]
@@ -255,11 +247,12 @@ def _error_text(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], prec
         f" {1e6 * volume[2]:.2g} mL at most."
     )
     if precision == "float":
-        text += f"\nIts rounding adds up to {max(map(_rounding, surfaces)):.1g} N."
+        rounding = max(map(_rounding_error, surfaces))
+        text += f"\nIts rounding adds up to {rounding:.1g} N."
     return text
 
 
-def _rounding(surface: UnitSurface) -> float:
+def _rounding_error(surface: UnitSurface) -> float:
     """Error of single precision in a force [N]: the co-energy's last digit over a cell."""
     table = nodes(surface)
     low, high = (float(x) for x in surface.strains)

@@ -27,7 +27,7 @@ _CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
-    """The controller that C computes.
+    """Tabulate the units of a controller, for its step in C.
 
     **Arguments:**
 

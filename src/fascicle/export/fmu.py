@@ -90,10 +90,8 @@ def write_fmu(
     if tables.controller is not None:
         period = float(tables.controller.dt)
         if sample_time is not None and step != period:
-            rule, remedy = (
-                f"must be the controller's {period:g} s",
-                "drop it, or change the scenario's",
-            )
+            rule = f"must be the controller's {period:g} s"
+            remedy = "drop it, or change the scenario's"
             raise InvalidInputError("sample_time", rule, step, remedy)
         step = period
     header, source = tables.code(name)

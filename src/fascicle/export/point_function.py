@@ -98,7 +98,7 @@ def _casadi() -> tuple[Any, Any]:
 
 
 def _bind(function: Any, arguments: list[np.ndarray]) -> tuple[Callable[[], None], list, Any, Any]:
-    """A call of a function on fixed arrays, and its results, which it overwrites."""
+    """Bind a CasADi function to fixed arrays: a call, and its results, which it overwrites."""
     buffer, run = function.buffer()
     results = [np.zeros(function.sparsity_out(i).nnz()) for i in range(function.n_out())]
     for i, x in enumerate(arguments):

@@ -70,7 +70,7 @@ class Symbols:
 
 
 def symbols() -> Symbols:
-    """New functions, which laws now use for CasADi's symbols."""
+    """Register and return new functions for CasADi's symbols."""
     functions = Symbols()
     register_namespace(ca.SX, functions)
     return functions

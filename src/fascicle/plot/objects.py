@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..bundle import Bundle, recruitment
-from ..bundle.workspace import overlap
+from ..bundle.recruitment import overlap
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle
@@ -67,7 +67,7 @@ def of_bundle(
             "the bundle has no supply pressure, for which its states would be drawn",
         )
     if pressures is None:
-        space = recruitment.space(bundle, strain=strains, resistance=resistance)
+        space = recruitment.workspace(bundle, strain=strains, resistance=resistance)
         return workspace(space, overlap(space))
     if strains is None:
         strains = _strains(bundle.free_strain(pressures, resistance=False))

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..bundle.efficiency import EfficiencyMap
-from ..bundle.workspace import Overlap, Space
+from ..bundle.recruitment import Overlap, Workspace
 from ..core.types import Bool, Float
 from .theme import (
     BLACK,
@@ -32,7 +32,7 @@ _CONTOURS = np.arange(0.1, 1.0, 0.1)  # of efficiency
 
 
 @styled
-def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
+def workspace(space: Workspace, overlap: Overlap | None = None) -> Figure:
     """Figure of a bundle's workspace, a color for each recruitment state, its `overlap` shaded."""
     figure, axes = new_figure(width=DOUBLE, height=0.45 * DOUBLE)
     ax = axes[0, 0]
@@ -47,7 +47,7 @@ def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
 
 
 def draw_workspace(
-    ax: Axes, space: Space, overlap: Overlap | None = None, thick: float = _THICK
+    ax: Axes, space: Workspace, overlap: Overlap | None = None, thick: float = _THICK
 ) -> None:
     """Draw curves [N] of all states over strain [-], thicker for higher pressures, and overlap."""
     force_strain_axes(ax)
@@ -69,7 +69,7 @@ def draw_workspace(
 
 @styled
 def task(
-    space: Space,
+    space: Workspace,
     overlap: Overlap | None,
     force: Float[np.ndarray, " point"],
     strain: Float[np.ndarray, " point"],

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from ..bundle.workspace import overlap, space
+from ..bundle.recruitment import overlap, workspace
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
 from ..design.robust import Spread
@@ -99,7 +99,7 @@ def _plane(result: SearchResult, index: int, summary: Summary) -> Any:
     task, cases = result.task, summary.cases
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the cases warned of a tuning's range
-        plane = space(result.all_designs(np.array([index])).bundle(0, task), levels=_CURVES)
+        plane = workspace(result.all_designs(np.array([index])).bundle(0, task), levels=_CURVES)
     strain = task.strain_of(cases.length)
     return picture(draw_task(plane, overlap(plane), task.force, strain, task.weight, cases.reached))
 

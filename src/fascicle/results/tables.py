@@ -148,10 +148,10 @@ def bundle_equilibria(bundle: Bundle, states: Values, resistance: bool = True) -
     )
 
 
-def space(workspace: recruitment.Space) -> Table:
+def space(workspace: recruitment.Workspace) -> Table:
     """A bundle's recruitment states and their overlap.
 
-    **Arguments:** `workspace`: from `fascicle.recruitment.space`.
+    **Arguments:** `workspace`: from `fascicle.recruitment.workspace`.
 
     **Returns:** a table, a state a row.
     """

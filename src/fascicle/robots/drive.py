@@ -124,8 +124,16 @@ class Drive(Module):
         if not attached:
             raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
         if not all(arguments):
-            supply = ConstantSupply(_highest(attached, highest_pressure))
-            chamber, valve = Isothermal(), SonicValve(1e-9, 0.3)
+            if highest_pressure is None:
+                supplies = [entry.bundle.supply_pressure for entry in attached]
+                # the tables reach a fifth beyond the supply's pressure
+                top = max(
+                    (float(x) for x in supplies if x is not None), default=HIGHEST_PRESSURE / 1.2
+                )
+            else:
+                name, limit = "highest_pressure", HIGHEST_PRESSURE
+                top = float(check_interval(highest_pressure, 0.0, limit, name, "Pa"))
+            supply, chamber, valve = ConstantSupply(top), Isothermal(), SonicValve(1e-9, 0.3)
         assert supply is not None
         assert chamber is not None
         assert valve is not None
@@ -219,8 +227,16 @@ class Drive(Module):
         **Raises:** `InvalidInputError` if a tendon leaves its muscles' tables; data are then at the
         beginning of the step, with MuJoCo's RK4 at its end.
         """
-        command = self._command(command)
-        indices = list(self.actuators)
+        count, indices = self.plant.commands if self.valved else self.units, list(self.actuators)
+        if self.valved:
+            values = np.asarray(validate_commands(command), float)
+        else:
+            top, closed = float(np.min(self.plant.muscles.highest_pressure)), (True, True)
+            checked = check_interval(command, 0.0, top, "command", "Pa", "of the table", closed)
+            values = np.asarray(checked)
+        if values.shape not in {(), (count,)}:
+            raise InvalidInputError("command", f"must be one for each of the {count}", values.size)
+        command = np.broadcast_to(values, (count,))
         if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             return self._runge_kutta_step(model, data, fluid, command)
         mujoco.mj_step1(model, data)
@@ -287,19 +303,6 @@ class Drive(Module):
         after = engine.step(model, data.replace(ctrl=data.ctrl.at[indices].set(pull)))
         # with 64 bits some whole numbers come back wider than before, which no loop accepts
         return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
-
-    def _command(self, command: Values) -> Numbers:
-        count = self.plant.commands if self.valved else self.units
-        if self.valved:
-            values = np.asarray(validate_commands(command), float)
-        else:
-            top, closed = float(np.min(self.plant.muscles.highest_pressure)), (True, True)
-            values = np.asarray(
-                check_interval(command, 0.0, top, "command", "Pa", "of the table", closed)
-            )
-        if values.shape not in {(), (count,)}:
-            raise InvalidInputError("command", f"must be one for each of the {count}", values.size)
-        return np.broadcast_to(values, (count,))
 
     def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
         """Raise for numbers outside of the muscles' tables, which end there."""
@@ -378,11 +381,3 @@ def _actuator_index(model: Any, attached: Attached) -> int:
         remedy = f"write `attached._replace(actuator={suggestions[0]!r})`"
     rule = f"names the actuator {attached.actuator!r}, which isn't in the model"
     raise InvalidInputError("attached", rule, attached.actuator, remedy, shown="")
-
-
-def _highest(attached: Sequence[Attached], highest: Values) -> float:
-    if highest is not None:
-        return float(check_interval(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
-    supplies = [entry.bundle.supply_pressure for entry in attached]
-    # the tables reach a fifth beyond the supply's pressure
-    return max((float(x) for x in supplies if x is not None), default=HIGHEST_PRESSURE / 1.2)

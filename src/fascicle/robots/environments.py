@@ -201,9 +201,9 @@ def score(environment: Any, policy: Any, seeds: range) -> float:
     for seed in seeds:
         observation, _ = environment.reset(seed=seed)
         getattr(policy, "begin", lambda: None)()
-        ended = False
-        while not ended:
+        done = False
+        while not done:
             observation, reward, terminated, truncated, _ = environment.step(policy(observation))
             rewards.append(reward)
-            ended = terminated or truncated
+            done = terminated or truncated
     return float(np.mean(rewards))

@@ -253,7 +253,7 @@ def test_methods_answer_as_the_functions_do():
     made = fs.example("kim2021_bundle_1_4")
     one, other = made.recruit(50.0, 0.1, scheme="batch"), fs.recruitment.recruit
     assert_allclose(one.pressures, other(made, 50.0, 0.1, scheme="batch").pressures)
-    assert_allclose(made.workspace(levels=3).high, fs.recruitment.space(made, levels=3).high)
+    assert_allclose(made.workspace(levels=3).high, fs.recruitment.workspace(made, levels=3).high)
     assert made.reversal(2) == fs.reversal.reversal(made, 2)
     average = fs.energetics.average_efficiency(made, path="isobaric")
     assert made.average_efficiency(path="isobaric") == average

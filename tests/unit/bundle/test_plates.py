@@ -87,7 +87,7 @@ def test_ideal_muscles_turn_all_fluid_energy_into_work():
 
 
 def test_states_and_onset_are_those_of_the_sum():
-    space = fs.recruitment.space(bundle, levels=[50e3], strain=[0.1, 0.2])
+    space = fs.recruitment.workspace(bundle, levels=[50e3], strain=[0.1, 0.2])
     expected = [total([50e3, 0.0], [0.1, 0.2]), total([FULL, 50e3], [0.1, 0.2])]
     assert_allclose(space.force[:, 0], expected, rtol=1e-11)
     onset = fs.reversal.onset_pressure(bundle, 0.2)

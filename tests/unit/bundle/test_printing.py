@@ -47,9 +47,9 @@ def test_recruited_pressures_are_told_with_what_was_not_reached():
 
 
 def test_a_space_tells_what_each_state_reaches():
-    space = fs.recruitment.space(BUNDLE, 413.7e3, 5, [0.0, 0.1, 0.2])
+    space = fs.recruitment.workspace(BUNDLE, 413.7e3, 5, [0.0, 0.1, 0.2])
     lines = str(space).splitlines()
-    assert lines[0] == "Force-strain space" and "  supply pressure  413.7 kPa" in lines
+    assert lines[0] == "Workspace" and "  supply pressure  413.7 kPa" in lines
     largest = float(BUNDLE.force([413.7e3, 413.7e3], 0.0))
     assert lines[-1].split() == ["2", f"{largest:.4g}", "0.2000"]
     assert "<table" in space._repr_html_()

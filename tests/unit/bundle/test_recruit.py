@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle import inverse
+from fascicle.bundle import force_curves
 from fascicle.bundle.recruitment import pressures_of, recruit
 from unlike import LAWS, SUPPLY, random_bundle
 
@@ -82,8 +82,8 @@ def test_a_single_demand_has_the_result_it_has_among_many(monkeypatch, make, opt
     random = np.random.default_rng(5)
     bundle = make(random)
     force, strain = demands(random, bundle, count)
-    monkeypatch.setattr(inverse, "BATCH", 7 * len(bundle.motor_units))
-    monkeypatch.setattr(inverse, "FEW_CELLS", 0)  # cells are selected by a table
+    monkeypatch.setattr(force_curves, "_BATCH", 7 * len(bundle.motor_units))
+    monkeypatch.setattr(force_curves, "FEW_CELLS", 0)  # cells are selected by a table
     many = recruit(bundle, force, strain, **options)
     monkeypatch.undo()
     reached = many.status == 0

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle.bundle import distinct_units
-from fascicle.bundle.recruitment import overlap, pressures_of, space
+from fascicle.bundle.recruitment import overlap, pressures_of, workspace
 
 
 SUPPLY = 413.7e3
@@ -27,7 +27,7 @@ def test_batch_recruitment_gives_all_active_units_one_pressure():
 @pytest.mark.parametrize("scheme", ["orderly", "batch"])
 def test_curves_are_the_bundle_at_the_state_s_pressures(scheme):
     strain = np.linspace(0, 0.25, 6)
-    found = space(three, levels=4, strain=strain, scheme=scheme)
+    found = workspace(three, levels=4, strain=strain, scheme=scheme)
     for state in (1, 2, 3):
         P = pressures_of(state, found.level, SUPPLY, 3, scheme)
         expected = three.force(P[:, None, :], strain)
@@ -35,7 +35,7 @@ def test_curves_are_the_bundle_at_the_state_s_pressures(scheme):
 
 
 def test_a_region_holds_its_curves_and_has_an_outline():
-    found = space(two)
+    found = workspace(two)
     assert np.all(found.low[:, None] <= found.force) and np.all(found.force <= found.high[:, None])
     strain, force = found.outline(1)
     assert strain.shape == force.shape and np.all(force >= 0)
@@ -43,13 +43,13 @@ def test_a_region_holds_its_curves_and_has_an_outline():
 
 
 def test_a_region_begins_at_no_pressure_whatever_curves_are_asked_for():
-    found = space(two, levels=[1e5])
+    found = workspace(two, levels=[1e5])
     assert np.all(found.low[0] <= two.force(np.zeros(2), found.strain))
-    assert_allclose(found.high[1], space(two).high[1], rtol=1e-12)
+    assert_allclose(found.high[1], workspace(two).high[1], rtol=1e-12)
 
 
 def test_outlines_go_there_and_back():
-    found = space(two)
+    found = workspace(two)
     shared = overlap(found)
     for strain, force in (found.outline(2), shared.outline(0)):
         half = len(strain) // 2
@@ -60,8 +60,8 @@ def test_outlines_go_there_and_back():
 
 def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_strain():
     """Section 4.1's claim on Fig. 9."""
-    with_resistance = overlap(space(two))
-    without = overlap(space(two, resistance=False))
+    with_resistance = overlap(workspace(two))
+    without = overlap(workspace(two, resistance=False))
     assert with_resistance.states == ((1, 2),)
     assert with_resistance.area[0] > 0 and without.area[0] == 0
     widest = with_resistance.strain[np.argmax(with_resistance.width[0])]
@@ -69,7 +69,7 @@ def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_stra
 
 
 def test_points_of_the_overlap_are_reached_by_both_states():
-    found = overlap(space(two))
+    found = overlap(workspace(two))
     j = int(np.argmax(found.width[0]))
     middle = 0.5 * (found.low[0, j] + found.high[0, j])
     levels = np.linspace(0, SUPPLY, 400)
@@ -79,7 +79,7 @@ def test_points_of_the_overlap_are_reached_by_both_states():
 
 
 def test_area_is_the_outline_s():
-    found = overlap(space(two))
+    found = overlap(workspace(two))
     strain, force = found.outline(0)
     shoelace = 0.5 * abs(np.sum(strain * np.roll(force, -1) - np.roll(strain, -1) * force))
     # the trapezoids at the tips, where the overlap begins, are counted half more
@@ -96,9 +96,9 @@ def test_equal_units_are_found_to_be_equal():
     [
         (lambda: pressures_of(3, 1e5, SUPPLY, 2), r"`state` must lie in \[1, 2\], got 3"),
         (lambda: pressures_of(1, 1e5, SUPPLY, 2, "bach"), "did you mean 'batch'"),
-        (lambda: space(fs.Bundle(two.motor_units)), "`supply_pressure` must be given"),
-        (lambda: space(two, levels=[0.0, 5e5]), "`levels` must lie in"),
-        (lambda: space(two, supply_pressure=0.0), "`supply_pressure` must lie in"),
+        (lambda: workspace(fs.Bundle(two.motor_units)), "`supply_pressure` must be given"),
+        (lambda: workspace(two, levels=[0.0, 5e5]), "`levels` must lie in"),
+        (lambda: workspace(two, supply_pressure=0.0), "`supply_pressure` must lie in"),
     ],
 )
 def test_refuses_what_can_not_be(call, message):

@@ -137,8 +137,8 @@ def test_one_of_the_users_own_everywhere():
     assert_array_equal(own.pressures, by_argument.pressures)
     grid = [0.0, 0.1, 0.2]
     assert_allclose(
-        fs.recruitment.space(mine, strain=grid).high,
-        fs.recruitment.space(turned, strain=grid).high, rtol=1e-12,
+        fs.recruitment.workspace(mine, strain=grid).high,
+        fs.recruitment.workspace(turned, strain=grid).high, rtol=1e-12,
     )  # fmt: skip
     for path in fs.energetics.PATHS:
         assert fs.energetics.average_efficiency(mine, path=path) == pytest.approx(
@@ -168,7 +168,7 @@ def test_designs_are_judged_by_it(alike):
 def test_a_gap_between_states_is_none_that_is_reached():
     bundle = three.replace(scheme=OneOrAll())
     (low, high) = (
-        getattr(fs.recruitment.space(bundle, strain=[0.1]), x)[:, 0] for x in ("low", "high")
+        getattr(fs.recruitment.workspace(bundle, strain=[0.1]), x)[:, 0] for x in ("low", "high")
     )
     assert high[0] < low[1]
     between = 0.5 * (high[0] + low[1])
@@ -177,7 +177,7 @@ def test_a_gap_between_states_is_none_that_is_reached():
     task = Task.of([between, 0.5 * high[0]], [0.1, 0.1], SUPPLY, scheme=OneOrAll())
     designs = Designs.of(thin, [(1, 2, 3)])
     design = designs.bundle(0, task)
-    edges = fs.recruitment.space(design, strain=[0.1])
+    edges = fs.recruitment.workspace(design, strain=[0.1])
     asked = Task.of([0.5 * (edges.high[0, 0] + edges.low[1, 0])], [0.1], SUPPLY, scheme=OneOrAll())
     values = evaluate(designs, asked, ["not_reached", "shortfall", "margin"])
     half = 0.5 * (edges.low[1, 0] - edges.high[0, 0])

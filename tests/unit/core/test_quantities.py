@@ -83,7 +83,7 @@ def test_a_muscle_is_made_and_evaluated_in_any_unit():
         lambda P: BUNDLE.replace(supply_pressure=P).supply_pressure,
         lambda P: fs.recruitment.recruit(BUNDLE, 20.0, 0.05, P).pressures[0],
         lambda P: fs.recruitment.pressures_of(2, P, P, 2)[1],
-        lambda P: fs.recruitment.space(BUNDLE, P, [P]).force.sum(),
+        lambda P: fs.recruitment.workspace(BUNDLE, P, [P]).force.sum(),
         lambda P: fs.reversal.free_strain_curve(BUNDLE, 2, [P], P)[0],
         lambda P: fs.energetics.work(BUNDLE, [P, P], 0.1),
         lambda P: fs.energetics.fluid_energy(BUNDLE, 0.1, P, [1, 1]),

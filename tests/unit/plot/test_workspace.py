@@ -2,7 +2,7 @@ import numpy as np
 
 from fascicle.bundle import Bundle, MotorUnit
 from fascicle.bundle.efficiency import efficiency_map
-from fascicle.bundle.workspace import overlap, space
+from fascicle.bundle.recruitment import overlap
 from fascicle.files import example
 from fascicle.plot import to_bytes
 from fascicle.plot.workspace import efficiency, workspace
@@ -13,7 +13,7 @@ PAIR = Bundle([MotorUnit(MUSCLE), MotorUnit(MUSCLE)], 413.7e3)
 
 
 def test_a_workspace_shows_every_curve_of_both_states():
-    result = space(PAIR, levels=3, strain=np.linspace(0, 0.26, 14))
+    result = PAIR.workspace(levels=3, strain=np.linspace(0, 0.26, 14))
     axes = workspace(result, overlap(result)).axes[0]
     curves = [line.get_ydata() for line in axes.lines[1:]]  # the first is the zero
     np.testing.assert_array_equal(curves, result.force.reshape(6, -1))

@@ -21,7 +21,7 @@ def every_table():
         "muscle_free_strain": fs.tables.muscle_free_strain(MUSCLE, P),
         "bundle_force": fs.tables.bundle_force(BUNDLE, [P, [4e5, 4e5]], STRAIN),
         "bundle_equilibria": fs.tables.bundle_equilibria(BUNDLE, [P, [2e3, 4e5]]),
-        "space": fs.tables.space(fs.recruitment.space(BUNDLE)),
+        "space": fs.tables.space(fs.recruitment.workspace(BUNDLE)),
         "recruited": fs.tables.recruited(found, [10.0, 9000.0], STRAIN),
         "efficiency": fs.tables.efficiency(paths),
     }

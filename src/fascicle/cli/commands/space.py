@@ -43,7 +43,7 @@ def run(
     from ...results import tables
 
     with status("computing the workspace of each state"), user_errors():
-        space = recruitment.space(
+        space = recruitment.workspace(
             bundle, pressure, throttled or 7, strains, resistance=not no_resistance, scheme=scheme
         )
         variables = tables.space(space)
