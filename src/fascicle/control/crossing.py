@@ -33,7 +33,7 @@ from .valves import AbstractValves, for_each
 
 
 _SHAPE = (81, 121)  # of tables, for times alone; the dip is that of the law itself
-_MOMENTS = 129  # of a path at least, at which a hand-over may begin
+_MOMENTS = 129  # times of a path, at least, at which a hand-over may begin: 1 % apart
 _STEPS = 32  # of a hand-over: its time changes by less than a percent beyond
 _ZOOMS = 2  # of 32 moments each, after the last that would do: to 1e-5 of the path
 _NO_FLOW = 1e-300  # against division by none, at the supply's pressure

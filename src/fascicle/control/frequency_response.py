@@ -42,8 +42,9 @@ from .cascade import Cascade
 from .metrics import reachability
 
 
-POWER_UNITS = ("relief", "accumulator", "sensing")
+POWER_UNITS = ("relief", "accumulator", "sensing")  # keys of `shaft_work`
 _GROWTH_TIME = 1.0  # s, in which an amplitude is reached: several time constants of the loop
+# bits of all statuses but harmless events
 _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop", "supply_empty"))
 
 

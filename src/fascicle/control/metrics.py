@@ -22,8 +22,8 @@ from ..dynamics.outputs import PlantOutputs
 from .cascade import Cascade
 
 
-_LAGS = 500  # steps, the largest lag: half a second of 1 ms each
-_RECRUITED = 0.5  # of its onset, from which on a unit counts as recruited
+_LAGS = 500  # steps, the largest lag: half a second of 1 ms steps, longer than any loop's
+_RECRUITED = 0.5  # of its onset, from which a unit counts as recruited: far above noise
 _LEAST = 0.02  # of the supply, if the onset is lower: above a valve's noise
 _EQUAL = 1e-6  # of the larger one: runs that differ by less are as good as each other
 

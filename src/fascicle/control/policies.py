@@ -32,7 +32,7 @@ POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
     "pre_charge": pre_charge,
     "fast_cross": fast_cross,
 })  # fmt: skip
-OF = ("force", "position")
+OF = ("force", "position")  # values of the argument `of`
 _BAND = 0.02  # of the largest unit's force at rest: more than noise
 _HARMLESS = (
     0.2  # of t_c √(k/M): below it a dip moves the load by 2 % of a lasting dip's way at most

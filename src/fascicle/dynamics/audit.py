@@ -35,8 +35,9 @@ from .plant import Plant
 from .simulate import Trajectory
 
 
-# of the largest term, the residual of Runge-Kutta's steps: for a smooth law, when a table's cells
-# are crossed, for a kink of force within a step (springs that begin to slip, a stop), and rounding
+# largest residual of a balance that closes, over its largest term: what Runge-Kutta's steps leave for
+# a smooth law, when a table's cells are crossed, for a kink of force within a step (springs that
+# begin to slip, a stop), and where terms are counted: rounding
 SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
 MESSAGES = {
@@ -51,9 +52,9 @@ MESSAGES = {
     "broken": "numbers are not finite; take a smaller `dt`",
 }
 _LOSSES = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
-_BY_VOLUME = "made by the volume"
+_BY_VOLUME = "made by the volume"  # name of a term, as JSON has it
 _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
-_HARMLESS = ("supply_empty", "stop")  # events, but no reason to doubt the run
+_HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
 
 
 class Balance(NamedTuple):

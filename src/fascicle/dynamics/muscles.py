@@ -163,6 +163,7 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
     volume_at_rest = muscles.braid.volume(0.0) - muscles.bladder.volume
 
     def coenergy(P: Numbers) -> Numbers:
+        """Co-energy of each muscle [J], (V2), at a pressure `P` [Pa] and the given strain."""
         law = muscles.law.at(P)
         work = (
             P * volume_at_rest

@@ -9,7 +9,7 @@ from .motion import FrictionMemory, PlantEvaluation
 from .plant import Plant, State
 
 
-# reasons not to trust a run from then on, and events
+# events of a run, and reasons not to trust it from then on; an output's status has a bit for each
 STATUS = (
     "folded",  # a muscle's volume falls with pressure by more than hose and fluid expand
     "cavitates",  # a fluid at a pressure below its vapor's
@@ -20,7 +20,7 @@ STATUS = (
     "stiff",  # a step that needed more substeps
     "broken",  # numbers that are not finite
 )
-_NEARLY_ATMOSPHERE = 100.0  # Pa: within a thousandth of an atmosphere of no fluid
+_NEARLY_EMPTY = 100.0  # Pa above no fluid: a thousandth of an atmosphere
 
 
 class PlantOutputs(NamedTuple):
@@ -54,7 +54,7 @@ class PlantOutputs(NamedTuple):
 def observe(
     plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
 ) -> PlantOutputs:
-    """Outputs of a `plant` in a `state` [SI], with friction's `anchor` and `evaluation` [SI]."""
+    """Outputs of a `plant` in a `state` [SI], from its friction's `anchor` and `evaluation` [SI]."""
     flows, store = evaluation.flows, stored_energies(plant, state, anchor, evaluation)
     return PlantOutputs(
         evaluation.position,
@@ -85,7 +85,7 @@ def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numb
     is_outside = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
     bits = (
         flags(evaluation.fluid.is_folded, axis=-1),
-        flags(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
+        flags(plant.chamber.lowest_pressure + _NEARLY_EMPTY >= P, axis=-1),
         flags(is_outside, axis=-1),
         flags(evaluation.fluid.is_unsolved, axis=-1),
         plant.supply.empty(state.supply),

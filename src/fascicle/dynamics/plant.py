@@ -32,8 +32,8 @@ from .muscles import AbstractMuscles, Exact, Geometric, Tables
 
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
-LAWS = ("table", "exact")
-VOLUMES = ("conjugate", "geometric")
+LAWS = ("table", "exact")  # values of the argument `law`
+VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 
 class State(NamedTuple):
@@ -148,7 +148,7 @@ class Plant(Module):
 
     @property
     def liquid(self) -> bool:
-        """True if it is filled with a liquid."""
+        """True if its fluid is a liquid."""
         return isinstance(self.chamber, LiquidChamber)
 
     @property

@@ -84,7 +84,7 @@ stout = fs.Muscle.from_dimensions(
 STOUT = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
 
 
-def test_equilibria_miss_none_that_a_fine_grid_finds():
+def test_equilibria_are_those_of_a_fine_grid():
     """Three zeros at once, as the spec says of Table 1's stouter muscle."""
     P = np.array([FULL, 69e3])
     zeros = STOUT.equilibria(P)
@@ -96,14 +96,14 @@ def test_equilibria_miss_none_that_a_fine_grid_finds():
     assert list(np.asarray(zeros.stable)[:3]) == [True, False, True]
 
 
-def test_compiled_equilibria_have_room_for_all():
+def test_compiled_equilibria_are_complete():
     """As many as there may be are listed for all bundles together, not only one for each."""
     P = np.array([[FULL, 66e3], [FULL, 69e3], [FULL, 72e3], [FULL, 75e3]])
     P = np.concatenate([P, P])
-    found, plain = jax.jit(STOUT.equilibria)(jnp.asarray(P)), STOUT.equilibria(P)
+    result, plain = jax.jit(STOUT.equilibria)(jnp.asarray(P)), STOUT.equilibria(P)
     assert plain.count.sum() > len(P) + 5  # with room for fewer, some would be lost
-    assert found.count.tolist() == plain.count.tolist()
-    assert_allclose(found.strain, plain.strain, rtol=0, atol=1e-12)
+    assert result.count.tolist() == plain.count.tolist()
+    assert_allclose(result.strain, plain.strain, rtol=0, atol=1e-12)
 
 
 LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUnit(muscle, 2)],
@@ -112,32 +112,32 @@ LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUni
 
 @pytest.mark.parametrize("count", [6, pytest.param(30, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("bundle", [pair, unlike, LONG], ids=["pair", "unlike", "of two lengths"])
-def test_strains_that_hold_a_load_miss_none_that_a_fine_grid_finds(bundle, count):
+def test_strains_under_a_load_are_those_of_a_fine_grid(bundle, count):
     random = np.random.default_rng(5)
     P = random.uniform(0, FULL, (count, len(bundle.motor_units)))
     P[random.random(P.shape) < 0.3] = 0.0
     # from what stretches it to what pushes it together
     F = random.uniform(-40, 900, count) * random.choice([1.0, 0.05], count)
-    found = bundle.strain_at(F, P)
+    result = bundle.strain_at(F, P)
     # of six of them NumPy answers so many at once
     grid = np.linspace(-0.15, 0.55, 10001 if count == 6 else 20001)
     over = np.asarray(bundle.force(P[:, None], grid)) - F[:, None]
     lanes, places = np.nonzero((over[:, 1:] > 0) != (over[:, :-1] > 0))
     assert len(lanes) > count / 2
     for n, i in zip(lanes, places, strict=True):
-        own = found.strain[n]
+        own = result.strain[n]
         assert np.any((own > grid[i] - 1e-12) & (own < grid[i + 1] + 1e-12)), (n, grid[i], own)
-    n, slot = np.nonzero(np.isfinite(found.strain))
-    strain = found.strain[n, slot]
+    n, slot = np.nonzero(np.isfinite(result.strain))
+    strain = result.strain[n, slot]
     # a slope of some 1e4 N turns a root's 1e-14 into 1e-10 N
     assert_allclose(bundle.force(P[n], strain), F[n], rtol=0, atol=1e-9)
     inside = (strain > -0.15) & (strain < 0.549)
     falls = np.asarray(bundle.force(P[n], strain + 1e-8) < bundle.force(P[n], strain - 1e-8))
-    assert list(found.stable[n, slot][inside]) == list(falls[inside])
-    assert list(found.count) == list(np.isfinite(found.strain).sum(axis=1))
+    assert list(result.stable[n, slot][inside]) == list(falls[inside])
+    assert list(result.count) == list(np.isfinite(result.strain).sum(axis=1))
 
 
-def test_a_load_of_none_is_held_at_the_equilibria():
+def test_strains_without_a_load_are_the_equilibria():
     P = np.array([[FULL, 69e3], [100e3, 100e3], [FULL, FULL]])
     held, free = pair.strain_at(0.0, P), pair.equilibria(P)
     assert list(held.count) == list(free.count)
@@ -151,7 +151,7 @@ def test_strain_under_a_load_differentiates_by_load_and_pressure():
     assert_allclose(by_load, differences[0] / (2 * step), rtol=1e-6)  # a third derivative's share
 
 
-def test_what_is_replaced_is_checked_and_the_rest_stays():
+def test_replace_checks_new_arguments_and_keeps_the_others():
     batch = pair.replace(scheme="batch", supply_pressure=FULL)
     assert (batch.scheme, batch.supply_pressure) == ("batch", FULL) and pair.scheme == "orderly"
     assert batch.motor_units == pair.motor_units
@@ -168,14 +168,14 @@ def test_what_is_replaced_is_checked_and_the_rest_stays():
 
 
 @pytest.mark.slow
-def test_derivatives_are_the_same_compiled_and_at_once():
+def test_derivatives_are_the_same_with_and_without_jit():
     P = jnp.array([FULL, 69e3])
     first = jax.grad(lambda P: pair.equilibria(P).strain[0])
     assert_allclose(first(P), jax.jit(first)(P), rtol=1e-9)
     assert_allclose(first(P), jax.grad(pair.free_strain)(P), rtol=1e-9)
 
 
-def test_equal_pressures_leave_the_muscle_its_own_free_strain():
+def test_equal_units_at_equal_pressures_have_the_free_strain_of_the_muscle():
     P = [100e3, 100e3]
     assert_allclose(pair.free_strain(P), muscle.free_strain(100e3), atol=1e-12)
     assert int(pair.equilibria(P).count) == 1
@@ -222,18 +222,18 @@ def test_free_strain_differentiates_implicitly():
         (lambda: pair.free_strain([1e5, math.nan]), "`pressures` must lie in"),
     ],
 )
-def test_refuses_what_can_not_be(build, message):
+def test_invalid_input_is_refused(build, message):
     with pytest.raises(ValueError, match=message) as error:
         build()
     assert "\n" not in str(error.value)
 
 
-def test_refuses_muscles_of_unlike_length_where_nothing_says_how_far_apart_the_plates_are():
+def test_unequal_lengths_need_the_distance_of_the_plates():
     with pytest.raises(ValueError, match=r"`length` say how far apart the plates are"):
         fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER))])
 
 
-def test_bundles_are_equal_by_what_they_are():
+def test_bundles_are_equal_by_their_values():
     """Whether made anew, used before, or of JAX's numbers; not where one thing differs."""
 
     def made(count=2, supply=4e5, scheme="orderly", length=None):
@@ -249,7 +249,7 @@ def test_bundles_are_equal_by_what_they_are():
         assert (one == unlike) is False and (one != unlike) is True
 
 
-def test_methods_answer_as_the_functions_do():
+def test_methods_equal_the_functions():
     made = fs.example("kim2021_bundle_1_4")
     one, other = made.recruit(50.0, 0.1, scheme="batch"), fs.recruitment.recruit
     assert_allclose(one.pressures, other(made, 50.0, 0.1, scheme="batch").pressures)

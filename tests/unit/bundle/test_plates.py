@@ -58,7 +58,7 @@ def test_free_strain_is_the_first_zero_of_that_sum(P):
     assert_allclose(bundle.force(P, zeros.strain[: int(zeros.count)]), 0, atol=1e-9)
 
 
-def test_without_resistance_the_unit_that_reaches_farthest_counts():
+def test_without_resistance_the_longest_free_strain_counts():
     P = [FULL, 300e3]
     ends = [
         1 - (1 - float(one.free_strain(p))) * one.length / PLATES
@@ -95,7 +95,7 @@ def test_states_and_onset_are_those_of_the_sum():
     assert 0 < onset < FULL and at[1] < at[0] < at[2]
 
 
-def test_equal_lengths_stay_the_bundle_they_were():
+def test_equal_lengths_need_no_ratios():
     given = fs.Bundle(even.motor_units, FULL, length=SHORT)
     assert jax.tree.structure(given) == jax.tree.structure(even)
     assert float(given.length) == SHORT and given.ratios is None
@@ -116,7 +116,7 @@ def test_a_file_holds_the_plates_distance(tmp_path):
     assert "length" not in (tmp_path / "even.toml").read_text().split("[bundle]")[1]
 
 
-def test_plates_at_another_distance_stretch_equal_muscles_alike():
+def test_plates_at_another_distance_stretch_all_muscles():
     apart = fs.Bundle([fs.MotorUnit(short)], length=PLATES)
     assert_allclose(apart.force([FULL], 0.1), short.force(FULL, strains(0.1)[0]), rtol=1e-12)
     assert float(apart.force([0.0], 0.0)) > 0
@@ -144,7 +144,7 @@ def test_free_strain_differentiates_by_a_length():
         (lambda: energetics.fluid_energy(bundle, -0.17, FULL, [1, 1]), "seen from the plates"),
     ],
 )
-def test_refuses_what_can_not_be(build, message):
+def test_invalid_input_is_refused(build, message):
     with pytest.raises(ValueError, match=message) as error:
         build()
     assert "\n" not in str(error.value)

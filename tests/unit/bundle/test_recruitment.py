@@ -25,33 +25,35 @@ def test_batch_recruitment_gives_all_active_units_one_pressure():
 
 
 @pytest.mark.parametrize("scheme", ["orderly", "batch"])
-def test_curves_are_the_bundle_at_the_state_s_pressures(scheme):
+def test_curves_are_forces_at_the_pressures_of_the_state(scheme):
     strain = np.linspace(0, 0.25, 6)
-    found = workspace(three, levels=4, strain=strain, scheme=scheme)
+    result = workspace(three, levels=4, strain=strain, scheme=scheme)
     for state in (1, 2, 3):
-        P = pressures_of(state, found.level, SUPPLY, 3, scheme)
+        P = pressures_of(state, result.level, SUPPLY, 3, scheme)
         expected = three.force(P[:, None, :], strain)
-        assert_allclose(found.force[state - 1], expected, rtol=1e-12, atol=1e-12)
+        assert_allclose(result.force[state - 1], expected, rtol=1e-12, atol=1e-12)
 
 
 def test_a_region_holds_its_curves_and_has_an_outline():
-    found = workspace(two)
-    assert np.all(found.low[:, None] <= found.force) and np.all(found.force <= found.high[:, None])
-    strain, force = found.outline(1)
+    result = workspace(two)
+    assert np.all(result.low[:, None] <= result.force) and np.all(
+        result.force <= result.high[:, None]
+    )
+    strain, force = result.outline(1)
     assert strain.shape == force.shape and np.all(force >= 0)
     assert_allclose(force.max(), two.force([SUPPLY, 0.0], 0.0))
 
 
-def test_a_region_begins_at_no_pressure_whatever_curves_are_asked_for():
-    found = workspace(two, levels=[1e5])
-    assert np.all(found.low[0] <= two.force(np.zeros(2), found.strain))
-    assert_allclose(found.high[1], workspace(two).high[1], rtol=1e-12)
+def test_regions_begin_at_no_pressure_for_any_curves():
+    result = workspace(two, levels=[1e5])
+    assert np.all(result.low[0] <= two.force(np.zeros(2), result.strain))
+    assert_allclose(result.high[1], workspace(two).high[1], rtol=1e-12)
 
 
-def test_outlines_go_there_and_back():
-    found = workspace(two)
-    shared = overlap(found)
-    for strain, force in (found.outline(2), shared.outline(0)):
+def test_outlines_are_closed():
+    result = workspace(two)
+    shared = overlap(result)
+    for strain, force in (result.outline(2), shared.outline(0)):
         half = len(strain) // 2
         assert np.all(np.diff(strain[:half]) > 0) and np.array_equal(strain, strain[::-1])
         top, bottom = force[:half], force[half:][::-1]
@@ -69,24 +71,24 @@ def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_stra
 
 
 def test_points_of_the_overlap_are_reached_by_both_states():
-    found = overlap(workspace(two))
-    j = int(np.argmax(found.width[0]))
-    middle = 0.5 * (found.low[0, j] + found.high[0, j])
+    result = overlap(workspace(two))
+    j = int(np.argmax(result.width[0]))
+    middle = 0.5 * (result.low[0, j] + result.high[0, j])
     levels = np.linspace(0, SUPPLY, 400)
     for state in (1, 2):
-        reach = np.asarray(two.force(pressures_of(state, levels, SUPPLY, 2), found.strain[j]))
+        reach = np.asarray(two.force(pressures_of(state, levels, SUPPLY, 2), result.strain[j]))
         assert reach.min() < middle < reach.max()
 
 
-def test_area_is_the_outline_s():
-    found = overlap(workspace(two))
-    strain, force = found.outline(0)
+def test_area_is_that_of_the_outline():
+    result = overlap(workspace(two))
+    strain, force = result.outline(0)
     shoelace = 0.5 * abs(np.sum(strain * np.roll(force, -1) - np.roll(strain, -1) * force))
     # the trapezoids at the tips, where the overlap begins, are counted half more
-    assert_allclose(found.area[0], shoelace, rtol=0.01)
+    assert_allclose(result.area[0], shoelace, rtol=0.01)
 
 
-def test_equal_units_are_found_to_be_equal():
+def test_distinct_units():
     few, places = distinct_units(three)
     assert len(few.motor_units) == 2 and places.tolist() == [0, 0, 1]
 
@@ -101,6 +103,6 @@ def test_equal_units_are_found_to_be_equal():
         (lambda: workspace(two, supply_pressure=0.0), "`supply_pressure` must lie in"),
     ],
 )
-def test_refuses_what_can_not_be(call, message):
+def test_invalid_input_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()

@@ -23,25 +23,25 @@ def test_curve_holds_earlier_units_at_supply():
 
 @pytest.mark.parametrize("bundle", [even, uneven])
 def test_reversal_is_the_lowest_point_of_the_curve(bundle):
-    found = reversal(bundle)
+    result = reversal(bundle)
     brute = free_strain_curve(bundle, 2, np.linspace(0, SUPPLY, 3001))
-    assert found.depth > 0
+    assert result.depth > 0
     # the grid can miss the turn by a cell: its lowest is no lower, and near
-    assert brute.min() - 2e-4 < found.free_strain <= brute.min() + 1e-12
-    assert_allclose(found.initial - found.free_strain, found.depth)
+    assert brute.min() - 2e-4 < result.free_strain <= brute.min() + 1e-12
+    assert_allclose(result.initial - result.free_strain, result.depth)
 
 
-def test_the_turn_of_one_against_four_is_a_jump():
-    found = reversal(uneven)
-    assert found.jump
+def test_the_turn_of_one_and_four_muscles_is_a_jump():
+    result = reversal(uneven)
+    assert result.jump
     # with rising pressure the force's dip touches zero at .198 before its zero at .207
-    before = free_strain_curve(uneven, 2, np.array([found.pressure - 1.0]))[0]
-    assert before > found.free_strain + 5e-3
+    before = free_strain_curve(uneven, 2, np.array([result.pressure - 1.0]))[0]
+    assert before > result.free_strain + 5e-3
 
 
 def test_reversal_only_with_resistance():
-    found = reversal(even, resistance=False)
-    assert found.depth == 0 and found.pressure == 0 and not found.jump
+    result = reversal(even, resistance=False)
+    assert result.depth == 0 and result.pressure == 0 and not result.jump
 
 
 def test_onset_is_where_the_unit_begins_to_help():
@@ -52,7 +52,7 @@ def test_onset_is_where_the_unit_begins_to_help():
     assert muscle.force(onset - 10.0, eps) < idle < muscle.force(onset + 10.0, eps)
 
 
-def test_onset_at_rest_is_no_pressure_at_all_and_beyond_reach_none():
+def test_onset_is_zero_at_rest_and_infinite_out_of_reach():
     assert onset_pressure(even, 0.0) == 0.0
     assert onset_pressure(even, 0.25, supply_pressure=100e3) == math.inf
 
@@ -63,11 +63,11 @@ def test_onset_in_a_bundle_of_two_lengths(unit):
     longer = fs.Muscle.from_dimensions(0.14, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
     mixed = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(longer)], SUPPLY, length=0.127)
     strain = 0.15
-    found = onset_pressure(mixed, strain, unit)
-    assert 0 < found < SUPPLY
+    result = onset_pressure(mixed, strain, unit)
+    assert 0 < result < SUPPLY
     # well below it the unit pushes back more than unfed, above it less
     P = np.zeros((3, 2))
-    P[:, unit - 1] = [0.0, 0.999 * found, 1.001 * found]
+    P[:, unit - 1] = [0.0, 0.999 * result, 1.001 * result]
     none, below, above = mixed.force(P, strain)
     assert below < none < above
 
@@ -79,11 +79,11 @@ def test_refuses_a_unit_that_does_not_exist():
         reversal(even, unit=3)
 
 
-def test_refuses_a_pressure_where_a_unit_is_due():
+def test_unit_must_be_a_number():
     with pytest.raises(ValueError, match=r"`unit` must be a whole number.* got '3 bar'"):
         reversal(even, unit="3 bar")
 
 
-def test_refuses_a_muscle_where_a_bundle_is_due():
+def test_bundle_must_be_a_bundle():
     with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: build one"):
         check_single(even.motor_units[0].muscle)

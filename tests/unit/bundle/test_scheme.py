@@ -58,7 +58,7 @@ class OneOrAll(AbstractScheme):
         return [State([], [0]), State(range(units - 1), [units - 1])]
 
 
-def test_the_two_of_the_paper():
+def test_orderly_batch_and_free_states():
     orderly, batch = (states_of(scheme, 3) for scheme in (Orderly(), Batch()))
     assert orderly.throttled.tolist() == np.eye(3, dtype=bool).tolist()
     assert orderly.full.tolist() == np.tri(3, k=-1, dtype=bool).tolist()
@@ -95,7 +95,7 @@ class Detour(AbstractScheme):
         return [State([], [0]), *(State([0], [unit]) for unit in range(1, units))]
 
 
-def test_states_are_nested_where_each_feeds_more_than_the_one_before():
+def test_nested_states():
     assert states_of(Orderly(), 3).nested and not states_of(Detour(), 3).nested
     assert not states_of(EachThenBoth(), 3).nested
 
@@ -109,22 +109,22 @@ class OneOrOther(AbstractScheme):
         return [State([], [unit]) for unit in range(units)]
 
 
-def test_of_states_that_feed_other_units_the_one_with_least_fluid_is_taken():
+def test_of_several_states_the_one_of_least_fluid_is_selected():
     force = [2.0, 5.0]
     for units, best in (((thick, thin), 2), ((thin, thick), 1)):
         bundle = fs.Bundle([fs.MotorUnit(one) for one in units], SUPPLY, OneOrOther())
-        found = fs.recruitment.recruit(bundle, force, 0.1)
-        assert found.state.tolist() == [best, best] and np.all(found.count >= 2)
+        result = fs.recruitment.recruit(bundle, force, 0.1)
+        assert result.state.tolist() == [best, best] and np.all(result.count >= 2)
     free = fs.recruitment.recruit(bundle, force, 0.1, scheme="free")
     assert free.solutions.state.tolist() == [[1], [1]] == free.state[:, None].tolist()
 
 
-def test_names_are_listed_in_words():
+def test_names_as_text():
     assert format_names() == "orderly, batch or free"
     assert format_names("`", start=1) == "`batch` or `free`" and format_names(start=2) == "free"
 
 
-def test_one_of_the_users_own_everywhere():
+def test_a_user_s_scheme_in_all_functions():
     """From the last to the first is orderly recruitment of the bundle turned around."""
     turned = fs.Bundle(three.motor_units[::-1], SUPPLY)
     mine = three.replace(scheme=LastFirst())
@@ -147,7 +147,7 @@ def test_one_of_the_users_own_everywhere():
 
 
 @pytest.mark.parametrize("alike", [True, False])
-def test_designs_are_judged_by_it(alike):
+def test_designs_are_evaluated_by_a_user_s_scheme(alike):
     """Also designs of fewer units than others, which begin with another state."""
     counts = [(1, 2, 3), (3, 1, 0), (4, 0, 0)]
     back = [(3, 2, 1), (1, 3, 0), (4, 0, 0)]
@@ -165,15 +165,15 @@ def test_designs_are_judged_by_it(alike):
         assert_allclose(own[name], other[name], rtol=1e-9, atol=1e-9)
 
 
-def test_a_gap_between_states_is_none_that_is_reached():
+def test_forces_in_a_gap_between_states_are_unreachable():
     bundle = three.replace(scheme=OneOrAll())
     (low, high) = (
         getattr(fs.recruitment.workspace(bundle, strain=[0.1]), x)[:, 0] for x in ("low", "high")
     )
     assert high[0] < low[1]
     between = 0.5 * (high[0] + low[1])
-    found = fs.recruitment.recruit(bundle, [between, 0.5 * high[0], 0.5 * (low[1] + high[1])], 0.1)
-    assert found.status.tolist() == [1 if found.force[0] < between else 2, 0, 0]
+    result = fs.recruitment.recruit(bundle, [between, 0.5 * high[0], 0.5 * (low[1] + high[1])], 0.1)
+    assert result.status.tolist() == [1 if result.force[0] < between else 2, 0, 0]
     task = Task.of([between, 0.5 * high[0]], [0.1, 0.1], SUPPLY, scheme=OneOrAll())
     designs = Designs.of(thin, [(1, 2, 3)])
     design = designs.bundle(0, task)
@@ -186,7 +186,7 @@ def test_a_gap_between_states_is_none_that_is_reached():
     assert_allclose(values["margin"], -half, rtol=1e-6)
 
 
-def test_a_file_holds_what_it_can_name(tmp_path):
+def test_files_hold_registered_schemes_only(tmp_path):
     fs.save(three.replace(scheme="free"), str(tmp_path / "free.toml"))
     assert fs.load(str(tmp_path / "free.toml")).scheme == Free()
     with pytest.raises(ValueError, match="`scheme` 'last first' is a Python object"):
@@ -204,7 +204,7 @@ def test_a_file_holds_what_it_can_name(tmp_path):
         ([State([], [3])], "must name units of 0 to 2 in state 1"),
     ],
 )
-def test_states_that_can_not_be(states, text):
+def test_impossible_states_are_refused(states, text):
     class Wrong(AbstractScheme):
         name = "wrong"
 
@@ -215,7 +215,7 @@ def test_states_that_can_not_be(states, text):
         fs.recruitment.recruit(three, 10.0, 0.1, scheme=Wrong())
 
 
-def test_what_is_no_scheme():
+def test_values_other_than_schemes_are_refused():
     with pytest.raises(ValueError, match="got the class LastFirst: write"):
         scheme_of(LastFirst)
     with pytest.raises(ValueError, match="did you mean 'orderly'"):

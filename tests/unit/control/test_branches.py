@@ -22,31 +22,31 @@ def branches(five):
     return control.Branches.of(five)
 
 
-def test_there_and_back(branches):
+def test_pressure_inverts_force(branches):
     eps = STRAINS[:, None, None] + np.zeros(2)
     none = np.zeros_like(eps)
     empty, full = branches.force(none, eps), branches.force(none + SUPPLY, eps)
     force = empty + (full - empty) * np.linspace(1e-3, 1 - 1e-3, 57)[:, None]
-    found = branches.pressure(force, eps)
-    assert_array_equal(found.status, REACHED)
+    result = branches.pressure(force, eps)
+    assert_array_equal(result.status, REACHED)
     # Newton's method on the table that the force is from: to rounding
-    assert_allclose(branches.force(found.pressure, eps), force, rtol=0, atol=1e-8)
-    assert np.all(found.pressure >= branches.onset(eps))
-    assert np.all(found.pressure <= SUPPLY)
-    assert np.all(np.diff(found.pressure, axis=1) > 0)
+    assert_allclose(branches.force(result.pressure, eps), force, rtol=0, atol=1e-8)
+    assert np.all(result.pressure >= branches.onset(eps))
+    assert np.all(result.pressure <= SUPPLY)
+    assert np.all(np.diff(result.pressure, axis=1) > 0)
 
 
 def test_onsets_are_those_of_the_law(branches, five):
     strain = np.array([0.03, 0.06, 0.1, 0.15, 0.2, 0.24])
-    found = branches.onset(strain[:, None] + np.zeros(2))[:, 0]
+    result = branches.onset(strain[:, None] + np.zeros(2))[:, 0]
     right = control.transition(five, strain).onset_pressure
     # the table's force is off by up to 0.01 N near the kinks, of some 1e-4 N/Pa and more
-    assert_allclose(found, right, rtol=1e-3, atol=1)
+    assert_allclose(result, right, rtol=1e-3, atol=1)
     assert_array_equal(branches.onset(np.full((1, 2), -0.05)), 0.0)
     assert_array_equal(branches.onset(np.full((1, 2), 0.3)), SUPPLY)
 
 
-def test_it_recruits_as_recruit_does(branches, five):
+def test_pressures_equal_those_of_recruit(branches, five):
     for strain in (0.05, 0.15, 0.2):
         both = five.force([SUPPLY, SUPPLY], strain)
         one = control.transition(five, strain).largest_force
@@ -57,14 +57,14 @@ def test_it_recruits_as_recruit_does(branches, five):
         )
         first = demand - 4 * empty[1]
         second = (demand - full[0]) / 4
-        found = branches.pressure(np.stack([first, second], axis=-1), np.full(2, strain)).pressure
-        throttled = np.where(right.unit == 1, found[:, 0], found[:, 1])
+        result = branches.pressure(np.stack([first, second], axis=-1), np.full(2, strain)).pressure
+        throttled = np.where(right.unit == 1, result[:, 0], result[:, 1])
         others = np.where(right.unit == 1, right.pressures[:, 0], right.pressures[:, 1])
         # a table off by 0.02 N in all, of some 1e-4 N/Pa
         assert_allclose(throttled, others, rtol=0, atol=300)
 
 
-def test_what_cant_be_reached_is_told(branches):
+def test_unreachable_forces_have_a_status(branches):
     eps = np.array([[0.1, 0.1], [0.3, 0.3]])
     empty, full = branches.force(0 * eps, eps), branches.force(0 * eps + SUPPLY, eps)
     less, more = branches.pressure(empty - 1, eps), branches.pressure(full + 1, eps)
@@ -77,11 +77,11 @@ def test_what_cant_be_reached_is_told(branches):
     assert np.all(np.isfinite(far.pressure))
 
 
-def test_numpy_and_jax_agree_and_slopes_are_the_laws(branches):
+def test_numpy_and_jax_agree_and_gradients_are_those_of_the_law(branches):
     force, eps = jnp.array([20.0, 15.0]), jnp.array([0.15, 0.15])
-    found = jax.jit(lambda b, f, e: b.pressure(f, e))(branches, force, eps)
+    result = jax.jit(lambda b, f, e: b.pressure(f, e))(branches, force, eps)
     plain = branches.pressure(np.asarray(force), np.asarray(eps))
-    assert_allclose(found.pressure, plain.pressure, rtol=1e-9)
+    assert_allclose(result.pressure, plain.pressure, rtol=1e-9)
     assert isinstance(plain.pressure, np.ndarray)
     # slopes are finite also where nothing can be reached
     unreachable = [[f, f, e, e] for f in (-1e3, 0.0, 1e3) for e in (-0.08, 0.0, 0.1, 0.3)]
@@ -94,15 +94,15 @@ def test_numpy_and_jax_agree_and_slopes_are_the_laws(branches):
     assert_allclose(slopes[0, :2], 1 / at.force_by_pressure, rtol=1e-6)
 
 
-def test_unlike_muscles_each_have_their_own(muscle):
+def test_different_muscles_have_branches_of_their_own(muscle):
     wide = muscle.replace(outer_radius=8e-3, wall_thickness=1.4e-3)
     bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(wide), fs.MotorUnit(muscle)], SUPPLY)
-    found = control.Branches.of(bundle, shape=(81, 101))
+    result = control.Branches.of(bundle, shape=(81, 101))
     P = np.array([2e5, 3e5, 2e5])
     eps = np.full(3, 0.15)
-    back = found.pressure(found.force(P, eps), eps).pressure
+    back = result.pressure(result.force(P, eps), eps).pressure
     assert_allclose(back, P, rtol=1e-9)
-    assert found.onset(eps)[0] == found.onset(eps)[2] != found.onset(eps)[1]
+    assert result.onset(eps)[0] == result.onset(eps)[2] != result.onset(eps)[1]
 
 
 def test_a_call_takes_less_than_a_tenth_of_a_millisecond(branches):

@@ -53,7 +53,7 @@ def ran(bench, ramp, start):
     return run
 
 
-def test_the_plain_inverse_dips_by_all_of_it_and_a_hand_over_hardly(ran):
+def test_orderly_dips_fully_and_hand_over_hardly(ran):
     dips, rms, fluid_drawn = {}, {}, {}
     for policy in ("orderly", "threshold", "hand_over", "pre_charge", "fast_cross"):
         run, worth = ran(policy)
@@ -70,7 +70,7 @@ def test_the_plain_inverse_dips_by_all_of_it_and_a_hand_over_hardly(ran):
         assert fluid_drawn[policy] > fluid_drawn["threshold"]
 
 
-def test_it_lets_go_by_the_same_rule_and_doesnt_chatter(ran, ramp):
+def test_units_are_vented_by_the_same_rule_without_chatter(ran, ramp):
     up_and_down = ramp[0] / 0.7 * np.r_[np.linspace(0.7, 1.0, 250), np.linspace(1.0, 0.4, 350)]
     run, worth = ran("hand_over", up_and_down)
     P2 = np.asarray(run.outputs.pressures)[:, 1]
@@ -95,7 +95,7 @@ def test_demands_that_cant_be_reached_are_counted(ran, ramp):
     assert less.unreachable == STEPS and less.rms == 0
 
 
-def test_what_it_may_use_is_kept(ran, ramp):
+def test_limits_of_pressure_and_flow_hold(ran, ramp):
     limited, _ = ran("hand_over", highest_pressure=3e5, flow_limit=0.5)
     assert np.asarray(limited.outputs.pressures)[100:].max() <= 3.03e5
     assert np.abs(limited.commands).max() <= 0.5
@@ -137,20 +137,20 @@ def test_gradients_by_gains_are_finite(bench, ramp, start):
         ({"policy": "orderly", "of": "position"}, "of"),
     ],
 )
-def test_what_cant_be_is_refused(bench, options, argument):
+def test_invalid_input_is_refused(bench, options, argument):
     with pytest.raises(InvalidInputError) as error:
         control.cascade(bench, **options)
     assert error.value.argument == argument
 
 
-def test_an_orderly_valve_leaves_nothing_to_choose(bench, pair):
+def test_a_single_command_for_several_units_is_refused(bench, pair):
     parts = {name: getattr(bench, name) for name in ("load", "supply", "chamber", "valve")}
     plant = dynamics.Plant(pair, **parts, spool=fluid.OrderlyValve(2, 0.01))
     with pytest.raises(ValueError, match="one command for each motor unit"):
         control.cascade(plant, "orderly")
 
 
-def test_auto_says_why(bench, ramp, pair, five):
+def test_policy_selection_gives_its_reason(bench, ramp, pair, five):
     chosen = control.select_policy(bench, ramp, 1e-3, "force")
     assert chosen.policy == "hand_over" and "without a dip" in chosen.why
     idle = control.select_policy(bench, 0.5 * ramp, 1e-3, "force")

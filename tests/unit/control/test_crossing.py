@@ -30,14 +30,14 @@ def ramp(bundle, strain, begin=0.1, end=3.0):
 @pytest.mark.parametrize(
     ("unit_2", "strain"), [pytest.param(1, 0.2, marks=pytest.mark.slow), (4, 0.2)]
 )
-def test_there_is_one_where_valves_are_fast_and_none_where_they_arent(pair, five, unit_2, strain):
+def test_fast_valves_allow_a_crossing_and_slow_ones_none(pair, five, unit_2, strain):
     bundle = pair if unit_2 == 1 else five
-    found = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-9, 1, unit_2))
-    assert found.found and 0 <= found.start < found.end <= found.needed
-    assert found.end - found.start >= found.time > 0
-    assert found.reserve > found.dip
+    result = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-9, 1, unit_2))
+    assert result.found and 0 <= result.start < result.end <= result.needed
+    assert result.end - result.start >= result.time > 0
+    assert result.reserve > result.dip
     rate = (3.0 - 0.1) * float(control.transition(bundle, strain).largest_force) / 4
-    assert found.reserve >= control.needed_reserve(bundle, strain, rate, 0.0)
+    assert result.reserve >= control.needed_reserve(bundle, strain, rate, 0.0)
     slow = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-10, 1, unit_2))
     assert not slow.found and "too slow" in str(slow)
     assert slow.start is slow.end is slow.time is None
@@ -48,34 +48,34 @@ def test_a_third_of_the_conductance_is_too_little_for_four(five):
 
 
 def test_slower_valves_begin_earlier(pair):
-    found = [
+    result = [
         control.crossing(pair, ramp(pair, 0.2), of_conductance(c, 1, 1))
         for c in (4e-9, 1e-9, 4e-10)
     ]
-    starts = [one.start for one in found]
+    starts = [one.start for one in result]
     assert starts == sorted(starts, reverse=True)
 
 
-def test_near_the_strokes_end_the_reserve_is_never_enough(five):
-    found = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
-    assert not found.found
+def test_no_crossing_near_the_end_of_the_stroke(five):
+    result = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
+    assert not result.found
     # 0.9 of 8.37 N against 34.66 N
-    assert "can spare 7.531 N at most where the dip is 34.66 N deep" in found.reason
-    assert "dips by 27.13 N at least" in found.reason
+    assert "can spare 7.531 N at most where the dip is 34.66 N deep" in result.reason
+    assert "dips by 27.13 N at least" in result.reason
 
 
-def test_on_the_way_there_it_crosses_at_the_last_strain_that_allows_it(five):
+def test_a_path_crosses_at_its_last_feasible_strain(five):
     path = Path.of([0, 2, 3], [5, 5, 20], [0.15, 0.24, 0.24])
-    found = control.crossing(five, path, of_conductance(1e-8, 1, 4))
-    assert found.found and found.end < 2 < found.needed
-    there = control.transition(five, found.strain)
+    result = control.crossing(five, path, of_conductance(1e-8, 1, 4))
+    assert result.found and result.end < 2 < result.needed
+    there = control.transition(five, result.strain)
     left = float(there.largest_force - there.dip) - 5
     # on its way there the strain rises, too: nothing is left, where at 0.24 it would be -31 N
     assert -1 < left < 1
-    assert_allclose([found.dip, found.onset_pressure], [there.dip, there.onset_pressure])
+    assert_allclose([result.dip, result.onset_pressure], [there.dip, there.onset_pressure])
 
 
-def test_where_none_is_needed_or_the_path_cant_even_begin(pair):
+def test_no_crossing_is_needed_or_the_path_starts_out_of_reach(pair):
     valves = GasValves(1e-3)
     idle = control.crossing(pair, Path.of([0, 1], [1.0, 10.0], 0.2), valves)
     assert not idle.found and idle.needed is None and "28.06 N are left" in idle.reason
@@ -85,14 +85,14 @@ def test_where_none_is_needed_or_the_path_cant_even_begin(pair):
     assert not helpless.found
 
 
-def test_without_a_dip_it_is_as_late_as_can_be(pair):
+def test_without_a_dip_the_crossing_is_as_late_as_possible(pair):
     path = Path.of([0, 1], [50.0, 250.0], 0.0)
-    found = control.crossing(pair, path, GasValves(1e-3))
-    assert found.dip == 0 and found.onset_pressure == 0 and found.time == 0
-    assert_allclose(found.start, found.needed, rtol=0, atol=1e-3)
+    result = control.crossing(pair, path, GasValves(1e-3))
+    assert result.dip == 0 and result.onset_pressure == 0 and result.time == 0
+    assert_allclose(result.start, result.needed, rtol=0, atol=1e-3)
 
 
-def test_of_oil_and_of_a_plant(pair):
+def test_valves_of_oil_and_of_a_plant(pair):
     path = ramp(pair, 0.2)
     oil = control.crossing(pair, path, OilValves(2e-5))
     # V* of 8.3 mL more at the onset
@@ -101,14 +101,14 @@ def test_of_oil_and_of_a_plant(pair):
         pair, dynamics.PrescribedMotion(0.2 * 0.127), fluid.ConstantSupply(SUPPLY),
         fluid.Isothermal(dead_volume=np.array([0.0, 20e-6])), fluid.SonicValve(1e-9, 0.3),
     )  # fmt: skip
-    found = control.crossing(pair, path, plant)
+    result = control.crossing(pair, path, plant)
     bare = control.crossing(pair, path, of_conductance(1e-9, 1, 1))
     # a hose of 20 mL on unit 2 takes its gas, too: p_on V/(R T) of it
-    flow = found.time - bare.time
-    assert flow > 0.02 and found.start < bare.start
+    flow = result.time - bare.time
+    assert flow > 0.02 and result.start < bare.start
 
 
-def test_the_third_of_three(muscle):
+def test_crossing_to_the_third_unit(muscle):
     three = fs.Bundle([fs.MotorUnit(muscle)] * 3, SUPPLY)
     path = Path.of([0, 4], [4.0, 110.0], 0.2)
     second = control.crossing(three, path, GasValves(1e-3), unit=2)
@@ -137,7 +137,7 @@ def test_the_third_of_three(muscle):
         ),
     ],
 )
-def test_what_cant_be_is_refused(pair, call, argument):
+def test_invalid_input_is_refused(pair, call, argument):
     with pytest.raises(InvalidInputError) as error:
         call(pair)
     assert error.value.argument == argument

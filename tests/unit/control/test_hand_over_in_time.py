@@ -57,14 +57,14 @@ def dip(plant, demand, policy="hand_over", **options):
         pytest.param(5e-10, 1.2, marks=pytest.mark.slow),
     ],
 )
-def test_a_hand_over_that_is_promised_is_held(pair, ramp, conductance, duration):
+def test_a_predicted_hand_over_has_no_dip(pair, ramp, conductance, duration):
     plant, demand = plant_of(pair, conductance), ramp(duration)
     chosen = control.select_policy(plant, demand, DT, "force")
     assert chosen.crossings[0].found and chosen.policy in ("hand_over", "pre_charge")
     assert dip(plant, demand, chosen.policy) < HELD
 
 
-def test_none_is_promised_where_valves_are_too_slow(pair, ramp):
+def test_slow_valves_have_no_predicted_hand_over(pair, ramp):
     plant, demand = plant_of(pair), ramp(0.35)
     chosen = control.select_policy(plant, demand, DT, "force")
     assert not chosen.crossings[0].found and "too slow" in chosen.why
@@ -79,7 +79,7 @@ def test_none_is_promised_where_valves_are_too_slow(pair, ramp):
         *(pytest.param(5e-3, d, marks=pytest.mark.slow) for d in (0.0, 5e-3)),
     ],
 )
-def test_pressures_settle_as_fast_as_what_is_late_allows(pair, ramp, valve, delay):
+def test_pressures_settle_as_fast_as_the_delays_allow(pair, ramp, valve, delay):
     plant = plant_of(pair, spool=None if valve is None else fluid.Servovalve(valve))
     controller = control.cascade(plant, "hand_over", delay=delay)
     late = (valve or 0.0) + delay + DT
@@ -88,7 +88,7 @@ def test_pressures_settle_as_fast_as_what_is_late_allows(pair, ramp, valve, dela
     assert dip(plant, ramp(4.0), delay=delay) < HELD
 
 
-def test_a_loop_that_is_faster_than_its_valves_is_warned_of(pair):
+def test_a_loop_faster_than_its_valves_warns(pair):
     plant = plant_of(pair, spool=fluid.Servovalve(20e-3))
     with pytest.warns(UserWarning, match="`pressure_time` of 0.003 s is too fast"):
         hasty = control.cascade(plant, "hand_over", gains=Gains(pressure_time=3e-3))
@@ -97,7 +97,7 @@ def test_a_loop_that_is_faster_than_its_valves_is_warned_of(pair):
     assert slow.warnings == () and slow.gains.pressure_time == 30e-3
 
 
-def test_where_nothing_is_late_it_is_as_fast_as_it_was(pair):
+def test_without_delay_the_fastest_time_constant_applies(pair):
     plain = control.cascade(plant_of(pair), "hand_over")
     assert plain.gains.pressure_time == 3e-3
     rare = control.cascade(plant_of(pair), "hand_over", sample_time=10e-3)

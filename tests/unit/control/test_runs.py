@@ -28,15 +28,16 @@ def ran(bench):
         first = float(control.transition(bench[0].bundles[0], STRAIN).largest_force)
         ramp = np.linspace(0.7, 1.2, 500) * first
         controller = control.cascade(bench[0], policy, **options)
-        found = dynamics.simulate(bench[0], controller, ramp, start=bench[1], substeps=2)
-        return np.asarray(found.outputs.pressures), control.control_metrics(controller, found, ramp)
+        result = dynamics.simulate(bench[0], controller, ramp, start=bench[1], substeps=2)
+        metrics = control.control_metrics(controller, result, ramp)
+        return np.asarray(result.outputs.pressures), metrics
 
     return run
 
 
 # without it is another program, that takes as long again to compile
 @pytest.mark.parametrize("ways", [(True,), pytest.param((True, False), marks=pytest.mark.slow)])
-def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
+def test_friction_feedforward_halves_the_tracking_error(ways):
     gait, missed = fs.example("joint_gait"), {}
     for compensate in ways:
         one = gait.with_policy(compensate=compensate)
@@ -50,7 +51,7 @@ def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
     assert False not in ways or missed[True] < 0.7 * missed[False]
 
 
-def test_what_is_measured_late_is_followed_late_but_stays_bounded(ran):
+def test_delayed_measurements_stay_bounded(ran):
     _, now = ran("hand_over")
     pressures, late = ran("hand_over", delay=5e-3)
     # the valve's loop, of 3 ms, is driven by what was 5 ms ago
@@ -58,7 +59,7 @@ def test_what_is_measured_late_is_followed_late_but_stays_bounded(ran):
     assert np.all(np.isfinite(pressures)) and pressures.max() < 1.01 * SUPPLY
 
 
-def test_a_batch_is_at_one_pressure_and_dips_by_more(ran):
+def test_batch_recruitment_has_one_pressure_and_dips_more(ran):
     pressures, worth = ran("batch")
     assert worth.recruited == 1 and worth.drawdown > worth.dip
     # at its end both, up to how near valves come to a pressure that moves
@@ -66,7 +67,7 @@ def test_a_batch_is_at_one_pressure_and_dips_by_more(ran):
     assert pressures[100, 1] < 1e3
 
 
-def test_units_that_are_alike_are_chosen_as_in_turn_by_their_fluid(ran):
+def test_equal_units_are_selected_in_order_by_fluid(ran):
     pressures, worth = ran("energy_aware")
     _, plain = ran("orderly")
     assert worth.drawdown == pytest.approx(plain.drawdown, rel=0.05)
@@ -74,7 +75,7 @@ def test_units_that_are_alike_are_chosen_as_in_turn_by_their_fluid(ran):
     assert pressures[-1].min() > 50e3
 
 
-def test_more_units_than_sets_can_be_told_of_are_refused(muscle):
+def test_energy_aware_refuses_many_units(muscle):
     many = fs.Bundle([fs.MotorUnit(muscle)] * 7, SUPPLY)
     plant = dynamics.Plant(
         many, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),

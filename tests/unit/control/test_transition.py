@@ -14,40 +14,40 @@ SUPPLY = 413.7e3
 
 def test_strains_of_any_shape(pair):
     strain = np.array([[0.05, 0.15], [0.2, 0.24]])
-    found = control.transition(pair, strain)
-    for field in found:
+    result = control.transition(pair, strain)
+    for field in result:
         assert np.shape(field) == (2, 2)
     for i in np.ndindex(2, 2):
         one = control.transition(pair, strain[i])
-        assert_allclose([field[i] for field in found], list(one), rtol=1e-12)
+        assert_allclose([field[i] for field in result], list(one), rtol=1e-12)
     assert np.ndim(control.transition(pair, 0.2).dip) == 0
     rows = control.gain(pair, np.linspace(0, 4e5, 5)[:, None], [0.1, 0.2])
     assert rows.shape == (5, 2)
     assert_array_equal(rows[0], 0.0)
 
 
-def test_there_is_no_dip_where_no_muscle_is_past_its_free_strain(pair):
-    found = control.transition(pair, [-0.05, 0.0])
-    assert_array_equal(found.dip, 0.0)
-    assert_array_equal(found.onset_pressure, 0.0)
-    assert_array_equal(found.dip_pressure, 0.0)
+def test_no_dip_below_the_free_strain(pair):
+    result = control.transition(pair, [-0.05, 0.0])
+    assert_array_equal(result.dip, 0.0)
+    assert_array_equal(result.onset_pressure, 0.0)
+    assert_array_equal(result.dip_pressure, 0.0)
 
 
-def test_past_the_supplys_free_strain_a_unit_only_takes(pair):
-    found = control.transition(pair, 0.3)
-    assert found.onset_pressure == np.inf
-    assert found.dip > 0 and found.largest_force < 0
+def test_a_unit_past_its_largest_free_strain_only_resists(pair):
+    result = control.transition(pair, 0.3)
+    assert result.onset_pressure == np.inf
+    assert result.dip > 0 and result.largest_force < 0
 
 
-def test_at_the_dip_the_slope_is_zero_and_at_the_onset_the_gain(five):
-    found = control.transition(five, 0.18)
-    around = control.gain(five, found.dip_pressure + np.array([-2e3, 0.0, 2e3]), 0.18)
-    assert around[1] == pytest.approx(-found.dip, rel=1e-12)
+def test_the_slope_vanishes_at_the_dip_and_the_gain_at_the_onset(five):
+    result = control.transition(five, 0.18)
+    around = control.gain(five, result.dip_pressure + np.array([-2e3, 0.0, 2e3]), 0.18)
+    assert around[1] == pytest.approx(-result.dip, rel=1e-12)
     assert around[0] > around[1] < around[2]
-    beside = control.gain(five, found.onset_pressure * np.array([1 - 1e-9, 1 + 1e-6]), 0.18)
+    beside = control.gain(five, result.onset_pressure * np.array([1 - 1e-9, 1 + 1e-6]), 0.18)
     assert beside[0] <= 1e-9 < beside[1]
     onset = fs.reversal.onset_pressure(five, 0.18)
-    assert_allclose(found.onset_pressure, onset, rtol=1e-9)
+    assert_allclose(result.onset_pressure, onset, rtol=1e-9)
 
 
 def test_any_unit_of_any_bundle(muscle):
@@ -55,23 +55,23 @@ def test_any_unit_of_any_bundle(muscle):
     three = fs.Bundle(
         [fs.MotorUnit(muscle), fs.MotorUnit(wide, 2), fs.MotorUnit(muscle, 3)], SUPPLY
     )
-    found = control.transition(three, 0.2, unit=3)
+    result = control.transition(three, 0.2, unit=3)
     same = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 3)], SUPPLY)
-    assert_allclose(found.dip, control.transition(same, 0.2).dip, rtol=1e-12)
+    assert_allclose(result.dip, control.transition(same, 0.2).dip, rtol=1e-12)
     held = three.force([SUPPLY, SUPPLY, 0.0], 0.2)
-    assert_allclose(found.largest_force, held, rtol=1e-12)
+    assert_allclose(result.largest_force, held, rtol=1e-12)
 
 
 def test_muscles_of_unlike_length(muscle):
     longer = muscle.replace(length=0.14)
     bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(longer)], SUPPLY, length=0.127)
-    found = control.transition(bundle, 0.2)
+    result = control.transition(bundle, 0.2)
     alone = fs.Bundle([fs.MotorUnit(longer), fs.MotorUnit(longer)], SUPPLY)
     own = 1 - 0.127 / 0.14 * 0.8
-    assert_allclose(found.dip, control.transition(alone, own).dip, rtol=1e-10)
+    assert_allclose(result.dip, control.transition(alone, own).dip, rtol=1e-10)
 
 
-def test_what_is_needed_grows_with_the_demands_rate_and_the_time(pair):
+def test_needed_reserve_grows_with_rate_and_time(pair):
     need = control.needed_reserve(pair, 0.2, [0, 10, 20, 40], 0.1)
     dip = control.transition(pair, 0.2).dip
     assert need[0] == dip and np.all(np.diff(need) > 0)
@@ -96,7 +96,7 @@ def test_what_is_needed_grows_with_the_demands_rate_and_the_time(pair):
         (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "supply_pressure"),
     ],
 )
-def test_what_cant_be_is_refused(pair, call, argument):
+def test_invalid_input_is_refused(pair, call, argument):
     with pytest.raises(InvalidInputError) as error:
         call(pair)
     assert error.value.argument == argument

@@ -71,6 +71,8 @@ def test_former_modules_are_attributes_too(forgotten):
         ("design.refined", "design.refine_sizes"),
         ("dynamics.rest", "dynamics.equilibrium_state"),
         ("fluid.checked_commands", "fluid.validate_commands"),
+        ("bundle.recruitment.Space", "bundle.recruitment.Workspace"),
+        ("bundle.recruitment.space", "bundle.recruitment.workspace"),
     ],
 )
 def test_a_renamed_object_warns_at_the_users_line(old, new):

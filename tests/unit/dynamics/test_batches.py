@@ -57,9 +57,9 @@ def made(name, muscle):
     return dynamics.Plant(bundle, **{**parts, "valve": valve, **given})
 
 
-def same(found, expected, tolerance):
+def same(result, expected, tolerance):
     """All numbers agree, relative to the largest of each array."""
-    for x, y in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+    for x, y in zip(jax.tree.leaves(result), jax.tree.leaves(expected), strict=True):
         if np.issubdtype(np.asarray(y).dtype, float):
             size = np.max(np.abs(y), initial=1e-12)
             assert_allclose(x, y, rtol=0, atol=tolerance * size)
@@ -71,7 +71,7 @@ slow = [pytest.param(name, marks=pytest.mark.slow) for name in [*OF_GAS, *OF_OIL
 
 
 @pytest.mark.parametrize("name", ["wall", *slow[1:]])
-def test_many_runs_are_the_runs(name, muscle):
+def test_a_batch_of_runs_equals_single_runs(name, muscle):
     plant = made(name, muscle)
     start = dynamics.equilibrium_state(plant, 1.5e5)
     commands = np.random.default_rng(7).uniform(-1, 1, (RUNS, STEPS, plant.commands))
@@ -87,7 +87,7 @@ def test_many_runs_are_the_runs(name, muscle):
 
 
 @pytest.mark.parametrize("name", slow)
-def test_slopes_of_many_are_those_of_each(name, muscle):
+def test_gradients_of_a_batch_equal_those_of_single_runs(name, muscle):
     plant = made(name, muscle)
     start = dynamics.equilibrium_state(plant, 1.5e5)
     rng = np.random.default_rng(8)

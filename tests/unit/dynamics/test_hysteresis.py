@@ -44,7 +44,7 @@ def law(request):
     return AREAS[request.param]
 
 
-def test_a_closed_loop_costs_what_the_closed_form_says(law):
+def test_loss_of_a_closed_loop_equals_the_closed_form(law):
     friction, area = law
     once = np.concatenate([np.linspace(X, -X, 401), np.linspace(-X, X, 401)[1:]])
     # Dahl's spring settles by exp(−4 k X/f) = 2e-5 a loop, so that the last of four is closed
@@ -57,7 +57,7 @@ def test_a_closed_loop_costs_what_the_closed_form_says(law):
     assert_allclose(stored[-1], stored[-801], rtol=1e-9)
 
 
-def test_a_way_in_parts_is_the_way(law):
+def test_a_displacement_in_steps_equals_the_whole(law):
     friction, _ = law
     corners = np.array([0.0, X, -X, 0.3 * X, -0.1 * X])
     parts = between(corners, 50)
@@ -68,7 +68,7 @@ def test_a_way_in_parts_is_the_way(law):
 
 
 @pytest.mark.parametrize("pressures", [0.0, "swings"])
-def test_no_way_gives_energy(law, pressures):
+def test_no_path_creates_energy(law, pressures):
     rng = np.random.default_rng(3)
     places = np.cumsum(rng.normal(size=400)) * 3e-4
     P = 0.0 if pressures == 0.0 else rng.uniform(0, 4e5, 400)
@@ -108,7 +108,7 @@ def test_slip_rises_with_pressure():
         assert_allclose(walked(friction, places, -3e4)[0][-1], F, rtol=1e-14)
 
 
-def test_coulomb_s_width_is_in_pressure():
+def test_width_of_coulomb_friction_is_a_pressure():
     friction, by_pressure = Coulomb(1e4), np.array([2e-4, -2e-4])
     fast = np.array([1.0, 1.0])
     slid = friction.advance(np.zeros((2, 0)), 0 * fast, fast, (fast, fast), by_pressure)
@@ -120,7 +120,7 @@ def test_coulomb_s_width_is_in_pressure():
 
 
 @pytest.mark.parametrize("friction", [law for law, _ in AREAS.values()])
-def test_slopes_are_finite_where_nothing_moves(friction):
+def test_gradients_are_finite_at_rest(friction):
     def force(way):
         none = 0.0 * way
         return friction.advance(np.zeros(1), way, none, (none, none), none).force
@@ -130,21 +130,19 @@ def test_slopes_are_finite_where_nothing_moves(friction):
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("make", "argument"),
     [
-        (lambda: MaxwellSlip(0.0, 1.0), "`stiffness` must be positive and finite, got 0 N/m."),
-        (lambda: MaxwellSlip([1e3, 2e3], 1.0), "`slip_force` must have one for each spring, got 1:"
-         " `stiffness` has 2."),
-        (lambda: MaxwellSlip(1e3, -1.0), "`slip_force` must lie in [0, inf) N, got -1 N."),
-        (lambda: MaxwellSlip(1e3, 1.0, -1e-5), "`slip_force_slope` must lie in [0, inf) N/Pa, got "
-         "-1e-05 N/Pa."),
-        (lambda: Dahl(1e3, 0.0), "`slip_force` must be positive and finite, got 0 N."),
-        (lambda: Dahl(np.nan, 1.0), "`stiffness` must be positive and finite, got nan N/m."),
-        (lambda: Coulomb(-1.0), "`width` must lie in [0, inf) Pa, got -1 Pa."),
-        (lambda: Coulomb(1e3, 0.0), "`velocity` must be positive and finite, got 0 m/s."),
+        (lambda: MaxwellSlip(0.0, 1.0), "stiffness"),
+        (lambda: MaxwellSlip([1e3, 2e3], 1.0), "slip_force"),
+        (lambda: MaxwellSlip(1e3, -1.0), "slip_force"),
+        (lambda: MaxwellSlip(1e3, 1.0, -1e-5), "slip_force_slope"),
+        (lambda: Dahl(1e3, 0.0), "slip_force"),
+        (lambda: Dahl(np.nan, 1.0), "stiffness"),
+        (lambda: Coulomb(-1.0), "width"),
+        (lambda: Coulomb(1e3, 0.0), "velocity"),
     ],
-)  # fmt: skip
-def test_what_can_t_be_is_refused(make, words):
-    with pytest.raises(InvalidInputError) as refused:
+)
+def test_invalid_input_is_refused(make, argument):
+    with pytest.raises(InvalidInputError) as error:
         make()
-    assert str(refused.value) == words
+    assert error.value.argument == argument

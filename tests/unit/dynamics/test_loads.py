@@ -18,7 +18,7 @@ LOADS = [
 
 
 @pytest.mark.parametrize("load", LOADS, ids=lambda load: type(load).__name__)
-def test_a_force_is_its_potential_s_slope(load):
+def test_force_is_the_slope_of_the_potential(load):
     for q in (-0.4, 0.0, 0.013, 0.7):
         assert_allclose(load.force(q), -jax.grad(load.potential)(q), rtol=1e-12, atol=1e-14)
         stiff = -jax.grad(load.force)(q)
@@ -34,7 +34,7 @@ def test_a_stop_pushes_one_way_only():
     assert_array_equal(stop.is_touched(q), [True, False, False, False, True])
 
 
-def test_a_stop_s_spring_and_damper_are_told_apart():
+def test_a_stop_reports_its_damper_separately():
     stop = Stop(-0.1, 0.2, 1e4, 1e2)
     for q in (-0.15, 0.25):
         spring = jax.grad(stop.energy)(q)
@@ -44,7 +44,7 @@ def test_a_stop_s_spring_and_damper_are_told_apart():
             assert damped * v >= 0  # which never gives energy
 
 
-def test_a_motion_s_velocity_is_its_slope():
+def test_velocity_is_the_derivative_of_the_motion():
     load = dynamics.PrescribedMotion(0.01, 0.005, 3.0)
     for t in (0.0, 0.03, 0.2):
         _, speed = jax.jvp(lambda t: load.motion_at(t, 0.0, 0.0)[0], (t,), (1.0,))
@@ -67,7 +67,7 @@ def test_a_motion_s_velocity_is_its_slope():
         (lambda: Stop(stiffness=-1.0), "stiffness"),
     ],
 )
-def test_impossible_loads_are_refused(make, argument):
+def test_invalid_input_is_refused(make, argument):
     with pytest.raises(InvalidInputError) as error:
         make()
     assert error.value.argument == argument

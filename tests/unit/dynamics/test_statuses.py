@@ -31,40 +31,40 @@ def happened(plant, run):
     return {event.name: event for event in dynamics.events(run)}
 
 
-def test_a_shut_liquid_that_is_pulled_apart_cavitates(mesh):
+def test_a_stretched_closed_liquid_cavitates(mesh):
     # lengthened, a braid takes less; contracted, more than a shut chamber has
     plant = dynamics.Plant(
         mesh, dynamics.PrescribedMotion(0.015, 0.004, 2.0), fluid.ConstantSupply(413.7e3),
         fluid.LiquidChamber(compliance=1e-12), fluid.Orifice(1e-6),
     )  # fmt: skip
     run = dynamics.simulate(plant, np.zeros((100, 1)), start=dynamics.equilibrium_state(plant, 2e4))
-    found = happened(plant, run)
-    assert "cavitates" in found and not found["cavitates"].trusted
-    first = np.argmax(run.time >= found["cavitates"].first)
+    result = happened(plant, run)
+    assert "cavitates" in result and not result["cavitates"].trusted
+    first = np.argmax(run.time >= result["cavitates"].first)
     assert np.all(run.outputs.pressures[:first] > -101325)
     assert "cavitates" in str(dynamics.audit(plant, run))
     assert not dynamics.audit(plant, run).closes
 
 
 @pytest.mark.parametrize(("compliance", "folds"), [(1e-13, True), (1e-9, False)])
-def test_a_volume_that_folds_is_told(single, compliance, folds):
+def test_a_folded_volume_is_reported(single, compliance, folds):
     # where the volume falls with pressure most, by 9.3e-12 m³/Pa: more than stiff oil gives way
     plant = dynamics.Plant(
         single, dynamics.PrescribedMotion(0.0154), fluid.ConstantSupply(413.7e3),
         fluid.LiquidChamber(compliance=compliance), fluid.Orifice(1e-6),
     )  # fmt: skip
     run = dynamics.simulate(plant, np.zeros((5, 1)), start=dynamics.equilibrium_state(plant, 65e3))
-    found = happened(plant, run)
-    assert ("folded" in found) == folds
+    result = happened(plant, run)
+    assert ("folded" in result) == folds
     if folds:
-        assert not found["folded"].trusted and found["folded"].first == 0
+        assert not result["folded"].trusted and result["folded"].first == 0
         assert "its pressure isn't unique" in str(dynamics.audit(plant, run))
     # shut and held, it stays
     assert_allclose(run.outputs.pressures, 65e3, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("compliance", "folds"), [(1.6e-11, True), (5e-11, False)])
-def test_a_fold_that_is_passed_between_two_moments_is_told(muscle, compliance, folds):
+def test_a_fold_between_two_steps_is_reported(muscle, compliance, folds):
     # beside a kink, near rest at 2 kPa, the table's volume falls by 3e-11 m³/Pa: a pressure jumps
     # over that within a step, and what it has lost there no balance has
     plant = dynamics.Plant(
@@ -75,14 +75,14 @@ def test_a_fold_that_is_passed_between_two_moments_is_told(muscle, compliance, f
     run = dynamics.simulate(
         plant, np.full((180, 1), -0.6), start=dynamics.equilibrium_state(plant, 0.0)
     )
-    found = happened(plant, run)
-    assert ("folded" in found) == folds
+    result = happened(plant, run)
+    assert ("folded" in result) == folds
     assert dynamics.audit(plant, run).closes == (not folds)
     if folds:
-        assert found["folded"].moments == 1 and not found["folded"].trusted
+        assert result["folded"].moments == 1 and not result["folded"].trusted
 
 
-def test_too_stiff_a_chamber_is_told(single):
+def test_a_stiff_chamber_is_reported(single):
     plant = dynamics.Plant(
         single, dynamics.HangingMass(5.0), fluid.ConstantSupply(8e5),
         fluid.LiquidChamber(compliance=1e-13), fluid.Orifice(1e-3),
@@ -90,8 +90,8 @@ def test_too_stiff_a_chamber_is_told(single):
     looked = dynamics.estimate_substeps(plant, 1e-3)
     assert looked.stiff and looked.substeps == 64 and looked.part == "a chamber and its valve"
     start = dynamics.equilibrium_state(plant, 1e5, position=0.01)
-    found = happened(plant, dynamics.simulate(plant, np.ones((20, 1)), start=start))
-    assert found["stiff"].first == 0 and not found["stiff"].trusted
+    result = happened(plant, dynamics.simulate(plant, np.ones((20, 1)), start=start))
+    assert result["stiff"].first == 0 and not result["stiff"].trusted
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def stopped(single):
     )  # fmt: skip
 
 
-def test_a_stop_holds_and_says_so(stopped):
+def test_a_stop_holds_and_is_reported(stopped):
     run = dynamics.simulate(
         stopped, np.full((600, 1), 0.5), start=dynamics.equilibrium_state(stopped, 2e4)
     )
@@ -119,17 +119,17 @@ def test_a_stop_holds_and_says_so(stopped):
     assert np.all(seen.store[seen.position < 0.01, place] == 0)
 
 
-def test_a_load_that_pulls_past_the_table_is_told(stopped):
+def test_a_strain_off_the_table_is_reported(stopped):
     plant = eqx.tree_at(lambda p: p.load.mass, stopped, np.float64(200.0))
     start = dynamics.equilibrium_state(plant, 1e5, position=0.0)
     run = dynamics.simulate(plant, np.zeros((600, 1)), start=start)
-    found = happened(plant, run)
-    assert not found["off_table"].trusted
-    inside = run.time < found["off_table"].first
+    result = happened(plant, run)
+    assert not result["off_table"].trusted
+    inside = run.time < result["off_table"].first
     assert np.all(run.outputs.position[inside] >= plant.stroke[0])
 
 
-def test_an_accumulator_gives_what_it_has_and_no_more(single):
+def test_an_accumulator_runs_empty(single):
     supply = fluid.Accumulator(2e-5, 1e5, 1.2e5)
     plant = dynamics.Plant(
         single, dynamics.HangingMass(2.0, damping=100.0), supply,
@@ -138,9 +138,9 @@ def test_an_accumulator_gives_what_it_has_and_no_more(single):
     # filled and emptied again and again
     command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
     run = dynamics.simulate(plant, command, start=dynamics.equilibrium_state(plant, 5e4))
-    found = happened(plant, run)
-    assert found["supply_empty"].trusted
-    empty = run.time > found["supply_empty"].first
+    result = happened(plant, run)
+    assert result["supply_empty"].trusted
+    empty = run.time > result["supply_empty"].first
     drawn = np.trapezoid(run.outputs.drawn[:, 0], run.time)
     had = supply.start()[0]
     # up to a step's flow
@@ -158,8 +158,8 @@ def test_a_tank_loses_pressure(single):
     )  # fmt: skip
     command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
     run = dynamics.simulate(plant, command, start=dynamics.equilibrium_state(plant, 5e4))
-    found = happened(plant, run)
-    assert set(found) <= {"supply_empty"}
+    result = happened(plant, run)
+    assert set(result) <= {"supply_empty"}
     assert run.outputs.supply_pressure[-1] < 0.05 * 2e5
     # what left the tank is in the chamber or in the room
     vented = np.trapezoid(run.outputs.vented[:, 0], run.time)

@@ -35,9 +35,9 @@ def test_work_is_the_area_under_the_force(strain, resistance):
 
     area = 0.0
     for low, high in pairwise(ends):
-        found = cubature(force, [low], [high], rule="gk21", rtol=0, atol=1e-8)
-        assert found.status == "converged"
-        area += found.estimate
+        result = cubature(force, [low], [high], rule="gk21", rtol=0, atol=1e-8)
+        assert result.status == "converged"
+        area += result.estimate
     # the integration's own tolerance on some 10 J/m of area
     assert_allclose(energetics.work(two, P, strain, resistance), 0.127 * area, atol=1e-8)
 
@@ -53,34 +53,34 @@ def test_ideal_muscle_turns_all_fluid_energy_into_work():
     ideal = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), tension="ideal")
     bundle = fs.Bundle([fs.MotorUnit(ideal)], SUPPLY)
     force = float(bundle.force([SUPPLY], 0.1))
-    found = energetics.efficiency_map(bundle, path="isobaric", force=force, strain=0.1)
+    result = energetics.efficiency_map(bundle, path="isobaric", force=force, strain=0.1)
     # the force is a level's own, so nothing is interpolated
-    assert_allclose(found.efficiency, 1.0, rtol=1e-9)
+    assert_allclose(result.efficiency, 1.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize("path", ["isobaric", "isotonic"])
 def test_efficiency_at_a_point_is_work_over_energy(path):
     strain, pressure = 0.1, 200e3
     force = float(two.force([pressure, 0.0], strain))
-    found = energetics.efficiency_map(two, path=path, force=force, strain=strain)
+    result = energetics.efficiency_map(two, path=path, force=force, strain=strain)
     work = energetics.work(two, [pressure, 0.0], strain) if path == "isobaric" else None
     work = force * strain * 0.127 if work is None else float(work)
     expected = work / float(energetics.fluid_energy(two, strain, SUPPLY, [1, 0]))
     # between levels force and work are linear while unit 1 pulls: only rounding remains
-    assert_allclose(found.efficiency, expected, rtol=1e-9)
-    assert found.state == 1
+    assert_allclose(result.efficiency, expected, rtol=1e-9)
+    assert result.state == 1
 
 
 def test_unreached_points_have_no_efficiency_and_no_state():
-    found = energetics.efficiency_map(two, force=[1e5], strain=[0.1])
-    assert np.isnan(found.efficiency) and found.state == 0
+    result = energetics.efficiency_map(two, force=[1e5], strain=[0.1])
+    assert np.isnan(result.efficiency) and result.state == 0
 
 
 def test_second_state_costs_more_than_the_first():
     low = float(two.force([0.3 * SUPPLY, 0.0], 0.05))
     high = float(two.force([SUPPLY, 0.5 * SUPPLY], 0.05))
-    found = energetics.efficiency_map(two, path="isotonic", force=[low, high], strain=[0.05])
-    assert found.state[:, 0].tolist() == [1, 2]
+    result = energetics.efficiency_map(two, path="isotonic", force=[low, high], strain=[0.05])
+    assert result.state[:, 0].tolist() == [1, 2]
 
 
 def test_resistance_costs_efficiency_but_little():
@@ -94,11 +94,11 @@ def test_batch_recruitment_throttles_both_units():
     """At a force just above one unit's reach, both are throttled: half the isobaric work."""
     strain, pressure = 0.05, 0.6 * SUPPLY
     force = float(two.force([pressure, pressure], strain))
-    found = energetics.efficiency_map(two, force=force, strain=strain, scheme="batch")
+    result = energetics.efficiency_map(two, force=force, strain=strain, scheme="batch")
     energy = energetics.fluid_energy(two, strain, SUPPLY, [1, 1])
     expected = energetics.work(two, [pressure, pressure], strain) / energy
-    assert_allclose(found.efficiency, expected, rtol=1e-9)
-    assert found.state == 2
+    assert_allclose(result.efficiency, expected, rtol=1e-9)
+    assert result.state == 2
 
 
 def test_constant_cross_section_keeps_section_and_shape():
@@ -118,16 +118,16 @@ def test_constant_cross_section_keeps_section_and_shape():
         (lambda: energetics.constant_cross_section(semu, 0), "`units` must be at least 1"),
     ],
 )
-def test_refuses_what_can_not_be(call, message):
+def test_invalid_input_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 
 
-def test_an_efficiency_that_cannot_be_is_said():
+def test_an_efficiency_above_one_warns():
     """A fit of a wide muscle on a thin one works more than the thin one's fluid brings."""
     thin = fs.example("kim2021_figure_6").replace(tension="sarosi")
     with pytest.warns(UserWarning, match="is impossible: sarosi does more work"):
-        found = energetics.efficiency_map(
+        result = energetics.efficiency_map(
             fs.Bundle([fs.MotorUnit(thin)]), 3e5, force=[50.0], strain=[0.1]
         )
-    assert found.average > 1
+    assert result.average > 1

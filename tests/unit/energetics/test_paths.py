@@ -15,10 +15,10 @@ STRAINS = np.array([0.3, 0.01, 0.19, -0.05])
 
 
 @pytest.mark.parametrize("resistance", [True, False])
-def test_every_work_is_the_area_under_its_curve(resistance):
+def test_works_along_a_path_are_areas_under_the_curve(resistance):
     bundle = fs.Bundle([fs.MotorUnit(thin, 2)])
-    found = unit_work_along(bundle, LEVELS[:, None], STRAINS, resistance)
-    assert found.shape == (3, 4, 1)
+    result = unit_work_along(bundle, LEVELS[:, None], STRAINS, resistance)
+    assert result.shape == (3, 4, 1)
     force = thin.compile()
     for i, P in enumerate(LEVELS):
         kinks = [float(thin.free_strain(P)), float(thin.collapse_strain(P))]
@@ -33,10 +33,10 @@ def test_every_work_is_the_area_under_its_curve(resistance):
                 for a, b in pairwise(stops)
             ]
             # 1e-12 of some 5 J; the module promises 1e-13 of a piece
-            assert_allclose(found[i, j, 0], 2 * 0.127 * sum(parts), rtol=0, atol=5e-12)
+            assert_allclose(result[i, j, 0], 2 * 0.127 * sum(parts), rtol=0, atol=5e-12)
 
 
-def test_units_of_unlike_length_go_by_their_own_strain():
+def test_units_of_unequal_length_have_strains_of_their_own():
     short = fs.Muscle.from_dimensions(0.12, 6.35e-3, 1.6e-3, 0.576, "silicone_kim2021")
     bundle = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(short, 2)], length=0.125)
     P = np.array([[1e5, 2e5], [0.0, 3e5]])

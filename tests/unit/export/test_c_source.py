@@ -65,7 +65,7 @@ def call(function, P, eps):
 @pytest.mark.parametrize(
     "name", [pytest.param(key, marks=pytest.mark.slow if key in SLOW else ()) for key in LAWS]
 )
-def test_a_muscle_in_c_gives_the_librarys_numbers(name, make_muscle, compile_c, tmp_path):
+def test_a_muscle_in_c_equals_the_library(name, make_muscle, compile_c, tmp_path):
     muscle = make_muscle(**LAWS[name])
     library = compile_c(write_c(muscle, tmp_path)[1], ["-O0"])
     P, eps = sample_points(muscle)
@@ -101,7 +101,7 @@ def test_outside_of_the_domain_it_returns_1(make_muscle, compile_c, tmp_path):
 
 
 @pytest.mark.parametrize("plates", [pytest.param(None, marks=pytest.mark.slow), 0.13])
-def test_a_bundle_in_c_gives_the_librarys_numbers(plates, make_muscle, compile_c, tmp_path):
+def test_a_bundle_in_c_equals_the_library(plates, make_muscle, compile_c, tmp_path):
     plain, tuned = make_muscle(), make_muscle(tuning=TUNED)
     larger = fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))
     third = fs.MotorUnit(plain if plates is None else larger, 2)
@@ -131,7 +131,7 @@ def test_a_bundle_in_c_gives_the_librarys_numbers(plates, make_muscle, compile_c
     )
 
 
-def test_what_has_no_c_is_refused(make_muscle):
+def test_laws_without_c_are_refused(make_muscle):
     with pytest.raises(fs.InvalidInputError) as error:
         c_code(make_muscle(), "2 muscles")
     assert error.value.argument == "name"

@@ -82,7 +82,7 @@ def sample_points(table, count=2000):
 
 
 @pytest.mark.parametrize("laws", [{}, {"tension": "ideal", "collapse": "wood1958"}])
-def test_a_muscles_table_in_c_is_its_polynomial(laws, make_muscle, build):
+def test_a_muscle_table_in_c_equals_the_polynomial(laws, make_muscle, build):
     muscle = make_muscle(**laws)
     table = UnitSurface.tabulate(muscle, TOP, shape=SHAPE)
     P, eps = sample_points(table)
@@ -105,7 +105,7 @@ def test_a_muscles_table_in_c_is_its_polynomial(laws, make_muscle, build):
 
 
 @pytest.mark.parametrize("plates", [None, 0.13])
-def test_a_bundles_table_in_c_is_that_of_its_units(plates, make_muscle, build):
+def test_a_bundle_table_in_c_equals_the_sum_of_its_units(plates, make_muscle, build):
     larger = fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))
     units = [fs.MotorUnit(make_muscle(), 1), fs.MotorUnit(make_muscle(), 3)]
     units += [] if plates is None else [fs.MotorUnit(larger, 2)]
@@ -142,7 +142,7 @@ def test_single_precision_is_off_by_no_more_than_its_header_states(make_muscle, 
     assert rounding < 50 * error.max()  # the bound is not far too large
 
 
-def test_the_headers_error_is_the_tables(make_muscle):
+def test_the_header_states_the_error_of_the_table(make_muscle):
     muscle = make_muscle()
     header, _ = table_code(muscle, "muscle", highest_pressure=TOP)
     table = UnitSurface.tabulate(muscle, TOP, shape=(65, 81))

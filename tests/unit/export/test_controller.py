@@ -58,7 +58,7 @@ def measure(rng, count):
     "case",  # each compiles its step in Python
     [pytest.param(case, marks=() if case == "hose" else pytest.mark.slow) for case in CASES],
 )
-def test_a_step_in_c_is_pythons(case, compile_c, tmp_path):
+def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
     policy, options = CASES[case]
     plant = make_plant(**options)
     gains = control.Gains(force=0.3, force_integral=40.0)
@@ -109,7 +109,7 @@ def test_outside_of_the_table_its_valves_are_shut(compile_c, tmp_path):
     assert (memory.force_integral, memory.recruited) == (0.0, 1.0)
 
 
-def test_what_c_does_not_do_is_refused():
+def test_unsupported_controllers_are_refused():
     plant = make_plant()
     for cascade, options, argument in (
         (control.cascade(plant, "hand_over"), {}, "controller"),

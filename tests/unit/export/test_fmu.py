@@ -70,7 +70,7 @@ def names_in(path):
 
 
 @gcc
-def test_it_validates_and_simulates_and_is_small(bundle, tmp_path):
+def test_a_unit_validates_and_simulates(bundle, tmp_path):
     from fmpy.validation import validate_fmu
 
     path = write_fmu(bundle, tmp_path / "knee.fmu", "knee")
@@ -87,7 +87,7 @@ def test_it_validates_and_simulates_and_is_small(bundle, tmp_path):
 
 
 @gcc
-def test_it_is_the_header_bit_for_bit(bundle, load_unit, compile_c, tmp_path):
+def test_a_unit_equals_the_header_bit_for_bit(bundle, load_unit, compile_c, tmp_path):
     unit, references = load_unit(write_fmu(bundle, tmp_path / "knee.fmu", "knee"))
     library = compile_c(write_table(bundle, tmp_path, "knee")[1])
     rng = np.random.default_rng(1)
@@ -108,7 +108,7 @@ class Memory(ctypes.Structure):
 
 
 @gcc
-def test_its_controller_acts_once_a_sample_time(controller, load_unit, compile_c, tmp_path):
+def test_the_controller_acts_once_a_sample_time(controller, load_unit, compile_c, tmp_path):
     from fmpy.validation import validate_fmu
 
     path = write_fmu(controller, tmp_path / "knee.fmu", "knee")

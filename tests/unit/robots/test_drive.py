@@ -25,12 +25,12 @@ def drifts(made, energy, step, seconds=SECONDS):
     model, data, drive = made
     begin = energy(model, data, drive, HELD)
     held = drive.start(model, data, HELD)
-    found = []
+    result = []
     for k in range(round(seconds / model.opt.timestep)):
         held = step(model, data, drive, held)
         if k % 50 == 49:
-            found.append(energy(model, data, drive, HELD) - begin)
-    return np.array(found)
+            result.append(energy(model, data, drive, HELD) - begin)
+    return np.array(result)
 
 
 def right(model, data, drive, held):
@@ -46,19 +46,19 @@ def before(model, data, drive, held):
 
 
 @pytest.mark.parametrize("spatial", [False, True])
-def test_muscles_at_a_pressure_make_no_energy(spatial, elbow, energy):
+def test_muscles_at_constant_pressure_conserve_energy(spatial, elbow, energy):
     off = drifts(elbow(spatial), energy, right)
     # a symplectic step's energy swings by its order, and its mean stays: of two halves
     assert abs(off[50:].mean() - off[:50].mean()) < 1e-3
     assert np.abs(off).max() < 0.02  # J, of 1 J that swings
 
 
-def test_runge_kutta_asks_at_each_stage(elbow, energy):
+def test_runge_kutta_evaluates_the_pull_at_each_stage(elbow, energy):
     off = drifts(elbow(integrator="RK4"), energy, right, seconds=1.0)
     assert np.abs(off).max() < 1e-6
 
 
-def test_a_gain_callback_of_the_user_stays(elbow):
+def test_the_gain_callback_of_the_user_stays(elbow):
     model, data, drive = elbow(integrator="RK4")
 
     def gain(model, data, actuator):
@@ -74,13 +74,13 @@ def test_a_gain_callback_of_the_user_stays(elbow):
 
 
 @pytest.mark.parametrize("integrator", ["Euler", pytest.param("RK4", marks=pytest.mark.slow)])
-def test_a_pull_of_the_step_before_pumps(integrator, elbow, energy):
+def test_a_delayed_pull_creates_energy(integrator, elbow, energy):
     # forbidden, and why: a drive that did so would fail the two tests above by a factor of hundreds
     off = drifts(elbow(integrator=integrator), energy, before)
     assert off[-20:].mean() > 0.1  # J, and rising
 
 
-def test_a_closed_chamber_is_a_spring_that_keeps_its_energy(elbow):
+def test_a_closed_chamber_conserves_energy(elbow):
     parts = {
         "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
         "chamber": fluid.Isothermal(dead_volume=2e-6),
@@ -112,7 +112,7 @@ def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
     assert data.qpos[0] > 0.5  # the flexor is the shorter one
 
 
-def test_numbers_in_numbers_out(elbow):
+def test_pull_keeps_the_array_type(elbow):
     # where JAX has a hand in it, each step waits for its compiler again
     parts = {
         "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
@@ -127,7 +127,7 @@ def test_numbers_in_numbers_out(elbow):
 
 
 @pytest.mark.parametrize("spatial", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_mjx_is_mujoco(spatial, elbow):
+def test_mjx_equals_mujoco(spatial, elbow):
     parts = {
         "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
         "chamber": fluid.Isothermal(dead_volume=2e-6),
@@ -160,7 +160,7 @@ def test_mjx_is_mujoco(spatial, elbow):
     assert np.ptp(np.array(expected)[:, 0]) > 0.1  # it has moved
 
 
-def test_mjx_says_afterwards_that_a_table_was_left(elbow):
+def test_mjx_reports_states_outside_of_the_tables(elbow):
     model, data, drive = elbow()
     mjx = optional_imports.mjx()
     held = drive.start(model, data, HELD)
@@ -171,7 +171,7 @@ def test_mjx_says_afterwards_that_a_table_was_left(elbow):
     assert not bool(after.inside)
 
 
-def test_what_can_not_be_is_refused_in_a_line(elbow, bundle):
+def test_invalid_input_is_refused(elbow, bundle):
     spec = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
     with pytest.raises(ValueError, match="`tendon` 'flexor' isn't one of the model's: it has none"):
         attach(spec, "flexor", bundle, 0.1)
@@ -192,14 +192,14 @@ def test_what_can_not_be_is_refused_in_a_line(elbow, bundle):
         Drive.of(model, [])
 
 
-def test_a_tendon_that_is_nearly_named_is_told(bundle):
+def test_a_similar_tendon_is_suggested(bundle):
     text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody><tendon>"
     text += "<fixed name='flexor'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
     with pytest.raises(ValueError, match="did you mean 'flexor'"):
         attach(mujoco.MjSpec.from_string(text), "flexxor", bundle, 0.1)
 
 
-def test_a_muscle_alone_is_a_bundle_of_one():
+def test_a_single_muscle_becomes_a_bundle():
     text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody><tendon>"
     text += "<fixed name='flexor'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
     spec = mujoco.MjSpec.from_string(text)
@@ -217,15 +217,15 @@ def test_a_muscle_alone_is_a_bundle_of_one():
     np.testing.assert_allclose(data.actuator_force, [-pull])
 
 
-def test_mujoco_and_mjx_of_unlike_versions_are_named(monkeypatch):
-    found = {"mujoco": "4.0.0", "mujoco-mjx": "3.17.0"}
-    monkeypatch.setattr(optional_imports.metadata, "version", found.__getitem__)
+def test_mismatched_versions_of_mujoco_and_mjx_are_refused(monkeypatch):
+    result = {"mujoco": "4.0.0", "mujoco-mjx": "3.17.0"}
+    monkeypatch.setattr(optional_imports.metadata, "version", result.__getitem__)
     command = r"`pip install mujoco==3\.17\.0 mujoco-mjx==3\.17\.0`"
     with pytest.raises(ImportError, match=f"don't go together: {command}"):
         optional_imports.mjx()
 
 
-def test_what_is_missing_is_named_with_its_command():
+def test_missing_packages_are_reported_with_a_command():
     with pytest.raises(
         ModuleNotFoundError, match=r"Mu is missing: `pip install 'fascicle\[robots]'`"
     ):
@@ -254,7 +254,7 @@ ARM = """<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="0.02
 </mujoco>"""
 
 
-def test_a_prefixed_model_is_told_apart(bundle):
+def test_a_prefixed_actuator_is_suggested(bundle):
     arm = mujoco.MjSpec.from_string(ARM)
     one = attach(arm, "flexor", bundle, 0.0127)
     world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")

@@ -26,14 +26,14 @@ def environments():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_gymnasiums_own_check_has_nothing_to_say(name, environments):
+def test_gymnasium_check_passes(name, environments):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(environments[name].unwrapped)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_seed_makes_an_episode_again(name, environments):
+def test_a_seed_reproduces_an_episode(name, environments):
     one, runs = environments[name], []
     for _ in range(2):
         seen, _ = one.reset(seed=5)
@@ -50,7 +50,7 @@ def test_a_seed_makes_an_episode_again(name, environments):
 
 
 @pytest.mark.parametrize("name", [NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.slow)])
-def test_the_baseline_is_much_better_than_nothing(name, environments):
+def test_the_baseline_beats_no_action(name, environments):
     one = environments[name]
     still = score(one, lambda _: np.zeros(2, np.float32), range(1))
     # the mean error of an episode with its beginning, where the target is far
@@ -64,7 +64,7 @@ def test_an_episode_lasts_two_seconds(environments):
     assert ends[-1] == (False, True) and not any(any(end) for end in ends[:-1])
 
 
-def test_a_picture_is_refused(environments):
+def test_rendering_is_refused(environments):
     with pytest.raises(ValueError, match="`render_mode` must be None"):
         type(environments[NAMES[0]].unwrapped)(render_mode="human")
 

@@ -62,16 +62,16 @@ def cases(slow):
 
 
 @pytest.mark.parametrize(("name", "question"), [*cases(slow=("many forces", "many free strains"))])
-def test_each_answers_as_it_does_alone(name, question):
+def test_a_batch_equals_its_single_bundles(name, question):
     row, alone = row_of(name)
     ask = QUESTIONS[question]
-    found, expected = ask(row), [ask(one) for one in alone]
-    for ours, *theirs in zip(*map(jax.tree.leaves, (found, *expected)), strict=True):
+    result, expected = ask(row), [ask(one) for one in alone]
+    for ours, *theirs in zip(*map(jax.tree.leaves, (result, *expected)), strict=True):
         # many forces of one bundle are compiled, of a row of them not: rounding of some 100 N
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10)
 
 
-def test_muscles_in_a_row_are_not_taken_for_units():
+def test_a_batch_of_muscles_is_no_list_of_units():
     """Two angles and two units: the second row is not the second unit."""
     pair = MUSCLE.replace(braid_angle=ANGLES[:2, 0])
     row = fs.Bundle([fs.MotorUnit(pair)] * 2)
@@ -80,7 +80,7 @@ def test_muscles_in_a_row_are_not_taken_for_units():
         assert row.force(P[:2], 0.1)[i] == one.force(P[i], 0.1)
 
 
-def test_counts_may_be_rows():
+def test_counts_may_be_a_batch():
     counts = np.array([1, 2, 5])
     row = fs.Bundle([fs.MotorUnit(MUSCLE, counts), fs.MotorUnit(MUSCLE, 2)])
     alone = [fs.Bundle([fs.MotorUnit(MUSCLE, n), fs.MotorUnit(MUSCLE, 2)]) for n in counts]
@@ -92,7 +92,7 @@ def test_counts_may_be_rows():
 @pytest.mark.parametrize(
     "name", ["angles", *(pytest.param(x, marks=pytest.mark.slow) for x in [*BUNDLES][1:])]
 )
-def test_derivatives_are_those_of_each(name):
+def test_derivatives_equal_those_of_single_bundles(name):
     row, (_, _, last) = row_of(name)
     pressures = jnp.asarray(P[1])
     slopes = jax.jacfwd(row.free_strain)(pressures)
@@ -101,11 +101,11 @@ def test_derivatives_are_those_of_each(name):
 
 
 @pytest.mark.slow  # half a minute to compile
-def test_compiled_rows_are_the_same():
+def test_a_compiled_batch_is_the_same():
     row, _ = row_of("lengths")
-    found = jax.jit(lambda bundle, pressures: bundle.free_strain(pressures))(row, P)
+    result = jax.jit(lambda bundle, pressures: bundle.free_strain(pressures))(row, P)
     # both searches end where two Newton steps leave nothing but rounding
-    np.testing.assert_allclose(found, row.free_strain(P), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(result, row.free_strain(P), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_compiled_rows_are_the_same():
         fs.Bundle.plot,
     ],
 )
-def test_what_takes_one_bundle_says_so(ask):
+def test_functions_of_a_single_bundle_refuse_a_batch(ask):
     units = BUNDLES["angles"](slice(None))
     with pytest.raises(
         fs.InvalidInputError, match=r"^`bundle` must be a single one here, got a batch of"
@@ -125,7 +125,7 @@ def test_what_takes_one_bundle_says_so(ask):
         ask(fs.Bundle(units, supply_pressure=300e3))
 
 
-def test_rows_that_are_not_as_long_are_named():
+def test_batches_of_unequal_length_are_refused():
     units = [fs.MotorUnit(MUSCLE.replace(braid_angle=ANGLES[:n, 0])) for n in (2, 3)]
     with pytest.raises(
         fs.InvalidInputError, match=r"^`motor unit 2` must broadcast against `motor unit 1`"

@@ -78,7 +78,7 @@ def longer(bundle):
         ),
     ],
 )  # fmt: skip
-def test_a_single_demand_has_the_result_it_has_among_many(monkeypatch, make, options, count):
+def test_a_single_demand_equals_the_same_demand_in_a_batch(monkeypatch, make, options, count):
     random = np.random.default_rng(5)
     bundle = make(random)
     force, strain = demands(random, bundle, count)
@@ -94,7 +94,7 @@ def test_a_single_demand_has_the_result_it_has_among_many(monkeypatch, make, opt
         assert_same(recruit(bundle, force[i], strain[i], **options), many, i)
 
 
-def test_single_demands_take_the_solution_nearest_to_the_present_pressures():
+def test_single_demands_select_the_solution_nearest_to_the_present_pressures():
     random = np.random.default_rng(7)
     bundle, count = random_bundle(random, 4), 40
     force, strain = demands(random, bundle, count)
@@ -136,7 +136,7 @@ def test_states_and_shapes():
     assert_allclose(single.pressures, result.pressures[1, 1], rtol=1e-12)
 
 
-def test_exact_ends_are_found_and_counted_once():
+def test_forces_at_the_ends_of_states_have_one_solution_each():
     strain = 0.05
     ends = [bundle.force(P, strain) for P in ([0.0, 0.0], [SUPPLY, 0.0], [SUPPLY, SUPPLY])]
     result = recruit(bundle, np.array(ends), strain)
@@ -152,7 +152,7 @@ def test_exact_ends_are_found_and_counted_once():
 
 
 @pytest.mark.parametrize("state", [1, 2])
-def test_levels_close_to_a_states_ends_are_found(state):
+def test_solutions_close_to_the_ends_of_a_state(state):
     """A curve's end that is met is counted as such; a crossing beside it is another thing."""
     level = SUPPLY * np.array([1e-4, 0.003, 0.03, 0.97, 0.997, 0.9999])
     P, strain = pressures_of(state, level, SUPPLY, 2), 0.1
@@ -162,7 +162,7 @@ def test_levels_close_to_a_states_ends_are_found(state):
     assert result.status.tolist() == [0] * 6 and np.all(miss.min(axis=1) < 1e-3)
 
 
-def test_out_of_reach_is_answered_with_the_nearest():
+def test_unreachable_demands_get_the_nearest_force():
     strain = np.array([0.05, 0.05])
     result = recruit(bundle, np.array([5000.0, -5000.0]), strain)
     assert result.status.tolist() == [1, 2]
@@ -183,7 +183,7 @@ def overlapping() -> tuple[float, float]:
     return low - 1.0, strain
 
 
-def test_the_nearest_to_the_present_state_is_taken():
+def test_prefer_nearest_selects_the_present_solution():
     force, strain = overlapping()
     solved = recruit(bundle, force, strain)
     assert solved.count > 1
@@ -236,7 +236,7 @@ def test_derivatives_are_those_of_finite_differences(mode):
 
 
 @pytest.mark.slow
-def test_vmap_is_the_batch():
+def test_vmap_equals_the_batch():
     force, strain = np.array([20.0, 60.0]), np.array([0.05, 0.12])
     batch = recruit(bundle, force, strain)
     mapped = jax.vmap(lambda f, e: recruit(bundle, f, e))(force, strain)
@@ -244,7 +244,7 @@ def test_vmap_is_the_batch():
     assert mapped.state.tolist() == batch.state.tolist()
 
 
-def test_without_resistance_nothing_pushes():
+def test_without_resistance_no_unit_pushes():
     result = recruit(bundle, np.array([-5.0, 30.0]), 0.15, resistance=False)
     assert result.status.tolist() == [2, 0] and result.force[0] == 0
     assert_allclose(bundle.force(result.pressures[1], 0.15, resistance=False), 30.0, atol=1e-9)
@@ -262,7 +262,7 @@ def test_without_resistance_nothing_pushes():
         ((10.0, 0.1), {"prefer": "nearest", "present": [1e5]}, "one pressure for each of the 2"),
     ],
 )
-def test_refuses_what_can_not_be(arguments, options, message):
+def test_invalid_input_is_refused(arguments, options, message):
     with pytest.raises(ValueError, match=message):
         recruit(bundle, *arguments, **options)
 
