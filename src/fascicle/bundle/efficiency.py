@@ -56,7 +56,7 @@ from .schemes import AbstractScheme
 from .states import states_of
 
 
-PATHS = ("isobaric", "isotonic")
+PATHS = ("isobaric", "isotonic")  # values of the argument `path`
 _LEVELS = 129  # throttled pressures, between which forces and works are interpolated
 _FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
 _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has

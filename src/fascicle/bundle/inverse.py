@@ -45,7 +45,7 @@ from .schemes import AbstractScheme
 from .states import States, states_of
 
 
-PREFERENCES = ("efficiency", "nearest")
+PREFERENCES = ("efficiency", "nearest")  # values of the argument `prefer`
 REACHED, ABOVE, BELOW = 0, 1, 2  # statuses, as files and JSON have them
 _SLOTS_PER_STATE = 2  # for which a result has room: a fold gives a state two, rarely more
 _PAIRS = 2**22  # of a set of units and a demand at once: some 0.2 GB

@@ -14,13 +14,14 @@ from ..units import exact, pretty
 
 _ROUNDING = 1e-9  # of a force: the free strain's own is zero but for that
 _MAX_NAMES = 8  # demands that a line names
+# texts of a recruitment's status 0, 1 and 2
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
-_SIZES = {
+_SIZES = {  # columns of a bundle's table, and their dimensions
     "length": "length",
     "outer_radius": "length",
     "wall_thickness": "length",
     "braid_angle": "angle",
-}  # and their dimensions
+}
 _format_pressure = partial(pretty, dimension="pressure")
 
 

@@ -35,12 +35,12 @@ from .plant import Plant
 from .simulate import Trajectory
 
 
-# largest residual of a balance that closes, over its largest term: what Runge-Kutta's steps leave for
-# a smooth law, when a table's cells are crossed, for a kink of force within a step (springs that
-# begin to slip, a stop), and where terms are counted: rounding
+# largest residual of a balance that closes, over its largest term: what Runge-Kutta's steps leave
+# for a smooth law, when a table's cells are crossed, for a kink of force within a step (springs
+# that begin to slip, a stop), and where terms are counted: rounding
 SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
-MESSAGES = {
+MESSAGES = {  # of events, by their names in `STATUS`
     "folded": "a muscle's volume fell with pressure by more than its fluid and hose expand:"
     " its pressure isn't unique; give the chamber more dead volume or compliance",
     "cavitates": "a unit was sucked empty: its fluid can't follow",
@@ -51,6 +51,7 @@ MESSAGES = {
     "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
     "broken": "numbers are not finite; take a smaller `dt`",
 }
+# names of a supply's losses in its balance
 _LOSSES = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
 _BY_VOLUME = "made by the volume"  # name of a term, as JSON has it
 _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""

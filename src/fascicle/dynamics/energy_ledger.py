@@ -18,7 +18,7 @@ from .motion import Flows, FrictionMemory, PlantEvaluation, friction_step
 from .plant import Plant, State
 
 
-_FLUID = (
+_FLUID = (  # entries of each unit's fluid, in the order of `ledger_rates`
     "supplied",  # exergy of the gas that was drawn, energy of the liquid [J]
     "valve",  # lost in throttling, on the way in and out [J]
     "exhaust",  # left in a gas that leaves by its temperature [J]
@@ -31,14 +31,15 @@ _FLUID = (
     "heat",  # through the walls [J]
     "displaced",  # ∫ p dV, absolute [J]
 )
-_LOAD = (
+_LOAD = (  # entries of the load, in the order of `ledger_rates`
     "pull",  # ∫ F dx of the muscles on the load [J]
     "damper",  # lost in the load's damper [J]
     "stop",  # lost in its stop's damper [J]
     "friction",  # lost in the muscles [J]
     "motor",  # work of a prescribed motion [J]
 )
-LEDGER = (*_FLUID, *_LOAD)
+LEDGER = (*_FLUID, *_LOAD)  # keys of files and JSON
+# places that store energy, keys of files and JSON
 STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 

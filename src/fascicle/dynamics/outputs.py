@@ -54,7 +54,7 @@ class PlantOutputs(NamedTuple):
 def observe(
     plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
 ) -> PlantOutputs:
-    """Outputs of a `plant` in a `state` [SI], from its friction's `anchor` and `evaluation` [SI]."""
+    """Outputs of a `plant` in a `state` [SI], from friction's `anchor` and an `evaluation` [SI]."""
     flows, store = evaluation.flows, stored_energies(plant, state, anchor, evaluation)
     return PlantOutputs(
         evaluation.position,

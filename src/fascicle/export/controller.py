@@ -23,6 +23,7 @@ from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
 
 
+# chambers whose content the C code computes
 _CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)
 
 

@@ -33,8 +33,9 @@ from .c_table import MuscleTables, tabulate
 
 
 _STEP = 1e-3  # s, suggested to a host: a millisecond resolves a valve
+# suffix of a shared library on each of FMI's platforms
 _SUFFIXES = {"linux64": "so", "darwin64": "dylib", "win64": "dll"}
-_COMPILERS = ("gcc", "cc", "clang")
+_COMPILERS = ("gcc", "cc", "clang")  # the first that is installed builds the binary
 _DATE = (2020, 1, 1, 0, 0, 0)  # of all files in the archive: equal numbers give equal files
 _UNITS: dict[str, dict[str, str]] = {
     "Pa": {"kg": "1", "m": "-1", "s": "-2"}, "N": {"kg": "1", "m": "1", "s": "-2"},

@@ -13,7 +13,7 @@ import numpy as np
 from ..core.array_namespace import register_namespace
 
 
-_FUNCTIONS = {
+_FUNCTIONS = {  # of CasADi, by the names of the array library
     "sqrt": ca.sqrt, "exp": ca.exp, "expm1": ca.expm1, "log": ca.log, "log1p": ca.log1p,
     "sin": ca.sin, "cos": ca.cos, "tan": ca.tan, "arcsin": ca.asin, "arccos": ca.acos,
     "arctan": ca.atan,

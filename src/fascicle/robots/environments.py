@@ -30,6 +30,7 @@ from .optional_imports import mujoco
 SUPPLY = 413.7e3  # Pa
 _FRAMES = 10  # MuJoCo's steps of 1 ms in one of the environment
 _STEP = 0.01  # s, of the environment
+# a pendulum with two tendons, and a mass on one
 _JOINT = """<mujoco><compiler angle="radian"/>
 <option timestep="0.001"><flag contact="disable"/></option>
 <worldbody><body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
@@ -187,7 +188,7 @@ class Proportional:
         return np.clip(self.valve * (pressures - observation[3:]), -1.0, 1.0).astype(np.float32)
 
 
-BASELINES = {
+BASELINES = {  # tuned by hand: what a learned policy should beat
     "fascicle/AntagonisticJoint-v0": Proportional(0.2, 12.0, 0.6, (1.0, -1.0)),
     "fascicle/HangingMass-v0": Proportional(0.2, 12.0, 0.07, (1.0, 1.0)),
 }

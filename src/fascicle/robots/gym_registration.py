@@ -4,7 +4,7 @@ import os
 from importlib.util import find_spec
 
 
-NAMES = ("AntagonisticJoint", "HangingMass")
+NAMES = ("AntagonisticJoint", "HangingMass")  # of the environments
 _PROCESS = os.getpid()  # of the first import
 _STEPS = 200  # of 10 ms: an episode
 
