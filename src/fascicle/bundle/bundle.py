@@ -19,7 +19,7 @@ that distance at rest.
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -81,12 +81,6 @@ from .printing import (
     unit_table,
 )
 from .schemes import AbstractScheme, scheme_of
-
-
-if TYPE_CHECKING:
-    from .efficiency import EfficiencyMap
-    from .recruitment import Workspace
-    from .reversal import Reversal
 
 
 @with_table_repr(unit_table, unit_line)
@@ -303,8 +297,7 @@ class Bundle(Module):
         """State and pressures [Pa] that give a force [N] at a strain [-], equation (B9);
         arguments and result are those of `fascicle.recruitment.recruit`.
         """
-        from .inverse import recruit
-
+        recruit = import_late("bundle.inverse.recruit")
         options = {"present": present, "resistance": resistance}
         return recruit(self, force, strain, supply, scheme, prefer, **options)
 
@@ -315,23 +308,20 @@ class Bundle(Module):
         strain: Values = None,
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
-    ) -> "Workspace":
+    ) -> Any:
         """Region of forces [N] and strains [-] that every recruitment state reaches; arguments and
         result are those of `fascicle.recruitment.workspace`.
         """
-        from .recruitment import workspace
-
+        workspace = import_late("bundle.recruitment.workspace")
         return workspace(self, supply_pressure, levels, strain, resistance, scheme)
 
     def reversal(
         self, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
-    ) -> "Reversal":
+    ) -> Any:
         """Turn of the free strain [-] as a unit's pressure [Pa] rises from zero to the supply's;
         arguments and result are those of `fascicle.reversal.reversal`.
         """
-        from .reversal import reversal
-
-        return reversal(self, unit, supply_pressure, resistance)
+        return import_late("bundle.reversal.reversal")(self, unit, supply_pressure, resistance)
 
     def efficiency_map(
         self,
@@ -341,12 +331,11 @@ class Bundle(Module):
         strain: Values = None,
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
-    ) -> "EfficiencyMap":
+    ) -> Any:
         """Efficiency over forces [N] and strains [-]; arguments and result are those of
         `fascicle.energetics.efficiency_map`.
         """
-        from .efficiency import efficiency_map
-
+        efficiency_map = import_late("bundle.efficiency.efficiency_map")
         return efficiency_map(self, supply_pressure, path, force, strain, resistance, scheme)
 
     def average_efficiency(
@@ -440,7 +429,8 @@ class Bundle(Module):
     @cached_property
     def _batch(self) -> tuple[int, ...]:
         """Shape of a batch of bundles, `()` of a single one."""
-        shapes = {"length": np.shape(self.plate_distance)}
+        distance: Any = self.plate_distance
+        shapes = {"length": np.shape(distance)}
         for i, unit in enumerate(self.motor_units, start=1):
             shapes[f"motor unit {i}"] = batch_shape(unit.muscle)
             shapes[f"count {i}"] = np.shape(unit.count)

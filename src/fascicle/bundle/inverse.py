@@ -22,6 +22,7 @@ import numpy as np
 
 from ..core.array_namespace import is_numpy, where
 from ..core.errors import InvalidInputError
+from ..core.lazy import import_late
 from ..core.module import tree_map, unique_indices
 from ..core.roots import guarded, stop_gradient
 from ..core.types import Numbers, Values
@@ -116,7 +117,7 @@ def recruit(
         import jax.numpy as xp
 
         solve = _solve_traced
-    values = (xp.broadcast_to(x, shape + axes) for x, axes in arrays)
+    values: list[Any] = [xp.broadcast_to(x, shape + axes) for x, axes in arrays]
     return solve(bundle, supply, *values, scheme=scheme, resistance=bool(resistance))
 
 
@@ -129,9 +130,7 @@ def _solve(
     F, eps = (np.reshape(x, -1) + 0.0 for x in (force, strain))
     states, volume = states_of(scheme, units), None
     if not states.nested or states.independent:  # else the order of states is that of energies
-        from .efficiency import unit_volume_change
-
-        volume = unit_volume_change(bundle, eps)
+        volume = import_late("bundle.efficiency.unit_volume_change")(bundle, eps)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         # curves are kept with the bundle: they take longer than a demand
         cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)

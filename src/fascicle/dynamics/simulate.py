@@ -94,7 +94,9 @@ def substep(
         plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON
     )
     after = after._replace(
-        chambers=end.chambers, pressures=end.pressures, supply=plant.supply.update_switch(after.supply)
+        chambers=end.chambers,
+        pressures=end.pressures,
+        supply=plant.supply.update_switch(after.supply),
     )
     ledger = ledger + growth + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
     folded |= jnp.any(folds)

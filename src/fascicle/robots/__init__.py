@@ -1,13 +1,38 @@
 """Muscles in MuJoCo and MJX: bundles on tendons, their chambers and valves, and environments.
 
-It needs the extra `robots`: `pip install 'fascicle[robots]'`.
+It needs the extra `robots`: `pip install 'fascicle[robots]'`. Importing it registers the
+environments with Gymnasium, if that is installed.
 """
+
+import os
+from importlib.util import find_spec
 
 from .attach import Attached as Attached
 from .attach import attach as attach
 from .drive import Drive as Drive
 from .drive import Fluid as Fluid
-from .gym_registration import register as register
+
+
+_PROCESS = os.getpid()  # of the first import: a forked process has another one
+_STEPS = 200  # of 10 ms: an episode
+
+
+def register() -> None:
+    """Register the environments with Gymnasium by name, without importing them."""
+    if find_spec("gymnasium") is None:
+        return
+    import gymnasium
+
+    for name in ("AntagonisticJoint", "HangingMass"):
+        key = f"fascicle/{name}-v0"
+        if key not in gymnasium.registry:
+            entry_point = f"fascicle.robots.environments:{name}"
+            gymnasium.register(id=key, entry_point=entry_point, max_episode_steps=_STEPS)
+
+
+def forked() -> bool:
+    """True if this process was forked from one that had imported `fascicle.robots`."""
+    return os.getpid() != _PROCESS
 
 
 register()

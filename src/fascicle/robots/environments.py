@@ -21,9 +21,9 @@ from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
+from . import forked
 from .attach import attach
 from .drive import Drive
-from .gym_registration import forked
 from .optional_imports import mujoco
 
 
