@@ -129,9 +129,9 @@ def _solve(
     shape, units = np.shape(force), len(bundle.motor_units)
     F, eps = (np.reshape(x, -1) + 0.0 for x in (force, strain))
     states, volume = states_of(scheme, units), None
-    if not states.nested or states.independent:  # else the order of states is that of energies
-        volume = import_late("bundle.efficiency.unit_volume_change")(bundle, eps)
     with np.errstate(all="ignore"):  # of branches that aren't taken
+        if not states.nested or states.independent:  # else the order of states is that of energies
+            volume = import_late("bundle.efficiency.unit_volume_change")(bundle, eps)
         # curves are kept with the bundle: they take longer than a demand
         cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
         curves = cache.get(key)
