@@ -112,7 +112,9 @@ def _label_pressures(ax: Axes, space: Workspace, state: int) -> None:
         )  # fmt: skip
 
 
-def _data(without: tuple[Workspace, Overlap], with_it: tuple[Workspace, Overlap]) -> dict[str, Variable]:
+def _data(
+    without: tuple[Workspace, Overlap], with_it: tuple[Workspace, Overlap]
+) -> dict[str, Variable]:
     (bare, _), (full, shared) = without, with_it
     curves, edge = ("state", "level", "strain"), ("state", "strain")
     return {
