@@ -23,7 +23,7 @@ from .gauges import PERFECT, Gauge, read_vented
 WEIGHTS = ("uniform", "level")
 MAX_READINGS = 384  # of a level; a longer sweep is averaged: more points add no information
 _THIN_LEVELS = 24  # pressures: three in each part that is left out
-_THIN_ENTRIES = 256  # readings in all: an error of the law shows in far fewer than measure noise
+_THIN_ENTRIES = 512  # readings in all: means over longer steps blur free strain and collapse
 _MIN_ENTRIES = 16  # of a level: both branches of a sweep in steps of an eighth of its strain
 MIN_PUSHES = 5  # number of factors on the resisting force; fewer readings can't determine them
 _GAP = 0.005  # of the largest pressure: readings closer than this share a level

@@ -126,7 +126,7 @@ def select_model(
     full_trials, searches = _full_trials(compared, muscle, priors, options, names, steps)
     final = select(full_trials, noise, loss)
     free = final.candidate.names
-    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
+    options = replace(searches[full_trials.index(final)], thorough=True)
     steps.begin("fitting all readings")
     fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
     reasons = (
@@ -427,10 +427,7 @@ def _full_trials(
 
     Beside each trial the options of a search that begins at its end.
     """
-    options = replace(
-        options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES),
-        starts=min(options.starts, _STARTS),
-    )  # fmt: skip
+    options = replace(options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES))
     label, suffix = ", ".join(names) or AS_GIVEN, "and the factors on the resisting force"
     attempts: list[tuple[str, Names, bool]] = [
         (f"{label} {suffix}", _union(names, FACTOR_NAMES), False), (label, names, False)
@@ -446,9 +443,11 @@ def _full_trials(
         options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
         end = dict(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
-        searches.append(replace(options, near=end))
-        # the next search begins at this end, too
-        options = replace(options, near={**options.near, **end})
+        searches.append(replace(options, near=end, starts=min(options.starts, _STARTS)))
+        # the next search begins at this end, too: few other points are enough
+        options = replace(
+            options, near={**options.near, **end}, starts=min(options.starts, _STARTS)
+        )
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         candidate = title, free, fitted.method, len(free) + curves
         left_out = data.errors(left_out_force(fitted))
