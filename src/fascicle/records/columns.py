@@ -232,7 +232,9 @@ def _with_unit(table: Table, column: Column, override: str | None, *, atmosphere
         unit, factor = "", 1.0
     is_valid = is_unit(header_unit) or is_absolute(header_unit)
     meaning = header_unit if is_valid else weight_unit(header_unit, dimension)
-    longer = column.role in {"strain", "displacement"} and list_words(header) & LONGER
+    terms = list_words(header)
+    longer = column.role in {"strain", "displacement"} and terms & LONGER
+    longer = longer and not terms & {"compressive", "compression"}
     return replace(
         column,
         header=header,

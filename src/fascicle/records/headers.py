@@ -30,8 +30,9 @@ TERMS = {
 LONGER = {"extension", "elongation"}  # these grow as the muscle lengthens
 # qualifiers of a column that holds something else than a quantity's readings
 _QUALIFIERS = {
-    "setpoint", "target", "command", "commanded", "reference", "desired", "rate", "velocity",
-    "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms", "work",
+    "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
+    "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
+    "work",
     "id", "index", "count", "flow", "stress", "spannung", "modulus", "sollwert", "raw",
 }  # fmt: skip
 

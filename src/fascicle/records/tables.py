@@ -6,6 +6,7 @@ between blocks of readings; a serial monitor's clock; lines of `name: number` pa
 """
 
 import csv
+import io
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -112,6 +113,8 @@ class Table:
         missing in the result if it holds something else. `rows`: first and last row, from 1.
         Raises a `ValueError` with line and column for the first bad cell.
         """
+        if cells := self._read_regular(numbers, texts, time, rows):
+            return cells
         width, count, is_led = len(self.header), 0, False
         values: list[list[float]] = []
         texts = [*texts, *([] if time is None else [time])]
@@ -127,15 +130,18 @@ class Table:
             # below rows that begin with a number, a word begins those of a mean and the like
             is_led = is_led or bool(_NUMBER.fullmatch(row[0]))
             is_text = is_led and row[0][:1].isalpha() and row[0].lower() not in _HOLES
-            has_hole = any(cell.lower().lstrip("+-") in _HOLES for cell in needed)
-            if is_text or not (has_hole or any(map(_NUMBER.fullmatch, needed))):
+            is_good = all(map(_NUMBER.fullmatch, needed)) and not is_text
+            has_hole = not is_good and any(x.lower().lstrip("+-") in _HOLES for x in needed)
+            if is_text or not (is_good or has_hole or any(map(_NUMBER.fullmatch, needed))):
                 words.append((line, row))
             elif any(row[width:]):
                 raise self._width_error(line, len(row))
             elif has_hole:
                 holes.append((line, row))
             else:
-                values.append([self._number(row[i], line, i) for i in numbers])
+                values.append(
+                    [self._number(x, line, i) for i, x in zip(numbers, needed, strict=True)]
+                )
                 cells.lines.append(line)
                 for i in texts:
                     cells.texts[i].append(row[i])
@@ -150,6 +156,37 @@ class Table:
                 first = f"the first in line {left[0][0]}"
                 cells.notes.append(f"{len(left)} {noun} {kind} left out, {first}")
         return cells
+
+    def _read_regular(
+        self, numbers: Sequence[int], texts: Sequence[int], time: int | None, rows: tuple[int, int]
+    ) -> Cells | None:
+        """All rows read by pandas, in a tenth of the time; `None` if they aren't regular."""
+        import pandas as pd
+
+        width = len(self.header)
+        if {line.count(self.delimiter) for line in self.body} != {width - 1}:
+            return None
+        floats = [*numbers, *([] if time is None else [time])]
+        # the nearest float is pandas' default from 3.1 on
+        old = tuple(map(int, re.findall(r"\d+", pd.__version__)[:2])) < (3, 1)
+        try:
+            frame = pd.read_csv(
+                io.StringIO("\n".join(self.body)), header=None, names=range(width), index_col=False,
+                dtype={i: float if i in floats else str for i in range(width)}, na_filter=False,
+                sep=self.delimiter, decimal=self.decimal, skip_blank_lines=False,
+                skipinitialspace=True, float_precision="round_trip" if old else None,
+            )  # fmt: skip
+        except (ValueError, OverflowError):
+            return None
+        words = 0 not in floats and any(str(text)[:1].isalpha() for text in frame[0])
+        if words or len(frame) != len(self.body) or not np.isfinite(frame[floats]).all(axis=None):
+            return None
+        frame = frame.iloc[rows[0] - 1 : rows[1]]
+        return None if frame.empty else Cells(
+            {i: frame[i].to_numpy() for i in floats},
+            {i: [text.strip() for text in frame[i]] for i in texts},
+            [self.first + int(i) for i in frame.index],
+        )  # fmt: skip
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line and stripped cells of each row that is neither blank, a remark nor a header."""
@@ -195,10 +232,10 @@ class Table:
         return ValueError(f"{self.source}, line {line}: {message}")
 
     def _number(self, text: str, line: int, column: int) -> float:
-        if _NUMBER.fullmatch(text) and ("," not in text or self.decimal == ","):
-            value = float(text.replace(",", "."))
-            if math.isfinite(value):
-                return value
+        plain = text.replace(",", ".") if self.decimal == "," else text
+        # Python's own numbers, such as 1_000 and nan, are none here
+        if _NUMBER.fullmatch(plain) and "," not in plain and math.isfinite(value := float(plain)):
+            return value
         excerpt = text if len(text) <= 30 else text[:27] + "…"
         hint = ": write the decimals after a point" if _DECIMAL_COMMA.fullmatch(text) else ""
         if _THOUSANDS.fullmatch(text):
@@ -367,7 +404,7 @@ def _unit_row(cells: Sequence[list[str]], layout: _Layout) -> list[str]:
     if layout.units is not None:
         return cells[layout.units]
     for row in cells[: layout.header or 0]:
-        if re.search(r"unit|einheit", row[0], re.IGNORECASE) and _are_units(row[1:]):
+        if row and re.search(r"unit|einheit", row[0], re.IGNORECASE) and _are_units(row[1:]):
             return ["", *row[1:]]
     return []
 

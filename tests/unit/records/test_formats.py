@@ -102,6 +102,10 @@ MATLAB = "t_s_,Pressure_kPa_,Force_N_,Length_mm_,Temperature__C_\n" + table(
 EXCEL = "sep=;\nTime [s];Pressure [kPa];Force [N];Length [mm]\n" + table(
     ";", [TIME, PRESSURE, FORCE, LENGTH], decimal=","
 )
+COMPRESSION = (
+    '"Time","Compressive extension","Load","p_set","p"\n"(s)","(mm)","(N)","kPa","kPa"\n'
+    + (table(",", [TIME, CONTRACTION, FORCE, [200] * 4, PRESSURE]))
+)
 VERNIER = (
     "Latest: Time (s),Latest: Force (N),Latest: Gas Pressure (kPa),Latest: Length (mm)\n"
     + table(",", [TIME, FORCE, PRESSURE, LENGTH])
@@ -139,6 +143,7 @@ TEXTS = {
     "MATLAB": (MATLAB, {}),
     "Excel": (EXCEL, {}),
     "Vernier": (VERNIER, {}),
+    "compression": (COMPRESSION, {}),
     "volts beside units": (VOLTS, {}),
     "noon": (AM_PM, {}),
     "quoted decimal commas": (QUOTED, {}),

@@ -1,0 +1,46 @@
+"""The reading options of commands become arguments of `records.load`, and errors name options."""
+
+import pytest
+
+from fascicle.cli.errors import UserError
+from fascicle.cli.reading import read_options, read_record
+
+
+ROWS = "118.4,200.1,0.0\n95.2,200.3,0.1\n70.8,199.9,0.2\n"
+
+
+def test_options_are_arguments(tmp_path):
+    (tmp_path / "171mm.csv").write_text(ROWS)
+    options = read_options(
+        columns="force[N],pressure[kPa],time", zero=["force=8N"], pressure="2bar", rows="2:",
+        name_pattern="{length}mm", push_positive=True,
+    )  # fmt: skip
+    record, remarks = read_record([str(tmp_path / "*.csv")], options, 0.18)
+    assert record.pressure.tolist() == [2e5, 2e5]
+    assert record.force == pytest.approx([8 - 95.2, 8 - 70.8])
+    assert record.strain == pytest.approx(0.05)
+    assert record.rest_length == 0.18 and len(remarks) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        ({}, "--columns 'force[N]"),
+        ({"columns": "force[N],pressure[kPa]"}, "--constant length='167 mm'"),
+        ({"columns": "force[N],-,length[mm]"}, "--pressure '200 kPa'"),
+        ({"columns": "force,pressure[kPa],length[mm]"}, "--unit force='N'"),
+        ({"columns": "force[N],pressure[kPa abs],length[mm]"}, "--atmosphere '1.013 bar'"),
+    ],
+)
+def test_what_is_missing_is_offered_as_an_option(tmp_path, arguments, option):
+    (tmp_path / "m.csv").write_text(ROWS)
+    with pytest.raises(UserError) as error:
+        read_record([str(tmp_path / "m.csv")], read_options(**arguments), 0.18)
+    assert option in str(error.value)
+
+
+def test_options_that_contradict_each_other():
+    with pytest.raises(UserError, match="leave out --column"):
+        read_options(columns="force,pressure", column=["force=F"])
+    with pytest.raises(UserError, match="NAME=VALUE"):
+        read_options(zero=["force"])
