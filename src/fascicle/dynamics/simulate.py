@@ -267,16 +267,16 @@ def _run(
     anchor = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
 
-    def step(carry: tuple, numbers: tuple) -> tuple[tuple, tuple]:
+    def step(carry: tuple, row: tuple) -> tuple[tuple, tuple]:
         progress, memory = carry
-        time, reference = numbers
+        time, reference = row
         if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
             state, no_command = progress.state, jnp.zeros(plant.commands)
-            now = evaluate_plant(plant, time, state, no_command, progress.anchor)
+            evaluation = evaluate_plant(plant, time, state, no_command, progress.anchor)
             measurement = Measurement(  # its force is the muscles' pull without friction
-                time, now.position, now.velocity, state.pressures, now.pull,
+                time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
                 plant.supply.pressure_at(state.supply),
             )  # fmt: skip
             memory, command = act(memory, measurement, reference)
