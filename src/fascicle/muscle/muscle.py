@@ -387,8 +387,10 @@ class Muscle(Module):
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
         tables = tuning_tables(self)
-        numbers = all(np.ndim(leaf) == 0 or id(leaf) in tables for leaf in self.leaves)
-        return numbers and self.tuning.pressures.ndim == 1
+        for leaf in self.leaves:
+            if np.ndim(leaf) and id(leaf) not in tables:
+                return False
+        return self.tuning.pressures.ndim == 1
 
 
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:
