@@ -110,8 +110,8 @@ def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -
 
 
 def check_splits(numbers: Iterable[int], splits: str, most_units: int | None = None) -> None:
-    """Refuse `numbers` of muscles that have too many `splits`, "all" or "partitions", into at most
-    so many units; the error has the ways to fewer splits.
+    """Refuse `numbers` of muscles with too many `splits`, "all" or "partitions", into at most
+    `most_units` motor units; the error names ways to fewer splits.
     """
     numbers = tuple(numbers)
     for number in numbers:

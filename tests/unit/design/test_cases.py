@@ -107,9 +107,9 @@ def test_tuning_range_has_one_warning(muscle):
         muscle.material, tuning=fs.Tuning([100e3, 200e3], [1.5, 2.0], [0.95, 0.97]),
     )  # fmt: skip
     task = Task.of([100.0], [0.08], SUPPLY)
-    with pytest.warns(UserWarning, match="measured up to 200 kPa") as told:
+    with pytest.warns(UserWarning, match="measured up to 200 kPa") as warnings:
         cases(Designs.of(tuned, [(1,)]), 0, task)
-    assert len(told) == 1
+    assert len(warnings) == 1
     # warnings are errors here
     first, *_ = remedies(Designs.of(tuned, [(1,)]), 0, task, 0.0, with_reach_limits(None))
     assert first.value is not None and first.measured == 200e3

@@ -37,10 +37,12 @@ def edited(text, *edits):
 
 def test_control_keys_reach_the_controller():
     read = loads_scenario(RAMP)
-    made = read.control
-    assert read.schedule is None and made.controller.of == "force" and made.controller.every == 2
-    assert_allclose(made.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
-    assert len(made.reference) == 4000
+    control = read.control
+    assert (
+        read.schedule is None and control.controller.of == "force" and control.controller.every == 2
+    )
+    assert_allclose(control.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
+    assert len(control.reference) == 4000
     assert_allclose(read.start.pressures, [265e3, 0.0])
     sine = loads_scenario(SINE).control
     gains = sine.controller.gains
@@ -51,16 +53,16 @@ def test_control_keys_reach_the_controller():
 
 def test_shipped_controlled_scenarios_are_complete():
     gait = loads_scenario(example_text("joint_gait"))
-    made = gait.control
+    control = gait.control
     # springs of muscles that friction bends are along them, also where the load turns
     assert_allclose(gait.plant.hysteresis.stiffness, [20e3, 5e3])
-    assert made.controller.friction is not None and made.controller.of == "position"
-    assert_allclose(made.reference.max(), np.radians(27), rtol=1e-9)
+    assert control.controller.friction is not None and control.controller.of == "position"
+    assert_allclose(control.reference.max(), np.radians(27), rtol=1e-9)
     plain = gait.with_policy(compensate=False).control
     assert plain.controller.friction is None and plain.policy == "hand_over"
     other = gait.with_policy("batch")
     assert other.control.policy == "batch" and other.control.controller.friction is not None
-    assert gait.with_policy().control is made
+    assert gait.with_policy().control is control
     auto = gait.with_policy("auto")
     assert auto.notes[0].startswith("auto took hand_over: ")
     for name in ("ramp_1_4", "raise_1_4"):
@@ -75,7 +77,7 @@ POLICY = 'policy = "hand_over"'
 
 
 @pytest.mark.parametrize(
-    ("text", "edits", "told"),
+    ("text", "edits", "message"),
     [
         (RAMP, [('"hand_over"', '"handover"')], "did you mean 'hand_over'?"),
         (RAMP, [(POLICY, f"{POLICY}\nforce_gain = -1")], "control.force_gain = -1: must be"),
@@ -92,8 +94,8 @@ POLICY = 'policy = "hand_over"'
         (RAMP, [(POLICY, "")], "control.policy: missing"),
     ],
 )  # fmt: skip
-def test_bad_input_is_one_line_with_its_key(text, edits, told):
+def test_bad_input_is_one_line_with_its_key(text, edits, message):
     with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
         loads_scenario(edited(text, *edits))
-    assert told in str(refused.value), str(refused.value)
+    assert message in str(refused.value), str(refused.value)
     assert "\n" not in str(refused.value)

@@ -42,46 +42,52 @@ NOMINAL = fs.example("kim2021_slenderness_10").replace(tuning=None)
 
 
 @pytest.fixture(scope="module", params=[0.06, 0.0], ids=["rubs", "smooth"])
-def made(request):
+def calibration(request):
     record = VirtualDynamometer(
         pressures=[1e5, 2e5, 4e5], hysteresis=request.param, samples=40, noise=0.002
     ).record(NOMINAL, seed=3)
     return fit(record, NOMINAL, ["c10"], whole=False)
 
 
-def saved(made, folder):
-    fs.save(made.muscle, folder / "muscle.toml", calibration=provenance_of(made, "2026-11-22"))
+def saved(calibration, folder):
+    fs.save(
+        calibration.muscle,
+        folder / "muscle.toml",
+        calibration=provenance_of(calibration, "2026-11-22"),
+    )
     (folder / "scenario.toml").write_text(SCENARIO, encoding="utf-8")
     return load_scenario(folder / "scenario.toml")
 
 
-def test_plant_has_the_measured_springs(made, tmp_path):
-    scenario = saved(made, tmp_path)
-    if made.friction.law is None:
+def test_plant_has_the_measured_springs(calibration, tmp_path):
+    scenario = saved(calibration, tmp_path)
+    if calibration.friction.law is None:
         plain = loads_scenario(SCENARIO.replace(FRICTION, ""), folder=tmp_path)
         assert scenario.plant.hysteresis is None
         # today's result, to the bit
         ours, theirs = scenario.run(), plain.run()
         assert np.array_equal(ours.outputs.position, theirs.outputs.position)
         return
-    friction, law = scenario.plant.hysteresis, made.friction.law
+    friction, law = scenario.plant.hysteresis, calibration.friction.law
     assert isinstance(friction, MaxwellSlip)
     for name in ("stiffness", "slip_force", "slip_force_slope"):
         # the file has four digits of each
         short = [float(f"{x:.4g}") for x in getattr(law, name)]
         np.testing.assert_allclose(getattr(friction, name), short, rtol=1e-14)
-    assert_allclose(made.friction.half_width(4e5), 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03)
+    assert_allclose(
+        calibration.friction.half_width(4e5), 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03
+    )
 
 
-def test_friction_leaves_the_fit_unchanged(made):
+def test_friction_leaves_the_fit_unchanged(calibration):
     # separate from the static law: asking for it changes no number of the muscle
-    before = made.muscle
-    assert made.friction is not None
-    assert made.muscle == before
+    before = calibration.muscle
+    assert calibration.friction is not None
+    assert calibration.muscle == before
 
 
 @pytest.mark.parametrize(
-    ("edit", "said"),
+    ("edit", "message"),
     [
         (('bundle = "muscle.toml"', 'bundle = "nominal.toml"'), "nominal.toml has no friction"),
         (('kind = "measured"', 'kind = "measured"\nmuscle = "none.toml"'), "must name the"),
@@ -89,10 +95,10 @@ def test_friction_leaves_the_fit_unchanged(made):
         (('bundle = "muscle.toml"', 'bundle = "kim2021_figure_6"'), "must name the calibrated"),
     ],
 )
-def test_unmeasured_friction_is_refused(edit, said, tmp_path):
+def test_unmeasured_friction_is_refused(edit, message, tmp_path):
     fs.save(NOMINAL, tmp_path / "nominal.toml")
     fs.save(NOMINAL, tmp_path / "muscle.toml")
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         loads_scenario(SCENARIO.replace(*edit), folder=tmp_path)
 
 

@@ -44,10 +44,10 @@ def test_sizes_are_the_floats_that_python_would_write():
 
 
 def test_missing_keys_take_the_default():
-    given = loads(MUSCLE)
+    muscle = loads(MUSCLE)
     default = Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
-    assert str(given) == str(default)
-    assert given.material.c10 == default.material.c10
+    assert str(muscle) == str(default)
+    assert muscle.material.c10 == default.material.c10
 
 
 def test_every_law_by_name():

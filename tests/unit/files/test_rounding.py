@@ -33,15 +33,15 @@ def noisy():
 
 
 def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
-    _, made = noisy
+    _, fitted = noisy
     path = tmp_path / "m.toml"
-    path.write_text(calibrated_text(made, "2026-01-02"), encoding="utf-8")
+    path.write_text(calibrated_text(fitted, "2026-01-02"), encoding="utf-8")
     read = fs.load(path)
-    for one, value in zip(made.parameters, (read.braid_angle, read.outer_radius), strict=True):
+    for one, value in zip(fitted.parameters, (read.braid_angle, read.outer_radius), strict=True):
         assert one.name in ("braid_angle", "outer_radius")
         assert abs(float(value) - one.value) <= 0.01 * (one.high - one.low)
-    off = np.abs(read.force(P[:, None], EPS) - made.muscle.force(P[:, None], EPS)).max()
-    assert 0 < off <= 0.01 * made.rmse
+    off = np.abs(read.force(P[:, None], EPS) - fitted.muscle.force(P[:, None], EPS)).max()
+    assert 0 < off <= 0.01 * fitted.rmse
     assert "1% of its interval" in provenance(path)["rounded"]
 
 
@@ -55,15 +55,15 @@ def test_fitted_constants_have_few_digits(noisy):
 
 
 def test_log_is_rounded_to_the_uncertainty(noisy):
-    _, made = noisy
-    text = "[calibration]" + calibrated_text(made, "2026-01-02").partition("[calibration]")[2]
+    _, fitted = noisy
+    text = "[calibration]" + calibrated_text(fitted, "2026-01-02").partition("[calibration]")[2]
     # but for the coordinates and their covariance, which belong together
-    kept = [one for one in text.splitlines() if not one.startswith(("coordinates", "covariance"))]
-    assert len(kept) < len(text.splitlines())
+    lines = [one for one in text.splitlines() if not one.startswith(("coordinates", "covariance"))]
+    assert len(lines) < len(text.splitlines())
     hashes = re.compile(r'sha256 = ".*"')
-    assert not re.search(r"\d{7}", hashes.sub("", "\n".join(kept)))
+    assert not re.search(r"\d{7}", hashes.sub("", "\n".join(lines)))
     for one, row in zip(
-        made.parameters, parse_toml(text, "m")["calibration"]["parameter"], strict=True
+        fitted.parameters, parse_toml(text, "m")["calibration"]["parameter"], strict=True
     ):
         width = one.high - one.low
         for name in ("value", "low", "high"):
@@ -96,8 +96,8 @@ def test_file_has_the_fitted_length(noisy, tmp_path):
 
 
 def test_unfitted_constants_stay_unchanged(noisy):
-    start, made = noisy
-    rounded, _ = rounded_muscle(made)
+    start, fitted = noisy
+    rounded, _ = rounded_muscle(fitted)
     assert rounded.wall_thickness == start.wall_thickness
     assert rounded.length == start.length
     assert rounded.material == start.material
@@ -105,7 +105,7 @@ def test_unfitted_constants_stay_unchanged(noisy):
 
 def test_without_noise_digits_are_kept():
     # what is left over is nothing but rounding: so are the digits
-    _, made = calibration(0.0)
-    read = loads(calibrated_text(made, "2026-01-02"))
-    force = made.muscle.force(P[:, None], EPS)
-    np.testing.assert_allclose(read.force(P[:, None], EPS), force, atol=0.011 * made.rmse, rtol=0)
+    _, fitted = calibration(0.0)
+    read = loads(calibrated_text(fitted, "2026-01-02"))
+    force = fitted.muscle.force(P[:, None], EPS)
+    np.testing.assert_allclose(read.force(P[:, None], EPS), force, atol=0.011 * fitted.rmse, rtol=0)

@@ -119,7 +119,7 @@ MOVED = "\n".join(
 
 
 @pytest.mark.parametrize(
-    ("text", "edits", "told"),
+    ("text", "edits", "message"),
     [
         # the list
         (GAS, [("b = 0.3", "b = 1.2")], "valve.b = 1.2: `b` must lie in (0, 1)"),
@@ -182,11 +182,11 @@ MOVED = "\n".join(
         (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law = \"exat\": `law` 'exat' is unknown"),
     ],
 )  # fmt: skip
-def test_bad_input_is_one_line_with_its_key(text, edits, told):
+def test_bad_input_is_one_line_with_its_key(text, edits, message):
     with pytest.raises(ValueError, match=r"x\.toml: ") as error:
         loads_scenario(edited(text, *edits), "x.toml")
     line = str(error.value)
-    assert told in line and "\n" not in line
+    assert message in line and "\n" not in line
 
 
 @pytest.mark.parametrize(

@@ -176,13 +176,13 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
     muscle = fs.example("kim2021_slenderness_10")
     names = ["youngs_modulus_factor", "collapse_moment_factor"]
     center = np.log([0.95, 0.75])
-    told = {
+    calibration = {
         # not in the order in which they are put
         "coordinate_names": names[::-1],
         "coordinates": center[::-1].tolist(),
         "covariance": [[0.04, 0.0], [0.0, 0.0001]],
     }
-    fs.save(muscle, tmp_path / "fitted.toml", told)
+    fs.save(muscle, tmp_path / "fitted.toml", calibration)
     draws = sample_muscles(tmp_path / "fitted.toml", 4000, seed=1)
     stiff = np.log(np.asarray(draws.tuning.youngs_modulus_factor))
     strong = np.log(np.asarray(draws.tuning.collapse_moment_factor))

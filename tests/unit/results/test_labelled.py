@@ -24,12 +24,12 @@ VARIABLES = {
 
 
 def test_json_has_null_for_non_finite_numbers():
-    found = json.loads(results.to_json(VARIABLES))
-    assert found["force"] == [[1.5, None], [-2.0, 0.1], [3.0, 4.0]]
-    assert found["collapse"] == [0.1, None, None]
-    assert found["region"] == [[0, 1], [0, 2], [0, 0]]
-    assert found["scheme"] == "orderly"
-    assert list(found) == list(VARIABLES)
+    data = json.loads(results.to_json(VARIABLES))
+    assert data["force"] == [[1.5, None], [-2.0, 0.1], [3.0, 4.0]]
+    assert data["collapse"] == [0.1, None, None]
+    assert data["region"] == [[0, 1], [0, 2], [0, 0]]
+    assert data["scheme"] == "orderly"
+    assert list(data) == list(VARIABLES)
 
 
 def test_csv_has_a_row_for_each_point():
@@ -55,14 +55,14 @@ def test_csv_of_coordinates_alone():
 
 
 def test_datasets_have_unit_meaning_and_source():
-    found = results.dataset(VARIABLES, title="a test", source="ourselves")
-    assert found["force"].attrs == {
+    data = results.dataset(VARIABLES, title="a test", source="ourselves")
+    assert data["force"].attrs == {
         "units": "N", "long_name": "pulling force", "source": "a paper, (27)",
     }  # fmt: skip
-    assert found["strain"].attrs["units"] == "1"
-    assert found["region"].attrs["source"] == "ourselves"
-    assert set(found.coords) == {"pressure", "strain"}
-    assert found.attrs == {"title": "a test", "source": "ourselves"}
+    assert data["strain"].attrs["units"] == "1"
+    assert data["region"].attrs["source"] == "ourselves"
+    assert set(data.coords) == {"pressure", "strain"}
+    assert data.attrs == {"title": "a test", "source": "ourselves"}
 
 
 @pytest.mark.parametrize("name", ["x.nc", "x.zarr"])

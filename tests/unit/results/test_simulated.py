@@ -25,13 +25,13 @@ SHORT = (
 @pytest.fixture(scope="module")
 def ran():
     read = loads_scenario(SHORT)
-    found = read.run()
-    return read, found, audit(read.plant, found)
+    run = read.run()
+    return read, run, audit(read.plant, run)
 
 
 def test_run_table_has_units(ran):
-    read, found, audited = ran
-    data = fs.tables.simulated(read.plant, found, audited).dataset(title="t", source="s")
+    read, run, audited = ran
+    data = fs.tables.simulated(read.plant, run, audited).dataset(title="t", source="s")
     assert data.sizes == {"time": 41, "motor_unit": 2, "valve": 2, "balance": 5, "event": 0}
     units = {"position": "m", "velocity": "m/s", "pressure": "Pa", "temperature": "K",
              "strain": "1", "force": "N", "fluid_mass": "kg", "supply_opening": "1",
@@ -39,7 +39,7 @@ def test_run_table_has_units(ran):
              "account_mass": "kg", "stored_load": "J"}  # fmt: skip
     assert {name: data[name].attrs["units"] for name in units} == units
     assert all(data[name].attrs["long_name"] for name in data.variables)
-    assert_allclose(data["pressure"][-1], found.outputs.pressures[-1])
+    assert_allclose(data["pressure"][-1], run.outputs.pressures[-1])
     assert_allclose(data["command"][[0, 19, 20, -1], 0], [1, 1, 0, 0])
     assert data["closes"].values.all()
     # a term of the account is the one of its name: the mass that came in is what is there
@@ -70,8 +70,8 @@ def test_run_table_as_csv_and_json(ran):
 def test_thinned_curve_keeps_its_peak():
     values = np.sin(np.linspace(0, 40, 100_000))
     values[31_415], values[77_777] = 3.0, -2.0
-    kept = thinned(values)
-    assert len(kept) <= MOST + 2 and {0, 31_415, 77_777, 99_999} <= set(kept.tolist())
+    indices = thinned(values)
+    assert len(indices) <= MOST + 2 and {0, 31_415, 77_777, 99_999} <= set(indices.tolist())
     assert thinned(values[:100]).tolist() == list(range(100))
 
 
@@ -86,8 +86,8 @@ def test_negative_terms_change_sides(ran):
 
 
 def test_pictures_are_labelled(ran):
-    read, found, audited = ran
-    figure = traces(read.plant, found)
+    read, run, audited = ran
+    figure = traces(read.plant, run)
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert labels[:3] == ["Position q [mm]", "Pressure P [kPa]", "Force F [N]"]
     drawn = energy_balances([one for one in audited.balances if one.unit == "J"])
@@ -96,12 +96,12 @@ def test_pictures_are_labelled(ran):
 
 
 def test_page_reports_whether_the_balances_close(ran):
-    read, found, audited = ran
-    page = report(read, found, audited, [], "2026-05-04")
+    read, run, audited = ran
+    page = report(read, run, audited, [], "2026-05-04")
     for part in ("All 5 balances close", "nothing on this page was measured", "made up",
                  "exergy of the fluid", "of the largest term", "✓"):  # fmt: skip
         assert part in page
     assert "http" not in re.sub(r'href="data:[^"]*"|src="data:[^"]*"', "", page)
-    doubted = report(read, found, None, ["`chamber` is <a fit>"], "2026-05-04")
+    doubted = report(read, run, None, ["`chamber` is <a fit>"], "2026-05-04")
     assert "This run can't be trusted." in doubted
     assert "&lt;a fit&gt;" in doubted and "balances close" not in doubted

@@ -20,9 +20,9 @@ from fascicle.files.schema import parse_price
     ],
 )
 def test_prices_are_read(text, per, amount, currency):
-    found = parse_price(text, "valve", per)
-    assert_allclose(found.amount, amount, rtol=1e-12)
-    assert found.currency == currency
+    price = parse_price(text, "valve", per)
+    assert_allclose(price.amount, amount, rtol=1e-12)
+    assert price.currency == currency
 
 
 @pytest.mark.parametrize(
