@@ -366,7 +366,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for neither pressures nor a supply's.
         """
-        return import_late("plot.objects.of_bundle")(self, pressures, strains, resistance)
+        return import_late("plot.curves.bundle_force_strain")(self, pressures, strains, resistance)
 
     def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
         """The force as a bare function, with this bundle constant and no checks.

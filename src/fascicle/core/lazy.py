@@ -63,7 +63,7 @@ def renamed_method(old: str, new: str) -> Callable[..., Any]:
 
 
 def import_late(name: str) -> Any:
-    """Import an object of a higher layer, such as "plot.objects.of_muscle", when it is needed."""
+    """Import an object of a higher layer, such as "plot.curves.force_strain", when it is needed."""
     module, _, attribute = name.rpartition(".")
     return getattr(_import(f".{module}", "fascicle"), attribute)
 

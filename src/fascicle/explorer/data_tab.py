@@ -18,7 +18,6 @@ from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..reports.calibration import report
-from ..results import Table
 from .chart import Chart, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (
@@ -188,10 +187,14 @@ class DataView(Tab):
         self.use = button("Use the tuned muscle in all tabs", self._use_fit, **wide)
         self.saves = [
             download_button(
-                "Download tuned muscle", "toml", self._tuned_file, disabled=True, width=184
+                "Download tuned muscle", "toml", lambda: self._file("tuned", self._tuned_text()),
+                disabled=True, width=184,
             ),
-            download_button("Download report", "html", self._report_file, disabled=True),
-        ]
+            download_button(
+                "Download report", "html", lambda: self._file("report", self._shown_fit.report),
+                disabled=True,
+            ),
+        ]  # fmt: skip
         self.downloads = download_buttons(self.export, disabled=True)
 
     def draw(self, view: View) -> None:
@@ -429,16 +432,13 @@ class DataView(Tab):
         inputs = self.session.input_names
         return data(muscle, record, tuned, self.file_name, self._read_options, names, inputs)
 
-    def _tuned_file(self) -> Export:
+    def _tuned_text(self) -> str:
         fit = self._shown_fit
-        return self._text_file("tuned", calibrated_text(fit.calibration, _today(), fit.candidates))
+        return calibrated_text(fit.calibration, _today(), fit.candidates)
 
-    def _report_file(self) -> Export:
-        return self._text_file("report", self._shown_fit.report)
-
-    def _text_file(self, kind: str, text: str) -> Export:
-        stem = output_stem(self.file_name, kind, self.session.input_names)
-        return Export(stem, Table(), lambda: None, text)
+    def _file(self, kind: str, text: str) -> tuple[str, bytes]:
+        """Stem and content of a file of a `kind` on the fit."""
+        return output_stem(self.file_name, kind, self.session.input_names), text.encode()
 
     def _use_fit(self) -> None:
         muscle = self._shown_fit.calibration.muscle

@@ -47,10 +47,7 @@ _TEMPLATES = Environment(  # noqa: S701 Python, not HTML
 
 @dataclass(frozen=True)
 class Export:
-    """A tab's data as `variables` by name, its `figure`, and a `script` that makes both.
-
-    A file of text alone has it as its `script`.
-    """
+    """A tab's data as `variables` by name, its `figure`, and a `script` that makes both."""
 
     stem: str
     variables: Table
@@ -72,7 +69,7 @@ class Export:
 
 
 def muscle(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Curve of the muscle at the view's pressure."""
+    """Downloads of the muscle's curve at the view's pressure."""
     stem = output_stem(view.name, "force", input_names)
     top, P = strain_limit(view.muscle, view.supply), view.pressure
     strain = np.linspace(0.0, top, _STRAINS)
@@ -82,7 +79,7 @@ def muscle(view: View, input_names: Iterable[str] = ()) -> Export:
 
 
 def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Force-strain space of the bundle."""
+    """Downloads of the bundle's force-strain workspace."""
     stem, target = output_stem(view.name, "space", input_names), view.bundle
     script = _script("bundle", stem, target, resistance=view.resistance)
     variables = tables.space(target.workspace(resistance=view.resistance))
@@ -90,7 +87,7 @@ def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
 
 
 def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Free strain against the second unit's pressure."""
+    """Downloads of free strain against the second unit's pressure."""
     stem = output_stem(view.name, "reversal", input_names)
     curves = split_curves(view.muscle, view.splits, view.supply)
     P = curves[0].pressure
@@ -105,7 +102,7 @@ def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
 
 
 def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Efficiency maps of the bundle, with resistance and without."""
+    """Downloads of the bundle's efficiency maps, with resistance and without."""
     stem = output_stem(view.name, "efficiency", input_names)
     maps = efficiency_maps(view.bundle, view.path)
     key, about = "efficiency_without_resistance", "muscles past their free strain don't push back"
@@ -125,7 +122,7 @@ def data(
     names: Sequence[str] = (AUTOMATIC,),
     input_names: Iterable[str] = (),
 ) -> Export:
-    """A record and the muscle, or the one that was `tuned` to it, with constants of `names`."""
+    """Downloads of a record and the muscle, or the one `tuned` to it by constants of `names`."""
     stem = output_stem(name, "comparison", [name, *input_names])
     drawn, label = (muscle, "the muscle") if tuned is None else (tuned, "tuned")
     P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
@@ -154,25 +151,32 @@ _FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Pytho
 
 def download_buttons(export: Callable[[], Export], **options: Any) -> list[Any]:
     """Buttons that download the files of an `export`, made when one is pressed."""
-    return [
-        download_button(f"Download {label}", suffix, export, **options)
-        for suffix, label in _FILES.items()
-    ]
+
+    def button(suffix: str, label: str) -> Any:
+        def content() -> tuple[str, bytes]:
+            result = export()
+            return result.stem, result.content(suffix)
+
+        return download_button(f"Download {label}", suffix, content, **options)
+
+    return [button(suffix, label) for suffix, label in _FILES.items()]
 
 
-def download_button(label: str, suffix: str, export: Callable[[], Export], **options: Any) -> Any:
-    """Button that downloads the file of an `export` with a `suffix`."""
+def download_button(
+    label: str, suffix: str, content: Callable[[], tuple[str, bytes]], **options: Any
+) -> Any:
+    """Button that downloads a file with a `suffix`; `content` gives its stem and its bytes."""
 
-    def content() -> io.BytesIO:
-        result = export()
-        download.filename = f"{result.stem}.{suffix}"
-        return io.BytesIO(result.content(suffix))
+    def callback() -> io.BytesIO:
+        stem, raw = content()
+        button.filename = f"{stem}.{suffix}"
+        return io.BytesIO(raw)
 
-    download = widget(
-        pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=content,
+    button = widget(
+        pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=callback,
         **{"width": 146, "margin": (2, 4)} | options,
     )  # fmt: skip
-    return download
+    return button
 
 
 def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:

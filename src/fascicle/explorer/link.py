@@ -29,6 +29,10 @@ LONGEST = 16_000  # characters of a packed file: servers and browsers take addre
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
 _MOST_SPLITS = 4  # more can't be told apart
 _TOO_LARGE = "left-out"  # instead of a larger file
+# in this order: the muscle's file has the number of units
+_KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "pressures",
+         "resistance", "path", "splits", "show", "tab", "compare")  # fmt: skip
+_CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PATHS, "tab": TABS}
 
 
 def to_query(view: View) -> dict[str, str]:
@@ -64,11 +68,9 @@ def to_query(view: View) -> dict[str, str]:
 def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
     """View of a link by key, the `start` view where it has none, and a message for each bad key."""
     view, errors = start, []
-    for key, read in _READERS.items():
-        if key not in query:
-            continue
+    for key in filter(query.__contains__, _KEYS):
         try:
-            view = read(view, query[key], query)
+            view = _read(view, key, query[key], query)
         except ValueError as error:
             errors.append(f"link: {error}")
         except Exception:  # noqa: BLE001 whatever a link holds, the page opens
@@ -144,89 +146,68 @@ def _exact_text(value: float, dimension: str, unit: str = "") -> str:
     return exact(value, dimension).replace(" ", "")
 
 
-# readers of a key: the view, the key's text and the whole query give another view
+def _read(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
+    """The `view` with the `text` of a `key` of a `query`."""
+    if key == "muscle":
+        return view if "file" in query else view_of(example(text), text, view)
+    if key == "file":
+        name = query.get("name", "linked")[:60]
+        return view_of(loads(unpack(text), source=name), name, view)
+    if key == "units":
+        units = tuple(_parse_unit(unit, text) for unit in text.split(",")[: MOST_UNITS + 1])
+        check_units(units)
+        return replace(view, units=units, pressures=(view.supply,) * len(units))
+    if key == "pressures":
+        values = tuple(_gauge_pressure(P) for P in text.split(",")[:MOST_UNITS])
+        return replace(view, pressures=values) if len(values) == len(view.units) else view
+    if key in _CHOICES:
+        if text not in _CHOICES[key]:
+            rule = f"must be one of {', '.join(_CHOICES[key])}"
+            raise InvalidInputError(key, rule, text[:40])
+        return replace(view, **{key: text})
+    name, parse_field = _FIELDS[key]
+    return replace(view, **{name: parse_field(text)})
 
 
-def _read_example(view: View, text: str, query: Mapping[str, str]) -> View:
-    return view if "file" in query else view_of(example(text), text, view)
+def _parse_unit(unit: str, text: str) -> Unit:
+    count, _, size = unit.partition("@")
+    try:
+        return Unit(int(count), float(size or 1))
+    except ValueError:
+        raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
 
 
-def _read_file(view: View, text: str, query: Mapping[str, str]) -> View:
-    name = query.get("name", "linked")[:60]
-    return view_of(loads(unpack(text), source=name), name, view)
+def _gauge_pressure(text: str, name: str = "pressure") -> float:
+    value = parse(text, "pressure")
+    if name == "supply" and value <= 0:
+        raise InvalidInputError(name, "must be positive", value, shown=f"{value:g} Pa")
+    check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
+    return value
 
 
-def _read_supply(view: View, text: str, _: Any) -> View:
-    value = _gauge_pressure(text)
-    if value <= 0:
-        raise InvalidInputError("supply", "must be positive", value, shown=f"{value:g} Pa")
-    return replace(view, supply=value)
+def _strain(text: str) -> float:
+    value = parse(text, "strain")
+    check_interval(value, 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True))
+    return value
 
 
-def _read_units(view: View, text: str, _: Any) -> View:
-    units = []
-    for unit in text.split(",")[: MOST_UNITS + 1]:
-        count, _at, size = unit.partition("@")
-        try:
-            units.append(Unit(int(count), float(size or 1)))
-        except ValueError:
-            raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
-    check_units(tuple(units))
-    return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
-
-
-def _read_pressures(view: View, text: str, _: Any) -> View:
-    values = tuple(_gauge_pressure(P) for P in text.split(",")[:MOST_UNITS])
-    return replace(view, pressures=values) if len(values) == len(view.units) else view
-
-
-def _read_strain(view: View, text: str, _: Any) -> View:
-    value, closed = parse(text, "strain"), (True, True)
-    check_interval(value, 0.0, LARGEST_STRAIN, "strain", "-", closed=closed)
-    return replace(view, strain=value)
-
-
-def _read_display_units(view: View, text: str, _: Any) -> View:
+def _display_units(text: str) -> dict[str, str]:
     units = text.split(",")
     shown = dict(zip(DISPLAY_UNITS, units, strict=False))
     if len(units) != len(DISPLAY_UNITS) or any(
         unit not in DISPLAY_UNITS[kind] for kind, unit in shown.items()
     ):
         raise InvalidInputError("show", "must be units such as kPa,mm,N", text[:40])
-    return replace(view, display_units=shown)
+    return shown
 
 
-def _gauge_pressure(text: str) -> float:
-    value, closed = parse(text, "pressure"), (True, True)
-    check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
-    return value
-
-
-def _choice_reader(name: str, choices: tuple[str, ...]) -> Callable[..., View]:
-    def read(view: View, text: str, _: Any) -> View:
-        if text not in choices:
-            raise InvalidInputError(name, f"must be one of {', '.join(choices)}", text[:40])
-        return replace(view, **{name: text})
-
-    return read
-
-
-# in this order: the muscle's file has the number of units
-_READERS: Mapping[str, Callable[[View, str, Any], View]] = {
-    "muscle": _read_example,
-    "file": _read_file,
-    "supply": _read_supply,
-    "units": _read_units,
-    "scheme": _choice_reader("scheme", tuple(SCHEMES)),
-    "pressure": lambda view, text, _: replace(view, pressure=_gauge_pressure(text)),
-    "strain": _read_strain,
-    "pressures": _read_pressures,
-    "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
-    "path": _choice_reader("path", PATHS),
-    "splits": lambda view, text, _: replace(view, splits=parse_splits(text)),
-    "show": _read_display_units,
-    "tab": _choice_reader("tab", TABS),
-    "compare": lambda view, text, _: replace(
-        view, alternatives=check_alternatives(tuple(text.split(",")))
-    ),
+# field of the view, and parser of its text, by key
+_FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
+    "supply": ("supply", lambda text: _gauge_pressure(text, "supply")),
+    "pressure": ("pressure", _gauge_pressure),
+    "strain": ("strain", _strain),
+    "resistance": ("resistance", lambda text: text != "off"),
+    "splits": ("splits", parse_splits),
+    "show": ("display_units", _display_units),
+    "compare": ("alternatives", lambda text: check_alternatives(tuple(text.split(",")))),
 }

@@ -346,7 +346,7 @@ class Muscle(Module):
 
         **Returns:** a figure of matplotlib's.
         """
-        return import_late("plot.objects.of_muscle")(self, pressures, strains, components)
+        return import_late("plot.curves.force_strain")(self, pressures, strains, components)
 
     def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
         """The force alone as a bare function, with this muscle held constant and nothing checked.

@@ -14,11 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..bundle import Bundle
+from ..bundle import Bundle, recruitment
 from ..bundle.reversal import Reversal
+from ..bundle.recruitment import overlap
 from ..core.errors import InvalidInputError
 from ..core.types import Float
-from ..core.validation import to_si
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle
 from ..muscle.tuning import TunedTension
 from .theme import (
@@ -36,6 +37,7 @@ from .theme import (
     pressure_colors,
     styled,
 )
+from .workspace import workspace
 
 
 Line = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]  # [Pa], [-]
@@ -43,6 +45,7 @@ Line = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]  # [Pa], 
 _MAX_PANELS = 4  # more are hard to read in one figure
 _MAX_LABELS = 12  # more hide the curves
 _POINTS = 301  # along a curve: smooth in print
+_HIGHEST = 400e3  # Pa, a usual supply, for a muscle whose tuning has no range of pressure
 _VISIBLE = 1e-4  # of strain: a smaller step is no wider than the line
 _HALVINGS = 40  # of an interval of pressure: to its last bits
 _JUMP = 1e-6  # of strain: a smooth curve can't rise as much in the halved interval
@@ -104,19 +107,31 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
 
 
 @styled
-def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool = False) -> Figure:
+def force_strain(
+    muscle: Muscle, pressures: Any = None, strains: Any = None, components: bool = False
+) -> Figure:
     """Figure of a muscle's force over contraction, a curve for each pressure.
 
     **Arguments:**
 
-    - `muscle`: the muscle.
-    - `pressures`: gauge pressures [Pa].
-    - `strains`: contractions [-], rising.
+    - `muscle`: one muscle.
+    - `pressures`: gauge pressures [Pa]; default: even ones up to the highest that was measured.
+    - `strains`: contractions [-], rising; default: from rest to past the largest free strain.
     - `components`: a panel for each pressure with mesh and bladder force.
 
-    **Raises:** `InvalidInputError` for more than four pressures with components.
+    **Raises:** `InvalidInputError` for arrays of muscles, values off the domain, and more than four
+    pressures with components.
     """
+    if np.ndim(muscle.length + muscle.outer_radius + muscle.wall_thickness + muscle.braid_angle):
+        raise InvalidInputError("muscle", "must be a single one to be drawn, got an array", None)
+    if pressures is None:
+        rows = np.asarray(muscle.tuning.pressures)
+        measured = float(np.max(rows)) + float(muscle.tuning.dead_band)
+        highest = min(measured, HIGHEST_PRESSURE) if rows.size > 1 else _HIGHEST
+        pressures = np.linspace(0.0, highest, 4 if components else 5)
     P = np.atleast_1d(np.asarray(to_si(pressures, "pressures", "Pa"), float))
+    if strains is None:
+        strains = _default_strains(np.max(muscle.free_strain(P)))
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     if not components:
         figure, axes = new_figure(width=SINGLE)
@@ -170,17 +185,32 @@ def components_legend(figure: Figure, ax: Axes) -> None:
 
 @styled
 def bundle_force_strain(
-    bundle: Bundle, pressures: Any, strains: Any, resistance: bool = True
+    bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
 ) -> Figure:
     """Figure of a bundle's force over contraction: one state with its units, or several states.
 
     **Arguments:**
 
     - `bundle`: the bundle.
-    - `pressures`: gauge pressures, one for each motor unit, or a row of them for each state [Pa].
-    - `strains`: contractions [-], rising.
+    - `pressures`: gauge pressures, one for each motor unit, or a row of them for each state [Pa];
+      default: the figure shows the workspace.
+    - `strains`: contractions [-], rising; default: from rest to past the free strain.
     - `resistance`: resisting force of units past their own free strain.
+
+    **Raises:** `InvalidInputError` without pressures and without a supply pressure.
     """
+    if pressures is None and bundle.supply_pressure is None:
+        raise InvalidInputError(
+            "pressures",
+            "must be given in Pa, one for each motor unit",
+            None,
+            "the bundle has no supply pressure, for which its states would be drawn",
+        )
+    if pressures is None:
+        space = recruitment.workspace(bundle, strain=strains, resistance=resistance)
+        return workspace(space, overlap(space))
+    if strains is None:
+        strains = _default_strains(bundle.free_strain(pressures, resistance=False))
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     figure, axes = new_figure(width=SINGLE)
@@ -363,6 +393,11 @@ def split_at_reversal(
     return (np.insert(pressure, indices, P), np.insert(strain, indices, eps)), jump
 
 
+def _default_strains(free_strain: Any) -> np.ndarray:
+    """Strains [-] from rest to a quarter past the largest free strain, where resistance shows."""
+    return np.linspace(0.0, min(max(1.25 * float(free_strain), 0.05), LARGEST_STRAIN), _POINTS)
+
+
 def smooth(values: Any) -> np.ndarray:
-    """`values`, and enough points between them for smooth curves."""
+    """Values, and enough points between them for smooth curves."""
     return np.union1d(values, np.linspace(np.min(values), np.max(values), _POINTS))

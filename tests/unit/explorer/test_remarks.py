@@ -167,10 +167,3 @@ def test_strains_of_other_branches_are_listed():
     strain, several = np.linspace(0, 0.4, 5), np.array([False, False, True, True, False])
     assert branches_text(strain, np.zeros(5, bool)) == ""
     assert branches_text(strain, several).startswith("ε 0.200 to 0.300; the curve shows the branch")
-
-
-def test_other_laws_are_drawn():
-    muscle = OTHER.replace(buckling="elastica")
-    tab = MuscleView(Session(replace(SIX, muscle=muscle)), LIGHT)
-    tab.refresh()
-    assert len(tab.curve.data["force"]) > 0
