@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..bundle import Bundle, recruitment
-from ..bundle.reversal import Reversal
 from ..bundle.recruitment import overlap
+from ..bundle.reversal import Reversal
 from ..core.errors import InvalidInputError
 from ..core.types import Float
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
