@@ -662,15 +662,6 @@ def test_a_bundles_fibers_bend_and_fold_with_pressure(visit):
     assert folded.size == straight.size and np.abs(folded - straight).max() > 2e-3
 
 
-def test_the_header_and_the_empty_data_tab_explain_themselves(visit):
-    page = visit("?tab=data")
-    page.get_by_text("Forces of fluidic artificial muscles").wait_for()
-    empty_state = page.get_by_text("Your own muscle, as it was measured")
-    empty_state.wait_for()
-    page.get_by_role("button", name="Try an example record").click()
-    empty_state.wait_for(state="hidden")
-
-
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080)])
 def test_without_a_record_the_data_tab_shows_the_muscles_curves(visit, width, height):
     page = visit("?tab=data", width=width, height=height)
@@ -754,7 +745,11 @@ def test_a_page_follows_the_systems_preference_unless_its_address_has_a_theme(br
 
 def test_the_example_record_and_an_error_of_its_rest_length(visit):
     page = visit("?tab=data")
+    page.get_by_text("What fluidic muscles of given sizes pull").wait_for()
+    empty_state = page.get_by_text("Your own muscle, as it was measured")
+    empty_state.wait_for()
     page.get_by_role("button", name="Try an example record").click()
+    empty_state.wait_for(state="hidden")
     assert len(source(page, "readings")["x"]) == 300
     page.get_by_text("300 synthetic readings").wait_for()
     rest = field(page, "Rest length, if the record")
