@@ -55,33 +55,59 @@ def ran(folder):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FASCICLE_NO_CACHE", "1")
         patch.setenv("COLUMNS", "100")
-        told = run("d.csv", "--muscle", TEN, "--fit", "tuning", "--starts", "1")
-        program = run("d.csv", "--muscle", TEN, "--fit", "tuning", "--json", "--starts", "1")
-    return told, program
+        arguments = ("d.csv", "--muscle", TEN, "--fit", "tuning", "--starts", "1")
+        text = run(*arguments, "--notebook")
+        program = run(*arguments, "--json")
+    return text, program
 
 
-def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
+def test_the_verdict_takes_ten_lines_besides_the_constants(ran, folder):
     (code, out, err), program = ran
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[0].startswith("synthetic")
-    assert "rest length not given: strains refer to the muscle's length, 127 mm" in lines
-    assert any("read as force" in line for line in lines)
-    assert all(name in out for name in FACTORS)
-    assert "1/bar" in out and "rmse" in out
-    assert "wrote calibrated-d/muscle.toml, calibrated-d/muscle.log.toml" in lines[-1]
-    # each warning once, below what it is about
-    warnings = json.loads(program[1])["warnings"]
-    heads = [i for i, line in enumerate(lines) if line.startswith("warning: ")]
-    assert len(heads) > 1 and all(lines[i].endswith(":") for i in heads)
-    assert [line[2:] for line in lines[heads[0] :] if line.startswith("- ")] == warnings
-    names = [path.name for path in (folder / "calibrated-d").iterdir()]
+    rows = [line for line in lines if line.startswith("  ")]
+    assert [row.split()[0] for row in rows] == FACTORS
+    assert len(lines) - len(rows) <= 10 and "1/bar" in out
+    assert lines[-1].startswith("wrote calibrated-d") and "127 mm" in out
+    # how columns were read is in the report
+    assert "read as force" not in out
+    verdict = json.loads(program[1])["verdict"]
+    assert verdict["fit"] == "noise" and 0.004 < verdict["relative_rmse"] < 0.007
+    assert len(verdict["actions"]) == sum(line.startswith("To do") for line in lines) == 2
+    assert set(verdict["undetermined"]) <= set(FACTORS)
+    names = {path.name for path in (folder / "calibrated-d").iterdir()}
     pictures = {
         f"{name}.{kind}"
         for name in ("fit", "profiles", "readings", "residuals")
         for kind in ("png", "svg")
     }
-    assert set(names) == {"muscle.toml", "muscle.log.toml", "report.html"} | pictures
+    files = {"muscle.toml", "muscle.log.toml", "report.html", "curves.csv"}
+    assert names == files | pictures | {"fit.ipynb", "record.csv"}
+
+
+def test_curves_have_units_and_contain_the_fit(ran, folder):
+    rows = (folder / "calibrated-d/curves.csv").read_text().splitlines()
+    assert rows[0] == "pressure [kPa],strain [-],force [N],low [N],high [N]"
+    table = np.genfromtxt(rows[1:], delimiter=",")
+    pressure, strain, force, low, high = table[np.all(np.isfinite(table), axis=1)].T
+    assert np.all((low < force) & (force < high))
+    muscle = fs.load(folder / "calibrated-d/muscle.toml")
+    pulls = force > 1.0
+    expected = muscle.force(pressure * 1e3, strain)
+    np.testing.assert_allclose(force[pulls], np.asarray(expected)[pulls], rtol=2e-3)
+
+
+def test_the_notebook_runs_beside_its_files(ran, folder):
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    notebook = nbformat.read(folder / "calibrated-d/fit.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    resources = {"metadata": {"path": str(folder / "calibrated-d")}}
+    nbclient.NotebookClient(notebook, timeout=300, resources=resources).execute()
+    outputs = [output for cell in notebook.cells[1:] for output in cell.outputs]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) >= 2
+    text = "".join(output.get("text", "") for output in outputs)
+    printed = float(re.search(r"error: ([\d.]+) N", text)[1])
+    assert printed == pytest.approx(json.loads(ran[1][1])["rmse"], rel=0.02)
 
 
 def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
@@ -131,13 +157,13 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     records.write(record, tmp_path / "d.csv")
     sizes = ("--length", "200mm", "--outer-radius", "10mm", "--wall-thickness", "2mm",
              "--braid-angle", "29deg", "--material", "latex", "--no-profile")  # fmt: skip
-    code, out, _ = fascicle("calibrate", "d.csv", *sizes)
+    code, out, _ = fascicle("calibrate", "d.csv", *sizes, "--verbose")
     assert code == 0
     assert "48 readings read, none left out" in out
     # one table, not a block for each column
     assert out.count("Fits of readings that pull") == 1 and " selected" in out
     assert "Selected: " in out and "The paper's tuning (" in out
-    assert "Residuals follow strain" in out and "Intervals include a discrepancy" in out
+    assert "Residuals follow strain" in out and "What to do: " in out
     page = (tmp_path / "calibrated-d/report.html").read_text(encoding="utf-8")
     for told in ("What was tried", "Are residuals noise?", "48 readings read", "Residuals follow"):
         assert told in page
@@ -157,6 +183,21 @@ def test_help_lists_every_name_that_a_fit_takes(fascicle):
     own = [one.name for law in laws for one in law.constants() if one.transform is not None]
     for name in (*own, *FACTORS, "c10", "braid_angle", "active_length", "dead_band"):
         assert listed.count(name) == 1, name
+
+
+def test_control_c_leaves_nothing_half_written(fascicle, folder, monkeypatch):
+    write = Path.write_bytes
+
+    def interrupted(path, raw):
+        if path.name == "report.html":
+            raise KeyboardInterrupt
+        return write(path, raw)
+
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(Path, "write_bytes", interrupted)
+    fit = ("--fit", "c10", "--no-profile", "--out", "interrupted")
+    assert fascicle("calibrate", "d.csv", "--muscle", TEN, *fit)[0] == 130
+    assert not [path for path in folder.iterdir() if path.name not in ("d.csv", "calibrated-d")]
 
 
 @pytest.mark.slow

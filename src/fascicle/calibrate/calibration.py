@@ -106,7 +106,7 @@ class Calibration(Fit):
     @cached_property
     def warnings_by_topic(self) -> Mapping[str, tuple[str, ...]]:
         """Warnings to read before the muscle is used, by topic."""
-        return import_late("calibrate.messages.calibration_warnings")(self)
+        return import_late("calibrate.verdict.calibration_warnings")(self)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -196,6 +196,11 @@ class Calibration(Fit):
     def gauge(self) -> Gauge:
         """Errors of the bench's gauges; `record` is corrected for them."""
         return self.fit_data.gauge
+
+    @property
+    def friction_is_visible(self) -> bool:
+        """The record has loops that are wider than the noise."""
+        return self.loop is not None and (self.friction is None or self.friction.law is not None)
 
     @property
     def points(self) -> int:

@@ -25,7 +25,7 @@ six-parameter law and its constants are quoted.
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +82,18 @@ class Row:
     clipped_pull: float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class LawComparison:
+    """Laws compared on one record: `rows`, the smallest AIC first, and the `fits` by label.
+
+    `published`: six constants of Sárosi's law by label.
+    """
+
+    rows: list[Row]
+    fits: Mapping[str, Calibration]
+    published: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
 def compare(
     record: Record,
     muscle: Muscle,
@@ -105,19 +117,31 @@ def compare(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    data, rows = select_fit_data(record, muscle), []
+    laws = buckling, collapse, post_collapse
+    return compare_resisting_laws(record, muscle, parameters, priors, laws, **options).rows
+
+
+def compare_resisting_laws(
+    record: Record,
+    muscle: Muscle,
+    parameters: Sequence[str] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    laws: tuple[Sequence[str], ...] = (_BUCKLING, (*LAWS["collapse"],), (*LAWS["post_collapse"],)),
+    **options: Any,
+) -> LawComparison:
+    """Compare as `compare`; `laws`: names of buckling, collapse and post-collapse laws."""
+    data, fits = select_fit_data(record, muscle), {}
     kinds = ("buckling", "collapse", "post_collapse")
-    for names in itertools.product(buckling, collapse, post_collapse):
+    for names in itertools.product(*laws):
         pairs = zip(kinds, names, strict=True)
-        laws = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
-        variant = muscle.replace(**laws)
+        changes = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
+        variant = muscle.replace(**changes)
         # constants of the replaced laws are left out; `fit_data` raises for unknown names
         dropped = parameters_of(muscle).keys() - parameters_of(variant).keys()
         free = None if parameters is None else [n for n in parameters if n not in dropped]
         law_priors = {name: prior for name, prior in (priors or {}).items() if name not in dropped}
-        fitted = fit_data(data, variant, free, law_priors, FitOptions(**options))
-        rows.append(row(", ".join(names), fitted))
-    return ranked(rows)
+        fits[", ".join(names)] = fit_data(data, variant, free, law_priors, FitOptions(**options))
+    return LawComparison(ranked([row(label, fitted) for label, fitted in fits.items()]), fits)
 
 
 def compare_tension(
@@ -142,11 +166,28 @@ def compare_tension(
 
     **Returns:** a row for each, the smallest AIC first.
     """
+    return compare_tension_laws(record, muscle, parameters, priors, **options).rows
+
+
+def compare_tension_laws(
+    record: Record,
+    muscle: Muscle,
+    parameters: Sequence[str] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    **options: Any,
+) -> LawComparison:
+    """Compare as `compare_tension`."""
     data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [row(label, calibration) for label, calibration in fits.items()]
-    published = compare_published(next(iter(fits.values())))
-    return ranked([*rows, *(row for row, _ in published)])
+    first = next(iter(fits.values()))
+    published = compare_published(first)
+    constants = (SAROSI_DMSP_20_200N, fit_sarosi(first.grid))
+    labels = [entry.label for entry, _ in published]
+    return LawComparison(
+        ranked([*rows, *(entry for entry, _ in published)]), fits,
+        dict(zip(labels, constants, strict=True)),
+    )  # fmt: skip
 
 
 def tension_fits(

@@ -62,12 +62,13 @@ _CAUSES = {
     "ends": ("an end effect: ends that do not swell",
              "compare tension laws: tondu_lopez scales the strain"),
     "length": ("an error of the length's zero", "check the rest length"),
-    "zero": ("an offset of the load cell", "subtract it from the forces"),
+    "zero": ("an offset of the load cell", "subtract its reading at rest from the forces"),
     "rubber": (
         "the bladder's elasticity: a force that depends on contraction, not on pressure",
-        "C10 and C01 can't reproduce it; rely on the model at the measured strains only",
+        "rely on the model at the measured strains only: c10 and c01 can't reproduce such a force",
     ),
-    "branch": ("friction: a hysteresis loop", "count its width as an error of the muscle in use"),
+    "branch": ("friction: a hysteresis loop",
+               "count the loop's width as an error of the muscle in use"),
     "time": ("a drift in time", "measure the first pressure again at the end"),
 }  # fmt: skip
 _CAUSES_BY_CONSTANT = {

@@ -1,4 +1,4 @@
-"""Data of a calibration's figures in plain arrays: curves with bands, readings, profiles."""
+"""Data of a calibration's figures in plain arrays: curves with bands, readings, loops, laws."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,9 +10,12 @@ from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..plot import calibration as plot
-from ..records.record import Record
+from ..plot import loops
+from ..records.record import UNKNOWN, Record
+from ..records.segmentation import runs
 from ..units import DIMENSIONS
 from .calibration import Calibration, Profile
+from .comparison import LawComparison, sarosi
 from .data import Grid, tabulate
 from .least_squares import NORMAL
 from .readings import NO_PRESSURE, invert_force, pulling_force, without_tuning
@@ -24,12 +27,17 @@ if TYPE_CHECKING:
     from .posterior import Posterior
 
 _POINTS = 161  # of a curve, so close that a kink looks sharp
+_ROWS = 41  # of a curve in a file: linear interpolation between them is exact to a pixel
+_LOOPS = 5  # in one picture: more lie on one another
+_SAME_LEVEL = 0.02  # of the range of levels: runs that share a level
+_PANELS = 6  # pressures at which laws are compared in one picture
 
 
 def figures(
     calibration: Calibration,
     profiles: Sequence[Profile] = (),
     posterior: "Posterior | None" = None,
+    comparison: LawComparison | None = None,
 ) -> "dict[str, Figure]":
     """Draw the figures of a calibration.
 
@@ -38,22 +46,41 @@ def figures(
     - `calibration`: the calibration.
     - `profiles`: of its parameters, for a figure of them.
     - `posterior`: its draws, for the band's covariance; left out, the fit's own covariance.
+    - `comparison`: of other laws, for a figure of them.
 
-    **Returns:** figures by name: "fit", "residuals", then "readings" and "profiles" if any.
+    **Returns:** figures by name: "fit", "residuals", then "loops", "readings", "profiles" and
+    "laws" if any.
     """
-    readings = None if calibration.readings is None else readings_plot(calibration)
-    profile_data = profiles_plot(calibration, profiles) if profiles else ()
-    return plot.figures(fit_plot(calibration, posterior), readings, profile_data)
+    data = fit_plot(calibration, posterior)
+    panels = {"fit": plot.fit(data), "residuals": plot.residuals(data)}
+    if calibration.loop is not None and (loop_data := loops_plot(calibration)):
+        panels["loops"] = loops.loops(loop_data)
+    if calibration.readings is not None:
+        panels["readings"] = plot.readings(readings_plot(calibration))
+    if profiles:
+        panels["profiles"] = plot.profiles(profiles_plot(calibration, profiles))
+    if comparison is not None:
+        panels["laws"] = loops.laws(laws_plot(calibration, comparison))
+    for figure in panels.values():
+        # a layout moves a little each time it is made: the files of one figure would differ
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    return panels
 
 
-def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> plot.FitPlot:
+def fit_plot(
+    calibration: Calibration, posterior: "Posterior | None" = None, points: int = _POINTS
+) -> plot.FitPlot:
     """Readings, and curves with the band of 90 % of the readings, to first order.
 
-    **Arguments:** as of `figures`.
+    **Arguments:**
+
+    - `calibration`, `posterior`: as of `figures`.
+    - `points`: number of points of each curve.
     """
     grid, readings = calibration.grid, calibration.readings
     P, noise = grid.pressure[:, 0], calibration.problem.noise
-    strain, force, curve = _strains(grid)
+    strain, force, curve = _strains(grid, points)
     fitted = _curve(calibration, curve)
     scatter = np.full(curve.shape, noise)
     if readings is not None:
@@ -74,7 +101,26 @@ def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> 
         low=fitted - half_width,
         high=fitted + half_width,
         trends={trend.along: trend.share for trend in calibration.diagnosis.significant},
+        branch=calibration.fit_data.branch,
+        time=calibration.fit_data.time,
     )
+
+
+def curves_csv(calibration: Calibration, posterior: "Posterior | None" = None) -> str:
+    """CSV of the fitted curves, with the band of 90 % of the readings; units in the headers.
+
+    **Arguments:** as of `figures`.
+    """
+    data = fit_plot(calibration, posterior, _ROWS)
+    assert data.low is not None
+    assert data.high is not None
+    columns = {
+        "pressure [kPa]": np.repeat(data.pressure / 1e3, _ROWS), "strain [-]": data.curve_strain,
+        "force [N]": data.curve_force, "low [N]": data.low, "high [N]": data.high,
+    }  # fmt: skip
+    table = np.stack([np.ravel(column) for column in columns.values()], axis=1)
+    rows = (",".join(f"{x:.6g}" for x in row) for row in table[np.isfinite(table[:, 2])])
+    return "\n".join([",".join(columns), *rows]).replace("nan", "") + "\n"
 
 
 def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.FitPlot:
@@ -104,16 +150,66 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     )
 
 
-def _strains(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
+    """Strokes of the record's loops at a few levels, and the loops' width by pressure; `None`
+    without two strokes at a level.
+    """
+    record, loop = calibration.record, calibration.loop
+    known = [run for run in runs(record) if run.kind != "mixed" and run.branch != UNKNOWN]
+    if loop is None or not known:
+        return None
+    kinds = [run.kind for run in known]
+    kind = max(set(kinds), key=kinds.count)
+    known = [run for run in known if run.kind == kind]
+    levels = np.unique([run.level for run in known])
+    gap = _SAME_LEVEL * max(float(np.ptp(levels)), 1e-12)
+    groups = np.split(levels, np.flatnonzero(np.diff(levels) > gap) + 1)
+    # loops at the ends and evenly between them
+    index = np.linspace(0, len(groups) - 1, min(len(groups), _LOOPS)).round().astype(int)
+    strokes = [
+        loops.Stroke(
+            float(np.mean(groups[i])), run.branch,
+            (record.strain if kind == "pressure" else record.pressure)[run.points],
+            record.force[run.points],
+        )
+        for i in index
+        for run in known
+        if run.level in groups[i]
+    ]  # fmt: skip
+    friction, curve = calibration.friction, None
+    if friction is not None and friction.law is not None:
+        curve = np.array([2 * friction.half_width(P) for P in loop.pressure])
+    return loops.LoopsPlot(kind, strokes, loop.pressure, loop.width, curve)
+
+
+def laws_plot(calibration: Calibration, comparison: LawComparison) -> loops.LawsPlot:
+    """Readings at a few pressures, and the curves of all compared laws there."""
+    grid = calibration.grid
+    levels = np.flatnonzero(grid.measured.any(axis=1))
+    if levels.size > _PANELS:
+        levels = levels[np.linspace(0, levels.size - 1, _PANELS).round().astype(int)]
+    strain, force, curve = _strains(grid)
+    curves = {label: _curve(fit, curve)[levels] for label, fit in comparison.fits.items()}
+    for label, constants in comparison.published.items():
+        curves[label] = sarosi(constants, replace(grid, strain=curve))[levels]
+    return loops.LawsPlot(
+        grid.pressure[levels, 0], strain[levels], force[levels],
+        (grid.censored & grid.used)[levels], curve[levels],
+        [(row.label, row.rmse, curves[row.label]) for row in comparison.rows],
+    )  # fmt: skip
+
+
+def _strains(grid: Grid, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Strains [-] and forces [N] of a `grid`, NaN for padding, and strains of its curves [-]."""
     strain, force = (np.where(grid.used, values, np.nan) for values in (grid.strain, grid.force))
     low, high = np.nanmin(strain, axis=1), np.nanmax(strain, axis=1)
-    return strain, force, np.linspace(low, high, _POINTS, axis=1)
+    return strain, force, np.linspace(low, high, points, axis=1)
 
 
 def _curve(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     """Forces [N] of the fitted muscle; without measured pushes, up to the free strain only."""
-    muscle, P = calibration.muscle, calibration.grid.pressure
+    # a corrected pressure may lie a little below zero
+    muscle, P = calibration.muscle, np.maximum(calibration.grid.pressure, 0.0)
     rest_length = calibration.record.rest_length
     if rest_length is not None:
         strain = strain * (rest_length / float(muscle.length))

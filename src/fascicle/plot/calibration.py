@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..records.record import DOWN
 from .theme import (
     BLACK,
     BLUE,
@@ -36,9 +37,9 @@ from .theme import (
 _POINTS = 40  # of one level of pressure: more touch one another
 _RESIDUALS = 2000  # of all levels: outliers matter, and a page holds them
 _CURVES = 25  # levels with a curve; a swept pressure has hundreds
-_CROWDED = 9  # levels from which on bands lie on one another
+_CROWDED, _BANDS = 9, 5  # levels from which on bands lie on one another, and bands drawn then
 _TICKS = 14  # more levels than this get round numbers at the color bar
-_BINS = 16  # of strain, for means of residuals
+_BINS = 16  # of strain, of pressure or time, for means of residuals
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 _TOP, _BAR = 8.0, -0.55  # of a profile's panel; height of the interval by the covariance
 _DECADES = 20.0  # largest over least value of a profile, from which the axis is logarithmic
@@ -49,6 +50,10 @@ _MEASURED: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6,
                              "markeredgewidth": 0, "alpha": 0.8}  # fmt: skip
 _CLIPPED: dict[str, Any] = {"linestyle": "", "marker": "v", "markersize": 4.2,
                             "markeredgewidth": 0.8, "markerfacecolor": "none"}  # fmt: skip
+_BACK: dict[str, Any] = {**_MEASURED, "markersize": 2.8, "markeredgewidth": 0.7,
+                         "markerfacecolor": "none"}  # fmt: skip
+_DOTS: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.4, "markeredgewidth": 0,
+                         "alpha": 0.75}  # fmt: skip
 _LIMIT: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9, "linestyle": _DASHED}
 
 
@@ -65,6 +70,7 @@ class FitPlot:
     - `low`, `high`: ends of the band of readings [N], or `None`.
     - `label`: name of the curves.
     - `trends`: share of the residuals' squares [-] that a trend explains, by its axis.
+    - `branch`, `time`: of the readings; 1, −1 or 0, and [s] or NaN; `None` if unknown.
     """
 
     pressure: np.ndarray
@@ -79,6 +85,8 @@ class FitPlot:
     high: np.ndarray | None = None
     label: str = "fitted"
     trends: Mapping[str, float] = field(default_factory=dict)
+    branch: np.ndarray | None = None
+    time: np.ndarray | None = None
 
     @property
     def measured(self) -> np.ndarray:
@@ -135,24 +143,6 @@ class ProfilePlot:
     identifiable: bool
 
 
-def figures(
-    data: FitPlot, read: ReadingsPlot | None = None, profile_plots: Sequence[ProfilePlot] = ()
-) -> dict[str, Figure]:
-    """All figures of a calibration, by name: "fit", "residuals", and "readings" and "profiles" if
-    there are any.
-    """
-    panels = {"fit": fit(data), "residuals": residuals(data)}
-    if read is not None:
-        panels["readings"] = readings(read)
-    if profile_plots:
-        panels["profiles"] = profiles(profile_plots)
-    for figure in panels.values():
-        # a layout moves a little each time it is made: the files of one figure would differ
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-    return panels
-
-
 @styled
 def fit(data: FitPlot) -> Figure:
     """Figure of measured points and fitted curves over strain, with resistance enlarged."""
@@ -174,44 +164,62 @@ def fit(data: FitPlot) -> Figure:
         margin = 0.03 * np.ptp(strain)
         axes[0, 1].set_xlim(np.min(strain) - margin, np.max(strain) + margin)
     _pressure_bar(figure, axes, data.pressure)
-    handles: list[Any] = [Line2D([], [], **_MEASURED, color=GRAY, label="measured")]
-    if np.any(data.censored):
-        clipped = {**_CLIPPED, "markeredgecolor": GRAY}
-        handles.append(Line2D([], [], **clipped, label="clipped: not above it"))
+    handles: list[Any] = []
+    for label, style, paint, mask in _marks(data):
+        if np.any(mask & np.isfinite(data.force)):
+            gray: dict[str, Any] = {**style, paint: GRAY, "label": label}
+            handles.append(Line2D([], [], **gray))
     handles.append(Line2D([], [], color=GRAY, linewidth=1.0, label=data.label))
     if data.low is not None:
         handles.append(Patch(color=GRAY, alpha=0.3, linewidth=0, label="90 % of readings"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    figure.legend(handles=handles, loc="outside lower center", ncols=5)
     return figure
+
+
+def _marks(data: FitPlot) -> list[tuple[str, dict[str, Any], str, np.ndarray]]:
+    """Label, style, name of the color, and mask of each kind of reading."""
+    back = np.zeros(data.force.shape, bool) if data.branch is None else data.branch == DOWN
+    both = np.any(back)
+    return [
+        (
+            "contracting or inflating" if both else "measured",
+            _MEASURED,
+            "color",
+            ~data.censored & ~back,
+        ),
+        ("extending or deflating", _BACK, "markeredgecolor", ~data.censored & back),
+        ("clipped: not above it", _CLIPPED, "markeredgecolor", data.censored),
+    ]
 
 
 def _draw_fit(ax: Axes, data: FitPlot) -> None:
     force_strain_axes(ax)
     norm, levels = _norm(data.pressure), data.pressure.size
-    with_curve = set(np.linspace(0, levels - 1, min(levels, _CURVES)).round().astype(int))
+    with_curve = _spread(levels, _CURVES)
+    with_band = with_curve if levels < _CROWDED else _spread(levels, _BANDS)
     for i, pressure in enumerate(data.pressure):
         color = _COLORS(norm(pressure))
-        valid = np.isfinite(data.force[i])
-        for clipped, style, paint in ((False, _MEASURED, "color"),
-                                      (True, _CLIPPED, "markeredgecolor")):  # fmt: skip
-            indices = np.flatnonzero(valid & (data.censored[i] == clipped))
-            points = _thinned(indices, data.strain[i])
+        for _, style, paint, mask in _marks(data):
+            points = _thinned(np.flatnonzero(mask[i] & np.isfinite(data.force[i])), data.strain[i])
             ax.plot(data.strain[i][points], data.force[i][points], **style, **{paint: color})
+        strain = data.curve_strain[i]
+        if data.low is not None and data.high is not None and i in with_band:
+            ax.fill_between(strain, data.low[i], data.high[i], color=color, alpha=0.2, linewidth=0)
         if i in with_curve:
-            strain = data.curve_strain[i]
-            if data.low is not None and data.high is not None:
-                alpha = 0.22 if levels < _CROWDED else 0.11
-                ax.fill_between(
-                    strain, data.low[i], data.high[i], color=color, alpha=alpha, linewidth=0
-                )
             ax.plot(strain, data.curve_force[i], color=color, linewidth=1.0)
+
+
+def _spread(levels: int, count: int) -> set[int]:
+    """Indices of at most `count` of the `levels`, evenly."""
+    return set(np.linspace(0, levels - 1, min(levels, count)).round().astype(int).tolist())
 
 
 @styled
 def residuals(data: FitPlot) -> Figure:
-    """Figure of residuals over strain and over pressure."""
-    figure, axes = new_figure(1, 2, DOUBLE, 0.4 * DOUBLE, sharey=True)
-    over_strain, over_pressure = axes[0]
+    """Figure of residuals over strain and over pressure, and over time where it is known."""
+    timed = data.time is not None and bool(np.any(np.isfinite(data.time)))
+    count = 3 if timed else 2
+    figure, axes = new_figure(1, count, DOUBLE, 0.4 * DOUBLE, sharey=True)
     P, norm = data.pressure, _norm(data.pressure)
     # readings of one level side by side in the order of their strain, as far as there is room
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0))
@@ -220,32 +228,34 @@ def residuals(data: FitPlot) -> Figure:
     for i, pressure in enumerate(P):
         valid = np.flatnonzero(np.isfinite(data.residual[i]))
         points = _thinned(valid, data.strain[i], max(_POINTS, _RESIDUALS // P.size))
-        dots = {"color": _COLORS(norm(pressure)), "linestyle": "", "marker": "o",
-                "markersize": 2.4, "markeredgewidth": 0, "alpha": 0.75}  # fmt: skip
-        strain, residual = data.strain[i][points], data.residual[i][points]
-        over_strain.plot(strain, residual, **dots)
-        offset = room * (2 * (strain - lowest) / span - 1)
-        over_pressure.plot((pressure + offset) / 1e3, residual, **dots)
-        if valid.size:
-            half = max(room, 0.008 * (P[-1] - P[0]))
-            _draw_mean(over_pressure, pressure / 1e3, half / 1e3, data.residual[i][valid])
-    _draw_strain_means(over_strain, data)
-    for ax in axes[0]:
+        strain = data.strain[i][points]
+        columns = [strain, (pressure + room * (2 * (strain - lowest) / span - 1)) / 1e3]
+        if timed and data.time is not None:
+            columns.append(data.time[i][points])
+        for ax, column in zip(axes[0], columns, strict=True):
+            ax.plot(column, data.residual[i][points], color=_COLORS(norm(pressure)), **_DOTS)
+    finite = np.isfinite(data.residual)
+    for ax, values in zip(axes[0], (data.strain, np.broadcast_to(P[:, None] / 1e3, finite.shape),
+                                    data.time), strict=False):  # fmt: skip
+        if values is not None:
+            _draw_means(ax, values[finite], data.residual[finite])
         ax.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
         for side in (-2, 2):
             ax.axhline(side * data.noise, **_LIMIT, zorder=1)
-    letters(axes, (
-        f"over {name}: a trend, {100 * data.trends[name]:.2g} % of squares"
-        if name in data.trends else f"over {name}" for name in ("strain", "pressure")
-    ))  # fmt: skip
-    over_strain.set(xlabel="Contraction ε [–]", ylabel="Measured less fitted force [N]")
-    over_pressure.set_xlabel("Pressure P [kPa]")
+    titles = (
+        f"over {name}: {100 * data.trends[name]:.2g} % of squares"
+        if name in data.trends else f"over {name}" for name in ("strain", "pressure", "time")
+    )  # fmt: skip
+    letters(axes, titles)
+    labels = ("Contraction ε [–]", "Pressure P [kPa]", "Time t [s]")
+    for ax, label in zip(axes[0], labels, strict=False):
+        ax.set_xlabel(label)
+    axes[0, 0].set_ylabel("Measured less fitted force [N]")
     reach = max(np.nanmax(np.abs(data.residual), initial=0.0), 2 * data.noise)
-    over_strain.set_ylim(-1.12 * reach, 1.12 * reach)
+    axes[0, 0].set_ylim(-1.12 * reach, 1.12 * reach)
     _pressure_bar(figure, axes, P)
-    dot: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 3}
     handles = [
-        Line2D([], [], color=GRAY, label="residual", **dot),
+        Line2D([], [], color=GRAY, label="residual", linestyle="", marker="o", markersize=3),
         Line2D([], [], color=BLACK, linewidth=1.2, label="mean there"),
         Line2D([], [], label=f"± 2 σ, σ = {data.noise:.3g} N", **_LIMIT),
     ]
@@ -253,24 +263,18 @@ def residuals(data: FitPlot) -> Figure:
     return figure
 
 
-def _draw_mean(ax: Axes, middle: float, half: float, values: np.ndarray) -> None:
-    ends = [middle - half, middle + half]
-    ax.plot(ends, 2 * [values.mean()], color=BLACK, linewidth=1.2)
-
-
-def _draw_strain_means(ax: Axes, data: FitPlot) -> None:
-    """Draw means of residuals near each measured strain, or in bins of strain."""
-    finite = np.isfinite(data.residual)
-    strain, residual = data.strain[finite], data.residual[finite]
-    if strain.size < 2 or not np.ptp(strain) > 0:
+def _draw_means(ax: Axes, x: np.ndarray, residual: np.ndarray) -> None:
+    """Draw means of residuals near each measured `x`, or in bins of it."""
+    if x.size < 2 or not np.all(np.isfinite(x)) or not np.ptp(x) > 0:
         return
-    edges = np.linspace(strain.min(), strain.max(), _BINS + 1)
-    bins = np.clip(np.searchsorted(edges, strain, "right") - 1, 0, _BINS - 1)
+    edges = np.linspace(x.min(), x.max(), _BINS + 1)
+    bins = np.clip(np.searchsorted(edges, x, "right") - 1, 0, _BINS - 1)
+    half = 0.4 * (edges[1] - edges[0])
     for number in np.unique(bins):
         inside = bins == number
-        _draw_mean(
-            ax, float(np.mean(strain[inside])), 0.4 * (edges[1] - edges[0]), residual[inside]
-        )
+        middle = float(np.mean(x[inside]))
+        ends = [middle - half, middle + half]
+        ax.plot(ends, 2 * [residual[inside].mean()], color=BLACK, linewidth=1.2)
 
 
 @styled

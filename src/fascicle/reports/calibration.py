@@ -1,6 +1,6 @@
 """The page of a calibration: the fit, its uncertainty, and what the data can't determine.
 
-Warnings come first. The same calibration and date give the same page.
+The verdict comes first, then the warnings. The same calibration and date give the same page.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ import numpy as np
 from ..calibrate.calibration import Calibration, Profile
 from ..calibrate.diagnostics import ALPHA
 from ..calibrate.messages import fit_data_lines, hysteresis_message
+from ..calibrate.verdict import judge, verdict_lines
 from ..files.calibration_files import laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..units import pretty
@@ -81,12 +82,14 @@ def report(
     reference = "the muscle's own length" if length is None else pretty(length, "length")
     origin = "Synthetic: a model made it." if record.synthetic else "Measured, not synthetic."
     svg = drawn or {}
+    first, last = verdict_lines(fit, judge(fit, choice))
     return render(
         "calibration.html",
         title=f"Calibration: {', '.join(source.name for source in record.sources) or 'a record'}",
         date=date, fit=fit, choice=choice, posterior=posterior, comparison=comparison,
         muscle_file=repr(muscle_file),
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
+        verdict=[*first, *last],
         data_lines=fit_data_lines(fit.fit_data),
         hysteresis=hysteresis_message(fit) if fit.loop is not None else "",
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},

@@ -242,10 +242,10 @@ def test_clipped_readings_hold_what_they_say(constants):
 
 
 def test_clipped_readings_are_spoken_of(constants):
-    first = constants.warnings[0]
-    assert first.startswith(f"{constants.censored} readings are clipped at zero")
+    clipped = f"{constants.censored} readings are clipped at zero"
+    assert any(line.startswith(clipped) for line in constants.warnings)
     assert any("Nothing past the free strain" in line for line in constants.warnings)
-    assert any("strongly correlated" in line for line in constants.warnings)
+    assert any("trongly correlated" in line for line in constants.warnings)
     assert_array_equal(np.isnan(constants.residual).reshape(-1), constants.record.censored)
 
 

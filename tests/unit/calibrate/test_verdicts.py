@@ -1,6 +1,7 @@
 """A calibration's verdicts follow from its own figures: intervals, choice, sweeps, loops."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from fascicle.calibrate.fitting import fit
 from fascicle.calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
 from fascicle.calibrate.model_selection import select_model
 from fascicle.calibrate.readings import _polynomial
+from fascicle.calibrate.verdict import FITS, judge, notices, verdict_lines
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
 
@@ -107,7 +109,8 @@ def test_the_better_of_two_intervals_is_printed_and_the_sentence_follows(rubber)
             assert after.high <= before.high
         if after.bound:
             assert any(after.name in line and after.bound in line for line in better.warnings)
-            assert not any(after.name in line and "prior" in line for line in better.warnings)
+            verdict = judge(better)
+            assert after.name in verdict.limits and after.name not in verdict.undetermined
     assert any(one.bound == "upper" for one in better.parameters)
 
 
@@ -117,6 +120,40 @@ def test_the_half_way_error_is_measured_not_subtracted():
     # the loop is symmetric about the law: half of it is in the error, none in the mean of both
     assert made.rmse == pytest.approx(5.0, rel=0.1)
     assert made.half_way_rmse == pytest.approx(0.5 / math.sqrt(2), rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("noise", "loop", "bow", "expected"),
+    [(0.5, 0.0, 0.0, "noise"), (0.5, 3.0, 0.0, "well"), (0.5, 0.0, 30.0, "roughly"),
+     (0.5, 0.0, 90.0, "poorly")],
+)  # fmt: skip
+def test_the_verdict_follows_from_the_size_of_the_error_and_its_pattern(noise, loop, bow, expected):
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=noise, loop=loop)
+    data = replace(data, force=data.force + bow * np.sin(60 * data.strain))
+    fitted = fit(data, MUSCLE, ("c10", "c01"), whole=False)
+    verdict = judge(fitted)
+    assert verdict.fit == expected and verdict.fit in FITS
+    assert math.isnan(verdict.resisting_rmse) and math.isnan(verdict.left_out_rmse)
+    assert verdict.pulling_rmse == pytest.approx(verdict.rmse)
+    first, last = verdict_lines(fitted, verdict)
+    assert len(first) + len(last) <= 8
+    ranked = sorted(notices(fitted), key=lambda notice: notice.rank)
+    assert verdict.actions == tuple(n.action for n in ranked if n.action)[:2]
+
+
+def test_a_few_readings_at_one_pressure_are_no_verdict():
+    data = sweeps([1.08e5], [0.05], points=3, noise=0.1)
+    fitted = fit(data, MUSCLE, ("braid_angle", "outer_radius", "dead_band"), whole=False)
+    verdict = judge(fitted)
+    assert verdict.fit == "untested"
+    assert "three pressures" in " ".join(verdict.actions)
+
+
+def test_sizes_that_are_not_the_muscles_are_named():
+    built = MUSCLE.replace(outer_radius=13e-3)
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=0.5, muscle=built)
+    verdict = judge(fit(data, MUSCLE, ("outer_radius",), whole=False))
+    assert verdict.fit == "other sizes" and "outer_radius" in verdict.actions[0]
 
 
 def test_branches_that_are_one_have_no_loop():

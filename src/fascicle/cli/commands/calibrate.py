@@ -1,31 +1,28 @@
-"""`fascicle calibrate`: fit a muscle to a dynamometer's CSV; print it, as JSON, and as files."""
+"""`fascicle calibrate`: fit a muscle to a dynamometer's CSV; print a verdict, and write files."""
 
 import datetime as dt
 import json
-import math
 import re
-import shutil
-import sys
-import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInputError, require
-from ...io.sanitize import dump_json, sanitize_line
-from ...units import parse, pretty
+from ...io.sanitize import dump_json
+from ...units import parse
 from .. import options, reading
+from ..calibration_text import print_calibration
 from ..errors import UserError, user_errors
 from ..inputs import load_laws, read_muscle, read_quantity
 from ..options import Command, complete_target, flag, option
-from ..outputs import print_line, print_table, result_folder, status, write_folder
+from ..outputs import print_written, result_folder, status, write_folder
 
 
 if TYPE_CHECKING:
-    from ...calibrate.calibration import Calibration, Selection
     from ...calibrate.fitting import Prior
     from ...muscle import Muscle
     from ...records.record import Record
+    from ...reports.calibration_output import CalibrationResult
 
 
 class CalibrateCommand(Command):
@@ -45,11 +42,6 @@ COMMAND = CalibrateCommand
 _TUNING = "tuning"  # among names to fit: the paper's method
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
-_LABEL_WIDTH = 35  # characters: a table fits next to it
-_CRITERIA = (
-    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"
-    " a law where a reading was clipped"
-)
 
 
 def run(
@@ -105,18 +97,20 @@ def run(
         default="quick",
     ),
     posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
-    compare: bool = flag("Comparison with other laws; takes minutes.", "--compare"),
+    compare: bool = flag("Comparison with other laws, in one picture.", "--compare"),
     profile: bool | None = option(
         "Profiles of all parameters, or none in the report; default: those of the parameters that"
         " the data barely determine.",
         "--profile/--no-profile",
     ),
+    notebook: bool = flag("Notebook that draws record, curves and residuals.", "--notebook"),
     out: str | None = option(
         "Folder of muscle, report and figures; default: calibrated-DATA, none with --json.",
         "--out -o",
         metavar="FOLDER",
     ),
     overwrite: bool = options.OVERWRITE,
+    verbose: bool = options.VERBOSE,
     as_json: bool = options.JSON,
 ) -> None:
     """Fit a muscle to dynamometer data, with uncertainties."""
@@ -127,6 +121,8 @@ def run(
         push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
         table=table, name_pattern=name_pattern, atmosphere=atmosphere,
     )  # fmt: skip
+    if notebook and out is None and as_json:
+        raise UserError("--notebook: name its folder with --out, or drop --json.")
     stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
     folder = result_folder(out, f"calibrated-{stem or 'record'}", as_json, overwrite)
     start = read_start(muscle, {
@@ -141,6 +137,7 @@ def run(
         from ...calibrate import fitting
         from ...calibrate import intervals as uncertainty
         from ...calibrate.model_selection import select_model
+        from ...reports.calibration_output import CalibrationResult, summary
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
@@ -153,43 +150,22 @@ def run(
             calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
         if intervals == "bootstrap":
             calibration = uncertainty.bootstrap(calibration, seed=seed, tell=update)
-        result = Result(uncertainty.with_profiles(calibration), choice, remarks)
-        if profile is not False and folder is not None:
-            update("profiling")
-            shown = uncertainty.profiles(result.fit) if profile else result.fit.profiles
-            result = result._replace(profiles=shown)
-        if posterior:
-            from ...calibrate.posterior import sample
-
-            update("sampling")
-            result = result._replace(posterior=sample(result.fit, seed=seed))
-        if compare:
-            update("comparing laws")
-            rows = _compare(record, start, result.fit, priors, settings)
-            result = result._replace(comparison=rows)
-    paths: list[str] = []
+        result = _analyze(
+            CalibrationResult(uncertainty.with_profiles(calibration), choice, remarks),
+            record, start, priors, settings, update, profile=False if folder is None else profile,
+            posterior=posterior, compare=compare,
+        )  # fmt: skip
+    written: list[str] = []
     if folder is not None:
-        with status("writing the report"):
-            paths = _write(result, folder, overwrite)
+        with status("drawing the report"):
+            written = _write(result, folder, overwrite, notebook)
     if as_json:
         # numbers that JSON lacks, NaN and infinity, are null
-        summary = json.loads(dump_json(_summary(result)), parse_constant=lambda _: None)
-        print(dump_json(summary))
+        print(dump_json(json.loads(dump_json(summary(result)), parse_constant=lambda _: None)))
         return
-    _print(result)
-    if paths:
-        print_line(f"wrote {', '.join(paths)}")
-
-
-class Result(NamedTuple):
-    """A calibration, how it was selected, and its optional analyses."""
-
-    fit: "Calibration"
-    choice: "Selection | None"
-    remarks: tuple[str, ...]
-    profiles: tuple[Any, ...] = ()
-    posterior: Any = None
-    comparison: tuple[Any, ...] = ()
+    print_calibration(result, verbose)
+    if folder is not None:
+        print_written(folder, written, verbose)
 
 
 def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
@@ -267,182 +243,54 @@ def _read_priors(
     return priors
 
 
-def _compare(
-    record: "Record", start: "Muscle", fit: "Calibration", priors: Any, settings: Any
-) -> tuple[Any, ...]:
-    """Fit other laws: of resisting force if that was fitted, else of tension."""
-    from ...calibrate import comparison
+def _analyze(
+    result: "CalibrationResult",
+    record: "Record",
+    start: "Muscle",
+    priors: Any,
+    settings: Any,
+    update: Callable[[str], None],
+    *,
+    profile: bool | None,
+    posterior: bool,
+    compare: bool,
+) -> "CalibrationResult":
+    """Add the optional analyses to a result: profiles, posterior and other laws."""
+    fit = result.fit
+    if profile is not False:
+        update("profiling")
+        from ...calibrate.intervals import profiles
 
-    if fit.method == "constants" or fit.fit_data.pulls:
-        names = list(fit.names) if fit.method == "constants" else None
-        rows = comparison.compare_tension(record, start, names, priors, **settings, whole=False)
-    else:
-        rows = comparison.compare(record, start, list(fit.names), priors, **settings)
-    return tuple(rows)
+        result = result._replace(profiles=profiles(fit) if profile else fit.profiles)
+    if posterior:
+        update("sampling")
+        from ...calibrate.posterior import sample
+
+        result = result._replace(posterior=sample(fit, seed=settings["seed"]))
+    if compare:
+        update("comparing laws")
+        from ...calibrate import comparison
+
+        # other laws of resisting force if that was fitted, else of tension
+        pulling = fit.method == "constants" or fit.fit_data.pulls
+        names = list(fit.names) if fit.method == "constants" or not pulling else None
+        compare_laws = comparison.compare_resisting_laws
+        if pulling:
+            compare_laws, settings = comparison.compare_tension_laws, {**settings, "whole": False}
+        laws = compare_laws(record, start, names, priors, **settings)
+        result = result._replace(comparison=laws)
+    return result
 
 
-def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
-    """Write muscle, report and figures; returns the files' paths."""
-    from ...calibrate.plot_data import figures as draw
-    from ...files.calibration_files import calibrated_files
-    from ...plot import to_bytes
-    from ...reports.calibration import report
+def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook: bool) -> list[str]:
+    """Write muscle, report, curves and figures; returns the files' names."""
+    from ...reports.calibration_output import output_files
 
-    today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-    figures = draw(result.fit, result.profiles, result.posterior)
-    drawn = {name: to_bytes(figure, "svg") for name, figure in figures.items()}
-    page = report(
-        result.fit, today, figures, result.profiles, result.posterior, list(result.comparison),
-        remarks=result.remarks, drawn=drawn, choice=result.choice,
-    )  # fmt: skip
-    texts = calibrated_files(result.fit, today, result.choice) | {"report.html": page}
-    content = {name: text.encode() for name, text in texts.items()}
-    for name, figure in figures.items():
-        content[f"{name}.png"], content[f"{name}.svg"] = to_bytes(figure, "png"), drawn[name]
+    content = output_files(result, f"{dt.datetime.now().astimezone():%Y-%m-%d}", notebook)
 
     def fill(draft: Path) -> None:
         for name, raw in content.items():
             (draft / name).write_bytes(raw)
 
     write_folder(folder, overwrite, fill)
-    return [str(folder / name) for name in content]
-
-
-def _print(result: Result) -> None:
-    """Print the fit for a reader."""
-    from ...calibrate import messages
-
-    fit = result.fit
-    if fit.record.synthetic:
-        print("synthetic: a model made these readings, no muscle was measured")
-    # assumptions are always printed; a file's notes on itself are in the report
-    for note in (*result.remarks, *(n for n in fit.record.notes if ": note: " not in n)):
-        print_line(note)
-    print_line("; ".join(messages.fit_data_lines(fit.fit_data)))
-    if result.choice is not None:
-        _print_choice(result.choice)
-    rows = [
-        [p.name, *messages.interval_texts(p), messages.identifiability_text(p)]
-        for p in fit.parameters
-    ]
-    caption = f"intervals: {fit.intervals}"
-    if any(row[-1] == "not known" for row in rows):
-        caption += "; not known: the data alone do not determine it"
-    if rows:
-        print_table("Parameters", ["", "value", "90 % interval", ""], rows, caption)
-    if result.comparison:
-        rows = [
-            [row.label, str(row.free), f"{row.rmse:.4g}", f"{row.left_out_rmse:.4g}",
-             f"{row.clipped_pull:.4g}", f"{row.aic:.1f}", f"{row.bic:.1f}"]
-            for row in result.comparison
-        ]  # fmt: skip
-        heads = ["", "free", "rmse", "left out", "at clipped", "AIC", "BIC"]
-        print_table("Laws, errors in N", heads, rows, _CRITERIA)
-    if (posterior := result.posterior) is not None:
-        converged = "converged" if posterior.agrees else "not converged yet"
-        print(
-            f"posterior: {converged}, R-hat up to {max(posterior.r_hat):.4f}, effective sample size"
-            f" {min(posterior.ess):.0f}, {posterior.divergences} divergences"
-        )
-    print(
-        f"{fit.points} readings, {fit.censored} of them clipped: rmse {pretty(fit.rmse, 'force')},"
-        f" {100 * fit.relative_rmse:.3g} % of the largest force; {fit.status}"
-    )
-    if fit.loop is not None:
-        print_line(messages.hysteresis_message(fit))
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10**6  # files: no limit
-    for topic, lines in fit.warnings_by_topic.items():
-        print_line(f"warning: {topic}:")
-        for line in lines:
-            print(textwrap.fill(sanitize_line(line, 2000), width, break_long_words=False,
-                                initial_indent="- ", subsequent_indent="  "))  # fmt: skip
-
-
-def _print_choice(choice: "Selection") -> None:
-    """Print the candidates, and the reasons for the selected one."""
-
-    def percent(fraction: float) -> str:
-        return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "-"
-
-    titles = {"pulling": "readings that pull", "all": "all readings"}
-    for readings, title in titles.items():
-        rows = [
-            [textwrap.fill(candidate.label, _LABEL_WIDTH), str(candidate.constants),
-             percent(candidate.relative_rmse), percent(candidate.relative_left_out_rmse),
-             "selected" if candidate.chosen else ""]
-            for candidate in choice.candidates
-            if candidate.readings == readings
-        ]  # fmt: skip
-        if rows:
-            heads = ["", "free", "rmse", "left out", ""]
-            print_table(f"Fits of {title}: error over the largest force", heads, rows)
-    for line in choice.reasons:
-        print_line(line)
-
-
-def _summary(result: Result) -> dict[str, Any]:
-    """JSON of a calibration, in SI units."""
-
-    def fields(source: Any, *names: str) -> dict[str, Any]:
-        values = {name: getattr(source, name) for name in names}
-        return {
-            name: getattr(value, "tolist", lambda v=value: v)() for name, value in values.items()
-        }
-
-    fit = result.fit
-    summary = {
-        **fields(fit, "rmse", "relative_rmse", "points", "censored", "status"),
-        "parameters": {
-            p.name: fields(p, "value", "low", "high", "identifiable", "bound")
-            for p in fit.parameters
-        },
-        "synthetic": fit.record.synthetic,
-        "method": fit.method,
-        "noise": float(fit.problem.noise),
-        "warnings": list(fit.warnings),
-        "notes": [*result.remarks, *fit.record.notes],
-        "starts": fit.starts,
-        "readings": fit.fit_data.counts(),
-        "trends": [
-            fields(trend, "along", "share", "chance", "found") for trend in fit.diagnosis.trends
-        ],
-        "runs": [vars(run) for run in fit.diagnosis.runs],
-        "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
-        "causes": [vars(cause) for cause in fit.diagnosis.causes],
-        "untold": list(fit.diagnosis.confounded),
-        "gauge": fit.gauge.faults,
-        "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
-        "loop": None,
-        "friction": None,
-        "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
-    }
-    if fit.loop is not None:
-        summary["loop"] = fields(fit.loop, "pressure", "width", "share", "half")
-    if (friction := fit.friction) is not None:
-        springs = ("stiffness", "slip_force", "slip_force_slope")
-        law = friction.law
-        summary["friction"] = {
-            **({name: [] for name in springs} if law is None else fields(law, *springs)),
-            "told": list(friction.resolved),
-            **fields(friction, "breakaway", "rmse", "pressures"),
-        }  # fmt: skip
-    if (choice := result.choice) is not None:
-        summary["candidates"] = [
-            vars(candidate) | {"names": list(candidate.names)} for candidate in choice.candidates
-        ]
-        summary["reasons"] = list(choice.reasons)
-    if result.profiles:
-        summary["profiles"] = {p.name: fields(p, "low", "high") for p in result.profiles}
-    if (posterior := result.posterior) is not None:
-        columns = (posterior.names, posterior.interval(), posterior.r_hat, posterior.ess)
-        summary["posterior"] = {
-            **fields(posterior, "agrees", "divergences"),
-            "parameters": {
-                name: {"low": float(low), "high": float(high), "r_hat": float(r_hat),
-                       "ess": float(ess)}
-                for name, (low, high), r_hat, ess in zip(*columns, strict=True)
-            },
-        }  # fmt: skip
-    if result.comparison:
-        summary["comparison"] = [vars(row) for row in result.comparison]
-    return summary
+    return list(content)
