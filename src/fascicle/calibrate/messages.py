@@ -140,13 +140,6 @@ def interval_texts(estimate: Estimate) -> tuple[str, str]:
     return value, f"{low} to {high}"
 
 
-def identifiability_text(estimate: Estimate) -> str:
-    """Note on an estimate that the data do not determine; else empty."""
-    if estimate.identifiable:
-        return ""
-    return f"{estimate.bound} limit only" if estimate.bound else "not known"
-
-
 def calibration_table(calibration: Calibration) -> ReprTable:
     """Constants with their intervals, the error and the warnings."""
     clipped = f", of which {calibration.censored} are clipped" if calibration.censored else ""

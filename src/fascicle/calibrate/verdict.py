@@ -435,6 +435,8 @@ def _remedy(names: Sequence[str]) -> str:
     name = names[0]
     if name in FACTOR_NAMES:
         return f"to determine {name}, take more readings near and past the collapse, {_GAUGE}"
+    if name in GAUGE_DIMENSIONS:
+        return "read the gauges without pressure at the rest length, first and last"
     if name == "dead_band":  # nothing else measures it
         return ""
     return f"measure {name}{_TESTS.get(name, '')} and give it: --prior {name}=VALUE,DEVIATION"
