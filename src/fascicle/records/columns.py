@@ -58,7 +58,7 @@ def choose_columns(
         for role, header in headers.items()
     }
     units = dict(units)
-    for role, index, unit in _places(names):
+    for role, index, unit in _role_positions(names):
         if index < len(table.header):
             chosen[role] = Column(role, index, table.header[index] or names[index])
         if unit:
@@ -95,8 +95,8 @@ def _infer(
     """Add the columns of `roles` that the header tells to the `chosen` ones."""
     used = {column.index for column in chosen.values()}
     for role in roles:
-        known = constants | set(chosen)
-        if role in known or (role in POSITIONS and known & set(POSITIONS)):
+        supplied = constants | set(chosen)
+        if role in supplied or (role in POSITIONS and supplied & set(POSITIONS)):
             continue
         indices = _candidates(table, role, used, units.get(role))
         if role in OPTIONAL:
@@ -107,11 +107,11 @@ def _infer(
         if indices:
             chosen[role] = Column(role, indices[0], table.header[indices[0]])
             used.add(indices[0])
-    known = constants | set(chosen)
+    supplied = constants | set(chosen)
     for role in ("pressure", "force"):
-        if role not in known:
+        if role not in supplied:
             raise _missing(table, role, used)
-    if not known & set(POSITIONS):
+    if not supplied & set(POSITIONS):
         raise _missing(table, "length", used)
 
 
@@ -127,13 +127,13 @@ def split_names(names: Any) -> tuple[str, ...]:
     """Names of columns in their order, from text with commas or a list; `-` skips one."""
     entries = names.split(",") if isinstance(names, str) else names
     columns = tuple("" if entry.strip() == "-" else entry.strip() for entry in entries)
-    _places(columns)
+    _role_positions(columns)
     return columns
 
 
-def _places(names: Sequence[str]) -> list[tuple[str, int, str]]:
+def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
     """Role, index and unit of each column that is named by its place."""
-    places: list[tuple[str, int, str]] = []
+    positions: list[tuple[str, int, str]] = []
     for index, text in enumerate(names):
         for name, unit in read_header(text) if text else ():
             fits = [
@@ -152,11 +152,11 @@ def _places(names: Sequence[str]) -> list[tuple[str, int, str]]:
                     "columns in order", f"has the unknown name {text!r}", text, hint, ""
                 )
             continue
-        if any(role == place[0] for place in places):
+        if any(role == position[0] for position in positions):
             hint = "write - for the one to skip"
             raise InvalidInputError("columns in order", f"names {role} twice", text, hint, "")
-        places.append((role, index, unit))
-    return places
+        positions.append((role, index, unit))
+    return positions
 
 
 def _nearest(name: str, choices: Sequence[str], quote: str) -> str:

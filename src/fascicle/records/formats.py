@@ -169,8 +169,8 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Entries of a structure, those of an array of structures one by one."""
     for key, value in content.items():
         if isinstance(value, list | np.ndarray) and any(isinstance(x, dict) for x in value):
-            for i, part in enumerate(value):
-                yield str(part.get("Name", part.get("name", f"{key}({i + 1})"))), part
+            for i, channel in enumerate(value):
+                yield str(channel.get("Name", channel.get("name", f"{key}({i + 1})"))), channel
         else:
             yield key, value
 

@@ -160,8 +160,8 @@ def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
 def _overrule(info: Sidecar, **options: Any) -> Sidecar:
     """The sidecar's information, overruled by the caller's arguments of `load`."""
     changes: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
-    if unknown := set(changes) - set(Sidecar.model_fields) - {"constants", "zeros"}:
-        raise TypeError(f"unexpected arguments: {', '.join(sorted(unknown))}")
+    if unexpected := set(changes) - set(Sidecar.model_fields) - {"constants", "zeros"}:
+        raise TypeError(f"unexpected arguments: {', '.join(sorted(unexpected))}")
     if not isinstance(columns := changes.get("columns", {}), Mapping):
         changes["names"], changes["columns"] = split_names(columns), {}
     roles = {"columns": ROLES, "units": ROLES, "signs": tuple(Signs.model_fields),
@@ -398,9 +398,10 @@ def _strain(
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:
             rule = f"{raw[wrong[0]]:g} is no length of a muscle"
-            if raw[wrong[0]] == 0:
-                option = f'columns {{"displacement": "{column.header}"}}'
-                rule += f": if it counts from rest, give {option}"
+            if raw[wrong[0]] == 0 and column.index >= 0:
+                before = cell_error(int(wrong[0]), column, f"{rule}: if it counts from rest, give ")
+                choice = ("columns", "displacement", column.header, "")
+                raise MissingMetadataError(str(before), choice)
             raise cell_error(int(wrong[0]), column, f"{rule}.")
         strain = (rest - values) / rest
     check_strains(column, raw, strain, cell_error)

@@ -84,19 +84,7 @@ class Signs(TableModel):
 
 
 class Sidecar(TableModel):
-    """Information about a table that its header doesn't hold.
-
-    - `rest_length`: reference length of the strains [m].
-    - `pressure`, `force`, `strain`, `length`, `displacement`: constants of the file [SI].
-    - `pressure_at_rest`, `force_at_rest`, `displacement_at_rest`: readings at zero [SI].
-    - `atmosphere`: to subtract from absolute pressures [Pa].
-    - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
-    - `columns`, `units`: headers and units by role; `names`: columns in their order.
-    - `signs`: directions of force, strain and displacement.
-    - `rows`, `header`, `table`: of the table in the file.
-    - `synthetic`: true for readings of a model.
-    - `source`, `notes`: remarks.
-    """
+    """Keys of the file; quantities in SI units, `names`: a list of columns in their order."""
 
     rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
     pressure: Pressure | None = None

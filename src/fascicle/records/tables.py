@@ -120,7 +120,7 @@ class Table:
         texts = [*texts, *([] if time is None else [time])]
         cells = Cells({}, {i: [] for i in texts}, [])
         holes: list[tuple[int, list[str]]] = []
-        words: list[tuple[int, list[str]]] = []
+        text_rows: list[tuple[int, list[str]]] = []
         for line, row in self._rows():
             count += 1
             if not rows[0] <= count <= rows[1]:
@@ -133,7 +133,7 @@ class Table:
             is_good = all(map(_NUMBER.fullmatch, needed)) and not is_text
             has_hole = not is_good and any(x.lower().lstrip("+-") in _HOLES for x in needed)
             if is_text or not (is_good or has_hole or any(map(_NUMBER.fullmatch, needed))):
-                words.append((line, row))
+                text_rows.append((line, row))
             elif any(row[width:]):
                 raise self._width_error(line, len(row))
             elif has_hole:
@@ -146,11 +146,11 @@ class Table:
                 for i in texts:
                     cells.texts[i].append(row[i])
         if not values:
-            raise self._no_readings(numbers, holes, words, count)
+            raise self._no_readings(numbers, holes, text_rows, count)
         cells.numbers = dict(zip(numbers, np.array(values).T, strict=True))
         if time is not None and (seconds := _seconds(cells.texts.pop(time))) is not None:
             cells.numbers[time] = seconds
-        for kind, left in (("with holes", holes), ("of words", words)):
+        for kind, left in (("with holes", holes), ("of words", text_rows)):
             if left:
                 noun = "row" if len(left) == 1 else "rows"
                 first = f"the first in line {left[0][0]}"
@@ -178,8 +178,12 @@ class Table:
             )  # fmt: skip
         except (ValueError, OverflowError):
             return None
-        words = 0 not in floats and any(str(text)[:1].isalpha() for text in frame[0])
-        if words or len(frame) != len(self.body) or not np.isfinite(frame[floats]).all(axis=None):
+        has_text = 0 not in floats and any(str(text)[:1].isalpha() for text in frame[0])
+        if (
+            has_text
+            or len(frame) != len(self.body)
+            or not np.isfinite(frame[floats]).all(axis=None)
+        ):
             return None
         frame = frame.iloc[rows[0] - 1 : rows[1]]
         return None if frame.empty else Cells(
@@ -207,11 +211,11 @@ class Table:
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
 
     def _no_readings(
-        self, numbers: Sequence[int], holes: list, words: list, count: int
+        self, numbers: Sequence[int], holes: list, text_rows: list, count: int
     ) -> ValueError:
         """The error for a table of which no row can be read."""
-        if words:
-            line, row = words[0]
+        if text_rows:
+            line, row = text_rows[0]
             try:
                 for i in numbers:
                     self._number(row[i], line, i)
@@ -256,15 +260,17 @@ def open_table(
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
-    told = None
+    header_index = None
     if header_line is not None:
-        told = next((i for i, (number, _) in enumerate(head) if number == header_line), None)
-        if told is None:
+        header_index = next(
+            (i for i, (number, _) in enumerate(head) if number == header_line), None
+        )
+        if header_index is None:
             raise ValueError(
                 f"{source}, line {header_line}: no header can stand there: name one of the first"
                 f" {_HEAD_LINES} lines that is neither blank nor a remark."
             )
-    layout = _find_layout([text for _, text in head], told)
+    layout = _find_layout([text for _, text in head], header_index)
     cells = [_split(text, layout.delimiter) for _, text in head]
     if layout.header is not None:
         line, text = head[layout.header]
@@ -342,8 +348,8 @@ def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str
     return head, remarks
 
 
-def _find_layout(lines: Sequence[str], told: int | None) -> _Layout:
-    """Delimiter, header and units of a table; `told`: index of the header, if it is known.
+def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
+    """Delimiter, header and units of a table; `header_index`: of the header, if it is known.
 
     Its readings are the longest block of lines with two numbers or more; the header is the line
     above them with as many cells, units may stand between. Without readings it is the first line.
@@ -352,31 +358,34 @@ def _find_layout(lines: Sequence[str], told: int | None) -> _Layout:
     for delimiter in _DELIMITERS:
         cells = [_split(text, delimiter) for text in lines]
         counts = [sum(map(bool, map(_NUMBER.fullmatch, row))) for row in cells]
-        is_row = [count > 1 and (told is None or i > told) for i, count in enumerate(counts)]
+        is_row = [
+            count > 1 and (header_index is None or i > header_index)
+            for i, count in enumerate(counts)
+        ]
         edges = np.flatnonzero(np.diff([False, *is_row, False])).tolist()
         blocks = []
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             widths = [len(row) for row in cells[start:end]]
             width = max(set(widths), key=widths.count)
-            header, units = _header_above(cells, start, width, delimiter, told)
+            header, units = _header_above(cells, start, width, delimiter, header_index)
             layout = _Layout(delimiter, header, units, start, width)
-            share = sum(counts[start:end]) / sum(widths)
-            blocks.append(((header is not None, end - start, -start), share, layout))
+            number_share = sum(counts[start:end]) / sum(widths)
+            blocks.append(((header is not None, end - start, -start), number_share, layout))
         if blocks:
-            _, share, layout = max(blocks, key=lambda block: block[0])
+            _, number_share, layout = max(blocks, key=lambda block: block[0])
             if layout.header is not None:
                 return layout
-            headless.append((share, layout))
+            headless.append((number_share, layout))
     if headless:  # of several delimiters the one that leaves numbers
         return max(headless, key=lambda pair: pair[0])[1]
-    first = told or 0
+    first = header_index or 0
     delimiter = max(("\t", ";", ","), key=lambda sign: len(_split(lines[first], sign)))
     below = _split(lines[first + 1], delimiter) if len(lines) > first + 1 else []
     return _Layout(delimiter, first, first + 1 if _are_units(below) else None, len(lines), 0)
 
 
 def _header_above(
-    cells: Sequence[list[str]], start: int, width: int, delimiter: str, told: int | None
+    cells: Sequence[list[str]], start: int, width: int, delimiter: str, header_index: int | None
 ) -> tuple[int | None, int | None]:
     """Indices of the header above the readings from `start` on, and of a row of units."""
     headers, units = [], None
@@ -386,14 +395,14 @@ def _header_above(
             continue
         if any(map(_NUMBER.fullmatch, row)):
             continue
-        if units is None and i != told and _are_units(row):
+        if units is None and i != header_index and _are_units(row):
             units = i
         elif len(row) >= width or (delimiter == "," and 2 < len(row) < width <= 2 * len(row)):
             headers.append(i)
         else:
             break
-    if told is not None:
-        return told, units if units is not None and units > told else None
+    if header_index is not None:
+        return header_index, units if units is not None and units > header_index else None
     if not headers:
         return units, None
     return max(headers, key=lambda i: (sum(map(is_known, cells[i])), i)), units
