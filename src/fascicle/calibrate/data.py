@@ -225,10 +225,12 @@ def thin(data: FitData) -> FitData:
     limit = max(_THIN_ENTRIES // chosen.size, _MIN_ENTRIES)
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
-    record = data.record.only(np.isin(data.level, chosen))
+    rows = np.isin(data.level, chosen)
     return tabulate(
-        record, limit, read=data.read, left_out=data.left_out,
+        data.record.only(rows), limit, read=data.read, left_out=data.left_out,
         noise_clipped=data.noise_clipped, pushes_clipped=data.pushes_clipped,
+        faults=data.faults, at_ceiling=None if data.at_ceiling is None else data.at_ceiling[rows],
+        gauge=data.gauge, gauge_deviations=data.gauge_deviations,
     )  # fmt: skip
 
 

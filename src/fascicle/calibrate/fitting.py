@@ -6,7 +6,7 @@ the parameters the law is fitted directly to all readings, clipped ones included
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,11 +19,11 @@ from ..core.validation import RANGES, check_choice, check_finite, check_positive
 from ..muscle import Muscle
 from ..muscle.fitted_length import END_PARAMETERS, with_fitted_length
 from ..muscle.tuning import Tuning
-from ..records.record import Record
+from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
 from .data import WEIGHTS, FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
-from .gauges import default_deviations
+from .gauges import GAUGE_NAMES, default_deviations
 from .least_squares import (
     LOSSES,
     Fit,
@@ -190,6 +190,7 @@ def set_up_problem(
         pulls=pulls,
         held=tuple(parameter for parameter in fixed if parameter.name not in names),
         gauge=data.gauge,
+        branch=data.branch if fits_loop(data, names) else None,
     )
     if not tuning:
         return problem, None
@@ -202,6 +203,16 @@ def set_up_problem(
         remedy = "or name constants to fit instead, such as c10, c01"
         raise InvalidInputError("record", rule, None, remedy)
     return problem, readings
+
+
+def fits_loop(data: FitData, names: Collection[str]) -> bool:
+    """The hysteresis loop is fitted beside the constants `names`.
+
+    It is where they have errors of gauges, which are smaller than a loop: without their readings'
+    branches they would drown in it.
+    """
+    both = {UP, DOWN} <= set(np.unique(data.branch).tolist())
+    return both and not set(names).isdisjoint(GAUGE_NAMES)
 
 
 def gauge_priors(data: FitData, length: float) -> dict[str, Prior]:
@@ -283,7 +294,8 @@ def _fields_of_fit(
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
-    muscle, grid = put(problem.parameters, problem.muscle, point), problem.grid
+    # without what rides beside its fields: the gauge is the bench's
+    muscle, grid = with_fields(put(problem.parameters, problem.muscle, point)), problem.grid
     P, tuning = grid.pressure[:, 0], muscle.tuning
     if readings is None:
         offset = np.interp(np.maximum(P - tuning.dead_band, 0.0), tuning.pressures, tuning.c1)

@@ -187,24 +187,25 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     if abs(zero) > max(scatter, _CLEAR * deviations["pressure_zero"]):
         found["pressure_zero"] = zero
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
-    push = to_numpy(muscle).force(0.0, np.clip(strain * scale, 0.0, LARGEST_STRAIN))
-    zeros, elapsed = F - np.asarray(push), np.zeros(count)
-    if record.time is not None:
-        elapsed = record.time[vented] - start
-    basis = np.ones((count, 1))
+    strain = np.clip(strain * scale, 0.0, LARGEST_STRAIN)
+    push = np.asarray(to_numpy(muscle).force(0.0, strain))
     duration = 0.0 if record.time is None else float(np.ptp(record.time))
-    if duration > 0 and np.ptp(elapsed) > _APART * duration:
-        basis = np.stack([np.ones(count), elapsed], axis=1)
-    inverse = np.linalg.inv(basis.T @ basis)
-    best = inverse @ basis.T @ zeros
-    noise = float(np.std(zeros - basis @ best, ddof=basis.shape[1]))
-    own = noise * np.sqrt(np.diag(inverse))
-    deviations["force_zero"] = float(np.hypot(own[0], _PUSH_ERROR * np.mean(np.abs(push))))
-    if best.size > 1:
-        deviations["force_drift"] = float(own[1])
-        if abs(best[1]) > _CLEAR * own[1]:
-            found["force_drift"] = float(best[1])
-    mean = float(best[0]) if "force_drift" in found or best.size == 1 else float(np.mean(zeros))
-    if abs(mean) > _CLEAR * deviations["force_zero"] or "force_drift" in found:
-        found["force_zero"] = mean
+    elapsed = np.zeros(count) if record.time is None else record.time[vented] - start
+    drifts = duration > 0 and float(np.ptp(elapsed)) > _APART * duration
+    # the push predicted by the law may be in error by a share with a prior of its own
+    basis = np.stack([np.ones(count), push, *([elapsed] if drifts else [])], axis=1)
+    best = np.linalg.lstsq(basis, F - push, rcond=None)[0]
+    noise = np.linalg.norm(F - push - basis @ best) / np.sqrt(max(count - basis.shape[1], 1))
+    noise = max(float(noise), 1e-6 * float(np.max(np.abs(record.force))))
+    precision = basis.T @ basis + np.diag([0.0, (noise / _PUSH_ERROR) ** 2, 0.0][: best.size])
+    covariance = noise**2 * np.linalg.inv(precision)
+    best = covariance @ basis.T @ (F - push) / noise**2
+    deviation = np.sqrt(np.diag(covariance))
+    deviations["force_zero"] = float(deviation[0])
+    if drifts:
+        deviations["force_drift"] = float(deviation[2])
+        if abs(best[2]) > _CLEAR * deviation[2]:
+            found["force_drift"] = float(best[2])
+    if abs(best[0]) > _CLEAR * deviation[0] or "force_drift" in found:
+        found["force_zero"] = float(best[0])
     return VentedReadings(Gauge(**found, start=start), deviations, count)

@@ -36,7 +36,7 @@ import numpy as np
 from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
-from ..core.array_namespace import maximum, where
+from ..core.array_namespace import array_namespace, maximum, where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Float
 from ..muscle import Muscle
@@ -103,6 +103,8 @@ class Problem:
     - `pulls`: whether the tension law is all that is needed, since nothing pushed.
     - `held`: parameters that aren't free, of which the data may tell something.
     - `gauge`: errors of the gauges that the data are corrected for.
+    - `branch`: of each reading, for a hysteresis loop that is fitted beside the static force;
+      `None`: loops are errors.
     """
 
     muscle: Muscle
@@ -118,6 +120,7 @@ class Problem:
     pulls: bool = False
     held: tuple[Parameter, ...] = ()
     gauge: Gauge = PERFECT
+    branch: np.ndarray | None = None
 
     def gauge_at(self, muscle: Muscle) -> Gauge:
         """Gauge with the free errors that ride beside a `muscle`; others are corrected for."""
@@ -178,6 +181,8 @@ class Problem:
         force = rows.reshape(*rows.shape[:-2], -1)[..., order]
         if gauge is not base:
             force = base.true_force(gauge.read_force(force, self.grid.elapsed), self.grid.elapsed)
+        if self.branch is not None:
+            force = force + loop_force(self.grid, self.branch, self.weight, force)
         return where(self.grid.used, force, 0.0)
 
     @cached_property
@@ -262,6 +267,26 @@ class Problem:
         softer = (by_force * _LOSS[self.loss](misfits)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
         return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
+
+
+def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
+    """Friction [N] in the readings of a `grid` beside a static `force` [N].
+
+    By `branch`, a constant, a share of the pressure and a share of the force that explain most of
+    what the static force leaves; readings of no `weight` have no say.
+    """
+    xp = array_namespace(force)
+    shares = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
+    shares.append(force / np.max(np.abs(grid.force)))
+    columns, scale = branch * xp.stack(shares, axis=-3), weight * np.sqrt(grid.count)
+    known = grid.measured & (weight > 0) & xp.isfinite(force)
+    missed = xp.where(known, (grid.force - force) * scale, 0.0)
+    basis = xp.where(known[..., None, :, :], columns * scale, 0.0)
+    gram = xp.einsum("...ilr,...jlr->...ij", basis, basis)
+    # a small diagonal for a record with a single pressure
+    gram = gram + 1e-9 * float(np.sum(grid.count)) * np.eye(3)
+    terms = xp.linalg.solve(gram, xp.einsum("...ilr,...lr->...i", basis, missed)[..., None])
+    return xp.sum(terms[..., None] * columns, axis=-3)
 
 
 def _linear_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -582,10 +607,12 @@ class Fit:
         """The readings by level of pressure."""
         return self.problem.grid
 
-    @property
+    @cached_property
     def force(self) -> np.ndarray:
-        """Force of the fitted muscle at each place of the grid [N]."""
-        return self.minimum.linear.force
+        """Force of the fitted muscle at each place of the grid [N], without a loop."""
+        if self.problem.branch is None:
+            return self.minimum.linear.force
+        return replace(self.problem, branch=None).force(self.coordinates)
 
     @property
     def residual(self) -> np.ndarray:

@@ -30,8 +30,17 @@ from ..records.record import Record
 from .calibration import Calibration, Candidate, Selection, Trial, largest_force
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
-from .fitting import STARTS, FitOptions, Prior, fit_data, on_length, set_up_problem, starts_of
-from .least_squares import ROUGH, Problem, solve, solve_with_noise
+from .fitting import (
+    STARTS,
+    FitOptions,
+    Prior,
+    fit_data,
+    fits_loop,
+    on_length,
+    set_up_problem,
+    starts_of,
+)
+from .least_squares import ROUGH, Problem, loop_force, solve, solve_with_noise
 from .messages import (
     AS_GIVEN,
     TUNING,
@@ -243,7 +252,7 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
     """Forces [N] on a calibration's grid, each predicted by a fit without it."""
     problem, point, readings = calibration.problem, calibration.coordinates, calibration.readings
     if readings is None:
-        return _predicted_force(problem, point)
+        return _predicted_force(problem, point, static=True)
     force = np.full(problem.grid.force.shape, np.nan)
     for fold in folds(problem.grid):
         grid, joint = problem.grid.without(fold), readings.pulling is not None
@@ -362,7 +371,8 @@ def _pulling_trials(
         )  # fmt: skip
     tried = [*trials.values()]
     # a tuning can't take prior knowledge of constants into account
-    tuning = [] if known else _try_tuning(data, muscle, options.loss)
+    loop = fits_loop(data, required)
+    tuning = [] if known else _try_tuning(data, muscle, options.loss, loop)
     return [*tried[:1], *tuning, *tried[1:]], noise
 
 
@@ -388,8 +398,11 @@ def _try_constants(
     return trial, dict(zip(free, point.tolist(), strict=True))
 
 
-def _try_tuning(data: FitData, muscle: Muscle, loss: str) -> list[Trial]:
-    """Trial of the paper's tuning, if blocked force and free strain can be read."""
+def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Trial]:
+    """Trial of the paper's tuning, if blocked force and free strain can be read.
+
+    `loop`: the hysteresis loop is fitted beside it, as beside the other candidates.
+    """
     grid = on_length(data, muscle)
     curves = SmoothCurves(muscle, grid.pressure[:, 0], top_pressure(grid))
     untuned = pulling_force(curves.law, grid.pressure, grid.strain)
@@ -409,7 +422,11 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str) -> list[Trial]:
         refitted = tuned_force(grid.without(fold))
         if refitted is not None:
             left_out[fold] = refitted[0][fold]
-    errors = data.errors(fitted[0]), data.errors(left_out)
+    forces = [fitted[0], left_out]
+    if loop:
+        weight = data.grid.weights("uniform")
+        forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
+    errors = data.errors(forces[0]), data.errors(forces[1])
     top_force = largest_force(data.record)
     return [make_trial((TUNING, (), "tuning", fitted[1]), *errors, loss, top_force)]
 
@@ -434,7 +451,8 @@ def _full_trials(
     ]  # fmt: skip
     # a tuning can't take prior knowledge of constants into account
     if not set(priors) - set(FACTOR_NAMES):
-        factors = [(f"{AS_GIVEN} {suffix}", FACTOR_NAMES, False)] if names else []
+        gauges = tuple(data.gauge.faults)
+        factors = [(f"{AS_GIVEN} {suffix}", (*FACTOR_NAMES, *gauges), False)] if names else []
         attempts = [(TUNING, FACTOR_NAMES, True), *attempts, *factors]
     trials, searches = [], []
     steps.total = steps.done + len(attempts) + 1  # the last is the fit to all readings
@@ -463,15 +481,18 @@ def _full_trials(
     return trials, searches
 
 
-def _predicted_force(problem: Problem, point: np.ndarray) -> np.ndarray:
-    """Forces [N] on the grid, each of a refit without its fold, begun at a `point`."""
+def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) -> np.ndarray:
+    """Forces [N] on the grid, each of a refit without its fold, begun at a `point`.
+
+    `static`: without a loop that was fitted beside them.
+    """
     force = np.full(problem.grid.force.shape, np.nan)
     for fold in folds(problem.grid):
         end, refit = point, problem
         if point.size:
             refit = replace(problem, weight=np.where(fold, 0.0, problem.weight))
             end = solve(refit, point[None], tolerance=ROUGH).points[0]
-        force[fold] = refit.force(end)[fold]
+        force[fold] = (replace(refit, branch=None) if static else refit).force(end)[fold]
     return force
 
 

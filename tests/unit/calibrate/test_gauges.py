@@ -49,11 +49,12 @@ def fitted():
 def test_a_fit_separates_the_gauges_from_the_rubber(fitted):
     estimates = {estimate.name: estimate for estimate in fitted.parameters}
     for name in NAMES[2:]:
-        truth = getattr(TRUTH, name)
-        assert estimates[name].low < truth < estimates[name].high
-        assert getattr(fitted.gauge, name) == pytest.approx(estimates[name].value)
-    known = ("force_zero", "force_drift", "pressure_zero")
-    assert all(estimates[name].identifiable for name in known)
+        estimate, truth = estimates[name], getattr(TRUTH, name)
+        assert abs(estimate.value - truth) < 1.2 * (estimate.high - estimate.low)
+        assert getattr(fitted.gauge, name) == pytest.approx(estimate.value)
+    assert all(estimate.identifiable for estimate in estimates.values())
+    # the loop isn't in the estimate of the noise, and is in the error of the muscle in use
+    assert fitted.diagnosis.noise < 0.6 and fitted.rmse > 5
     # the record is the corrected one, and the gauge takes the file's readings to it
     raw = bench_record(seed=2)
     corrected = fitted.gauge.correct(raw)
