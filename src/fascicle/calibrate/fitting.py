@@ -168,7 +168,7 @@ def set_up_problem(
         tuning = bool(names) and all(name in FACTOR_NAMES for name in names)
     _check_data(data, free)
     pulls = data.pulls and not options.whole
-    gauges = gauge_priors(data, float(muscle.length))
+    gauges = gauge_priors(data, float(muscle.length), pulls)
     priors = {name: prior for name, prior in gauges.items() if name in names} | dict(priors)
     start = _with_priors(muscle, free, priors)
     fixed: tuple[Parameter, ...] = ()
@@ -215,13 +215,14 @@ def fits_loop(data: FitData, names: Collection[str]) -> bool:
     return both and not set(names).isdisjoint(GAUGE_NAMES)
 
 
-def gauge_priors(data: FitData, length: float) -> dict[str, Prior]:
+def gauge_priors(data: FitData, length: float, pulls: bool) -> dict[str, Prior]:
     """Priors of the gauges' errors, by name; `length`: of the muscle [m].
 
-    Readings without pressure tell the zeros by their own scatter. In a fit, whose noise is mainly
-    that of readings with pressure, they hardly count once more.
+    `pulls`: forces without pressure aren't among the fitted readings, so that what they tell is
+    knowledge beside these; the pressures always are. Else they would count twice.
     """
-    grid, known = data.grid, data.gauge_deviations
+    grid, names = data.grid, GAUGE_NAMES if pulls else ("pressure_zero",)
+    known = {name: d for name, d in data.gauge_deviations.items() if name in names}
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     return {
         name: Prior(float(getattr(data.gauge, name)), min(deviation, known.get(name, np.inf)))
