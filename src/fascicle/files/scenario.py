@@ -10,11 +10,36 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
-from .. import dynamics, fluid
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
-from ..dynamics import Plant, Schedule, State, Trajectory
+from ..dynamics import (
+    AntagonisticJoint,
+    MaxwellSlip,
+    Plant,
+    Schedule,
+    State,
+    Trajectory,
+    equilibrium_state,
+    simulate,
+)
+from ..fluid import (
+    AIR,
+    NITROGEN,
+    OIL,
+    WATER,
+    Accumulator,
+    AdiabaticWall,
+    Gas,
+    Isothermal,
+    LiquidChamber,
+    OrderlyValve,
+    Orifice,
+    PumpedAccumulator,
+    SonicValve,
+    Tank,
+    validate_commands,
+)
 from ..muscle import Muscle
 from ..table_model import did_you_mean
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
@@ -26,7 +51,7 @@ from .shipped_files import shipped_names, shipped_text
 if TYPE_CHECKING:  # a scenario without control loads none of it
     from ..control import Cascade, PolicyChoice
 
-MEDIA = {"air": fluid.AIR, "nitrogen": fluid.NITROGEN, "oil": fluid.OIL, "water": fluid.WATER}
+MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
 _MAX_STEPS = 2_000_000  # of a run: some minutes
 _MAX_NUMBERS = 128_000_000  # of a run's results: a gigabyte, two motor units in that many steps
 _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 40, 12  # of these: of the plant, and of each motor unit
@@ -133,11 +158,9 @@ class Scenario:
         """Simulate the scenario."""
         options: dict[str, Any] = {"dt": self.dt, "start": self.start}
         if self.control is not None:
-            return dynamics.simulate(
-                self.plant, self.control.controller, self.control.reference, **options
-            )
+            return simulate(self.plant, self.control.controller, self.control.reference, **options)
         assert self.schedule is not None
-        return dynamics.simulate(self.plant, self.schedule, duration=self.duration, **options)
+        return simulate(self.plant, self.schedule, duration=self.duration, **options)
 
 
 def load_scenario(path: str | os.PathLike[str]) -> Scenario:
@@ -183,7 +206,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     bundles = _bundles(data, source, root, folder)
     tables = {key: _values(getattr(file, key)) for key in classes}
     units = sum(len(bundle.motor_units) for bundle in bundles)
-    sides = 2 if classes["load"] is dynamics.AntagonisticJoint else 1
+    sides = 2 if classes["load"] is AntagonisticJoint else 1
     if len(bundles) != sides:
         rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
         raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
@@ -213,7 +236,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     start_location = FileLocation(source, data, kind="motion") if plant.load.prescribed else root
     with start_location.error_context():
         pressures = 0.0 if run.pressures is None else run.pressures
-        start = dynamics.equilibrium_state(plant, pressures, run.position)
+        start = equilibrium_state(plant, pressures, run.position)
     name, source = file.name or name, file.source or ""
     return Scenario(name, plant, schedule, start, dt, duration, source, notes, control)
 
@@ -264,7 +287,7 @@ def _check_list_lengths(
     for name, table in tables.items():
         if not PARTS[name].many:
             continue
-        springs = classes[name] is dynamics.MaxwellSlip
+        springs = classes[name] is MaxwellSlip
         count = np.size(table.get("stiffness", 0)) if springs else units
         for key, value in table.items():
             if isinstance(value, np.ndarray) and len(value) != count:
@@ -307,8 +330,8 @@ def _parts(
 ) -> dict[str, Any]:
     """Parts of the plant by the name of its argument."""
     section = tables["fluid"]
-    medium = _medium(section, classes["fluid"] is fluid.LiquidChamber, root.child("fluid"))
-    gas = isinstance(medium, fluid.Gas)
+    medium = _medium(section, classes["fluid"] is LiquidChamber, root.child("fluid"))
+    gas = isinstance(medium, Gas)
     room = {key: section[key] for key in ("room_pressure", "room_temperature") if key in section}
     section["gas" if gas else "liquid"] = medium
     parts: dict[str, Any] = {}
@@ -318,14 +341,14 @@ def _parts(
             if inner in table:
                 with location.child(inner, kind="part").error_context():
                     table[inner] = inner_kind(**table[inner])
-        if kind is fluid.OrderlyValve:
+        if kind is OrderlyValve:
             table["units"] = units
-        if kind is fluid.Orifice and not gas:
+        if kind is Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
-        if kind is fluid.SonicValve and gas and medium is not fluid.AIR:
+        if kind is SonicValve and gas and medium is not AIR:
             # the same hole, for another gas
-            ratio = fluid.AIR.specific_gas_constant / medium.specific_gas_constant
-            density = float(fluid.SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
+            ratio = AIR.specific_gas_constant / medium.specific_gas_constant
+            density = float(SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
             table.setdefault("reference_density", density)
         if key == "supply":
             parts[key] = _supply(table, kind, medium, room, root)
@@ -340,7 +363,7 @@ def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> An
     name = section.pop("medium", None) or ("oil" if liquid else "air")
     with location.error_context():
         medium = MEDIA[check_choice(name, MEDIA, "medium")]
-    if liquid == isinstance(medium, fluid.Gas):
+    if liquid == isinstance(medium, Gas):
         kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
         phase = "gas" if liquid else "liquid"
         raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
@@ -354,30 +377,28 @@ def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> An
 def _supply(
     table: dict[str, Any], kind: type, medium: Any, room: dict[str, Any], root: FileLocation
 ) -> Any:
-    gas, location = isinstance(medium, fluid.Gas), root.child("supply", kind="part")
-    if kind in (fluid.Accumulator, fluid.PumpedAccumulator) and gas:
+    gas, location = isinstance(medium, Gas), root.child("supply", kind="part")
+    if kind in (Accumulator, PumpedAccumulator) and gas:
         raise location.error(("kind",), "it holds a liquid: take constant or tank for a gas.")
-    if kind is fluid.Tank and not gas:
+    if kind is Tank and not gas:
         rule = "it holds a gas: take constant, accumulator or pumped for a liquid."
         raise location.error(("kind",), rule)
     pump_parts: dict[str, Any] = {}
-    if kind is fluid.PumpedAccumulator:
+    if kind is PumpedAccumulator:
         for key, part_kind in {"pump": pump_class(root.data, root), **PUMPED}.items():
             if key in table:
                 options = table.pop(key) | ({"liquid": medium} if key == "pump" else {})
                 with location.child(key, kind="part").error_context():
                     pump_parts[key] = part_kind(**options)
     with location.error_context():
-        if kind in (fluid.Accumulator, fluid.PumpedAccumulator):
-            store = fluid.Accumulator(**table, liquid=medium, **room)
-            return (
-                store if kind is fluid.Accumulator else fluid.PumpedAccumulator(store, **pump_parts)
-            )
-        if kind is fluid.Tank:
+        if kind in (Accumulator, PumpedAccumulator):
+            store = Accumulator(**table, liquid=medium, **room)
+            return store if kind is Accumulator else PumpedAccumulator(store, **pump_parts)
+        if kind is Tank:
             wall = table.pop("conductance", None)
-            chamber: Any = fluid.Isothermal if wall is None else fluid.AdiabaticWall
+            chamber: Any = Isothermal if wall is None else AdiabaticWall
             options = {} if wall is None else {"conductance": wall}
-            return fluid.Tank(chamber(gas=medium, **options, **room), **table)
+            return Tank(chamber(gas=medium, **options, **room), **table)
         if "room_temperature" in room:
             table.setdefault("supply_temperature", room["room_temperature"])
         pressure = {key: x for key, x in room.items() if key == "room_pressure"}
@@ -410,7 +431,7 @@ def _schedule(
             rule = f"must be one number, or a list of one for each command, {count}"
             raise location.error(("command",), f"{rule}, got {size}.")
         with location.error_context():
-            commands.append(np.broadcast_to(fluid.validate_commands(row.command), (count,)))
+            commands.append(np.broadcast_to(validate_commands(row.command), (count,)))
         command = f"the command at {row.time:g} s"
         if row.time >= duration:
             notes.append(f"{command} never comes: the run ends at {duration:g} s.")

@@ -10,7 +10,36 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
-from .. import dynamics, fluid
+from ..dynamics import (
+    AntagonisticJoint,
+    Coulomb,
+    Dahl,
+    HangingMass,
+    InertiaSpringDamper,
+    MaxwellSlip,
+    PrescribedMotion,
+    Stop,
+)
+from ..fluid import (
+    Accumulator,
+    AdiabaticWall,
+    ConstantSupply,
+    Direct,
+    FixedPump,
+    Isothermal,
+    Line,
+    LiquidChamber,
+    OrderlyValve,
+    Orifice,
+    Polytropic,
+    PressureBand,
+    PumpedAccumulator,
+    Relief,
+    Servovalve,
+    SonicValve,
+    Tank,
+    VariablePump,
+)
 from ..table_model import Quantity, TableModel, did_you_mean
 from ..units import sample
 from .schema import FileLocation
@@ -49,12 +78,12 @@ _ROTARY_DIMENSIONS = {
 }  # fmt: skip
 # dimensions of a name in one class alone
 _CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
-    fluid.PressureBand: {"low": "pressure", "high": "pressure"},
-    fluid.VariablePump: {"band": "pressure"},
+    PressureBand: {"low": "pressure", "high": "pressure"},
+    VariablePump: {"band": "pressure"},
 }
 _NAME: tuple[Any, Any] = (str | None, None)
-INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
-PUMPED = {"band": fluid.PressureBand, "relief": fluid.Relief}  # and in that of a supply with a pump
+INNER = {"stop": Stop, "line": Line}  # tables in a part's table
+PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
 
 
 class Part(NamedTuple):
@@ -75,33 +104,33 @@ class Part(NamedTuple):
     many: bool = True
 
 
-_VALVES = {"sonic_valve": fluid.SonicValve, "orifice": fluid.Orifice}
+_VALVES = {"sonic_valve": SonicValve, "orifice": Orifice}
 _ROOM = ("room_pressure", "room_temperature", "gas", "liquid")
 PARTS = {
     "load": Part("kind", {
-        "hanging_mass": dynamics.HangingMass,
-        "inertia_spring_damper": dynamics.InertiaSpringDamper,
-        "antagonistic_joint": dynamics.AntagonisticJoint,
-        "prescribed_motion": dynamics.PrescribedMotion,
+        "hanging_mass": HangingMass,
+        "inertia_spring_damper": InertiaSpringDamper,
+        "antagonistic_joint": AntagonisticJoint,
+        "prescribed_motion": PrescribedMotion,
     }, many=False),
     "fluid": Part("chamber", {
-        "adiabatic_wall": fluid.AdiabaticWall, "isothermal": fluid.Isothermal,
-        "polytropic": fluid.Polytropic, "liquid": fluid.LiquidChamber,
+        "adiabatic_wall": AdiabaticWall, "isothermal": Isothermal,
+        "polytropic": Polytropic, "liquid": LiquidChamber,
     }, supplied=("gas", "liquid")),
     "supply": Part("kind", {
-        "constant": fluid.ConstantSupply, "tank": fluid.Tank, "accumulator": fluid.Accumulator,
-        "pumped": fluid.PumpedAccumulator,
+        "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
+        "pumped": PumpedAccumulator,
     }, supplied=(*_ROOM, "chamber"), many=False),
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, optional=True),
     "spool": Part("kind", {
-        "direct": fluid.Direct, "servovalve": fluid.Servovalve, "orderly": fluid.OrderlyValve,
+        "direct": Direct, "servovalve": Servovalve, "orderly": OrderlyValve,
     }, "direct", supplied=("units",), optional=True),
     "hysteresis": Part("kind", {
-        "maxwell_slip": dynamics.MaxwellSlip, "dahl": dynamics.Dahl, "coulomb": dynamics.Coulomb,
+        "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
     }, optional=True),
 }  # fmt: skip
-_PUMPS = Part("kind", {"fixed": fluid.FixedPump, "variable": fluid.VariablePump}, "fixed",
+_PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
               supplied=("liquid",), many=False)  # fmt: skip
 _NAMELESS = Part("", {}, many=False)  # a table of one class, such as [load.stop]
 
@@ -125,7 +154,7 @@ def choose_schema(
         for name, part in PARTS.items()
         if isinstance(data.get(name), dict)
     }
-    rotary = classes.get("load") is dynamics.AntagonisticJoint
+    rotary = classes.get("load") is AntagonisticJoint
     keys: dict[str, Any] = {
         "format": (StrictInt, Field(examples=["1"])),
         "name": _NAME,
@@ -135,7 +164,7 @@ def choose_schema(
     }
     for name, part in PARTS.items():
         table: Any = TableModel
-        if classes.get(name) is fluid.PumpedAccumulator:
+        if classes.get(name) is PumpedAccumulator:
             table = _pumped_table(pump_class(data, location))
         elif name in classes:
             table = _table(part, classes[name], rotary and name == "load")
@@ -192,7 +221,7 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
             continue
         dimension = dimensions.get(name) or _DIMENSIONS[name]
         keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
-    if kind is fluid.Tank:  # the tank's wall, apart from that of the chambers
+    if kind is Tank:  # the tank's wall, apart from that of the chambers
         keys["conductance"] = _key("wall_conductance", required=False)
     return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
 
@@ -203,7 +232,7 @@ def _pumped_table(pump: type) -> type[TableModel]:
         name: (_table(_NAMELESS, kind) | None, None) for name, kind in PUMPED.items()
     }
     keys["pump"] = (_table(_PUMPS, pump), Field(examples=["[supply.pump]"]))
-    store = _table(PARTS["supply"], fluid.Accumulator)
+    store = _table(PARTS["supply"], Accumulator)
     return create_model("PumpedSection", __base__=store, **keys)
 
 
