@@ -27,6 +27,7 @@ from .theme import (
     VERMILION,
     WHITE,
     force_strain_axes,
+    in_kilopascals,
     letters,
     new_figure,
     pressure_colors,
@@ -366,6 +367,9 @@ def _norm(pressure: np.ndarray) -> Normalize:
 
 
 def _pressure_bar(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
+    if pressure.size == 1:
+        axes.flat[0].set_title(f"P = {in_kilopascals(pressure[0])}", loc="right")
+        return
     bar = figure.colorbar(
         ScalarMappable(_norm(pressure / 1e3), _COLORS), ax=list(axes.flat),
         label="Pressure P [kPa]", aspect=35, pad=0.015,
