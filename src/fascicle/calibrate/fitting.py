@@ -26,6 +26,7 @@ from .diagnostics import diagnose
 from .gauges import GAUGE_NAMES, default_deviations
 from .least_squares import (
     LOSSES,
+    ROUGH,
     Fit,
     Minimum,
     Problem,
@@ -272,7 +273,7 @@ def solve_problem(
     if options.thorough:
         problem, ends, point, minimum = search(problem, starts, options.seed, covariance)
     else:
-        problem, ends, point, minimum = solve_with_noise(problem, starts, covariance)
+        problem, ends, point, minimum = solve_with_noise(problem, starts, covariance, ROUGH)
     if readings is not None:
         joint = fit_jointly(
             problem, readings, point, options.weights, covariance=minimum.covariance

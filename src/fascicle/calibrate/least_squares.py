@@ -56,7 +56,8 @@ _CERTAIN = 30.0  # deviations below the limit, where a censored reading says not
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
 _BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
-_MAX_STEPS = 200
+_MAX_STEPS = 200  # of the last search; some dozens are usual
+_MAX_ROUGH_STEPS = 60  # of a search to `ROUGH`: what is left creeps, far below a trial's error
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
 FINE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
@@ -410,7 +411,7 @@ def _walk(
     minpack: Any = leastsq  # its stubs know only the short answer
     end, _, counts, _, flag = minpack(
         residuals, z, Dfun=jacobian, full_output=True, ftol=tolerance,
-        xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS,
+        xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS if tolerance < ROUGH else _MAX_ROUGH_STEPS,
     )  # fmt: skip
     r, status = problem.residuals(whole(end), force(end)), CONVERGED
     if not np.all(np.isfinite(r)):
@@ -507,7 +508,10 @@ def first_noise(grid: Grid) -> float:
 
 
 def solve_with_noise(
-    problem: Problem, starts: np.ndarray, curves_covariance: np.ndarray | None = None
+    problem: Problem,
+    starts: np.ndarray,
+    curves_covariance: np.ndarray | None = None,
+    tolerance: float = FINE,
 ) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
     """Solve a problem, and find the noise that its own solution leaves.
 
@@ -518,7 +522,7 @@ def solve_with_noise(
     """
     # which start leads lowest shows long before each has settled: only that one goes on
     ends = solve(problem, starts, tolerance=ROUGH)
-    best = solve(problem, ends.best_point[None]).points[0]
+    best = solve(problem, ends.best_point[None], tolerance=tolerance).points[0]
     minimum = minimum_at(problem, best, curves_covariance)
     if curves_covariance is not None:
         return problem, ends, best, minimum
@@ -526,13 +530,13 @@ def solve_with_noise(
         if abs(minimum.noise / problem.noise - 1) < 1e-3:
             break
         problem = replace(problem, noise=minimum.noise)
-        best = solve(problem, best[None]).points[0]
+        best = solve(problem, best[None], tolerance=tolerance).points[0]
         minimum = minimum_at(problem, best, None)
     # the others follow with the noise as it is now, so that their ends can be compared
     again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
     again = replace(again, steps=again.steps + np.append(ends.steps, 0))
     if again.best < len(starts):
-        best = solve(problem, again.best_point[None]).points[0]
+        best = solve(problem, again.best_point[None], tolerance=tolerance).points[0]
         minimum = minimum_at(problem, best, None)
     return problem, again, best, minimum
 

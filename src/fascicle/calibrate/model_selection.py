@@ -383,7 +383,9 @@ def _try_constants(
     problem, _ = set_up_problem(data, muscle, names, priors, options)
     point, violation = problem.center, ""
     if names:
-        problem, _, point, _ = solve_with_noise(problem, starts_of(problem, options))
+        problem, _, point, _ = solve_with_noise(
+            problem, starts_of(problem, options), tolerance=ROUGH
+        )
         fitted = put(problem.parameters, problem.muscle, point)
         violation = _violation(data, muscle, fitted, names, priors)
     force = problem.force(point)

@@ -240,8 +240,11 @@ def _variance(
         covariance[:k, :k] = np.where(both, calibration.covariance, 0.0)
         if readings is not None:
             covariance[k:, k:] = readings.covariance
-    grid = replace(problem.grid, strain=strain, count=np.ones_like(strain))
-    along = replace(problem, grid=grid)
+    count = problem.grid.count
+    elapsed = np.sum(count * problem.grid.elapsed, axis=1, keepdims=True)
+    elapsed = elapsed / np.sum(count, axis=1, keepdims=True)
+    grid = replace(problem.grid, strain=strain, count=np.ones_like(strain), elapsed=elapsed)
+    along = replace(problem, grid=grid, branch=None)  # a curve between the loop's branches
     slopes = along.force_slopes(point, along.force(point))
     variance = np.einsum("lri,ij,lrj->lr", slopes, np.atleast_2d(covariance), slopes)
     return np.maximum(variance, 0.0)

@@ -13,6 +13,7 @@ import numpy as np
 from ..units import pretty
 from .calibration import Calibration, Estimate, Selection, largest_force
 from .gauges import DIMENSIONS as GAUGE_DIMENSIONS
+from .gauges import PERFECT
 from .messages import interval_texts, list_text, range_text
 from .parameters import FACTOR_NAMES
 
@@ -221,8 +222,11 @@ def gauge_errors(calibration: Calibration) -> dict[str, str]:
         dimension = GAUGE_DIMENSIONS[name]
         interval = ""
         if name in fitted:
-            low, high = (pretty(x, dimension, 3) for x in (fitted[name].low, fitted[name].high))
+            ends = fitted[name].low, fitted[name].high
+            low, high = (pretty(x, dimension, 3) for x in ends)
             interval = f", 90 % {low} to {high}"
+            if ends[0] <= getattr(PERFECT, name) <= ends[1]:
+                interval += ", so perhaps it does" if name.endswith("zero") else ", perhaps none"
         texts[name] = f"{_GAUGE_ERRORS[name][0]} ({pretty(value, dimension, 3)}{interval})"
     return texts
 

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from fascicle.calibrate import Gauge, Prior, fit
 from fascicle.calibrate.channels import channel_faults
 from fascicle.calibrate.gauges import PERFECT, read_vented
+from fascicle.calibrate.plot_data import fit_plot
 from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records.record import Record
 from gauge_bench import MUSCLE, TRUTH, bench_record
@@ -110,3 +111,9 @@ def test_a_saturated_transducer_is_found():
 
 def test_a_clean_channel_has_no_fault():
     assert not channel_faults(_record(SWEEP + RNG.normal(0, 0.1, SWEEP.size)))
+
+
+def test_curves_of_a_fit_with_gauges_have_bands(fitted):
+    # curves have other strains than the readings, and neither their times nor their loop
+    data = fit_plot(fitted)
+    assert np.all(np.isfinite(data.low)) and np.all(data.low < data.curve_force)
