@@ -77,7 +77,7 @@ class Catalog:
 
     def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
         """Price of the muscles of each of the `designs` [-]; NaN if unknown."""
-        prices = np.array([self._unit_price(name) for name in designs.drawings])
+        prices = np.array([self._price_of_one(name) for name in designs.drawings])
         return designs.counts.sum(axis=1) * prices[designs.kind]
 
     def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
@@ -94,11 +94,12 @@ class Catalog:
         return {name: reason for name, reason in reasons.items() if reason}
 
     def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """True if the price of all `drawings` is known [-]; true if that of a valve is, too."""
-        muscles = not np.any(np.isnan([self._unit_price(name) for name in drawings]))
+        """Whether all muscle prices are known [-]; whether all those and the valve's are [-]."""
+        muscles = not np.any(np.isnan([self._price_of_one(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 
-    def _unit_price(self, name: str) -> float:
+    def _price_of_one(self, name: str) -> float:
+        """Price of one muscle of the drawing with a `name` [-]; NaN if unknown."""
         product = self.products.get(name)
         price = self.muscle if product is None or product.price is None else product.price
         return np.nan if price is None else price
@@ -111,7 +112,8 @@ def cheapest(
     catalog: Catalog,
     drawings: Mapping[str, Muscle],
 ) -> int | None:
-    """Index of the cheapest design, as defined above; `None` without candidates.
+    """Index of the design with the lowest price of muscles and valves, or the fewest valves if a
+    price is unknown; ties as in the module's docstring; `None` without candidates.
 
     `candidates`: indices of the designs to choose from; `values`: objectives of all designs, by
     name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their

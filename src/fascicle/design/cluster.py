@@ -63,7 +63,7 @@ def local_client(workers: int | None = None) -> Iterator[Any]:
 
 
 def _close(resource: Any) -> None:
-    """Close a client or a cluster, in vain if its processes are dead already."""
+    """Close a client or a cluster; errors are ignored: its processes may be dead already."""
     with contextlib.suppress(Exception):
         resource.close(timeout=_CLOSING_TIME)
 
@@ -86,7 +86,7 @@ def scheduler_client(address: str) -> Iterator[Any]:
 
 
 def restart_dead_workers(client: Any) -> None:
-    """Restart local workers that died as they started; `client`: Dask's.
+    """Restart local workers that died as they started; a scheduler's `client` is left alone.
 
     Dask itself restarts a dead worker, but one that is killed before it is up stays dead.
     """
@@ -115,7 +115,7 @@ def cores() -> int:
 
 @contextlib.contextmanager
 def silence_dask() -> Iterator[None]:
-    """Context without Dask's own log: the sweep reports lost workers."""
+    """Context without logs of Dask, tornado and asyncio: the sweep reports lost workers."""
     loggers = [
         logging.getLogger(name)
         for name in logging.root.manager.loggerDict
@@ -147,7 +147,7 @@ def _without_interrupts() -> Iterator[None]:
 
 
 def _environment() -> dict[str, str]:
-    """Environment of the workers: one thread, and JAX as this process has set it up."""
+    """Environment variables of the workers: one thread each, and JAX's settings of this process."""
     import jax
 
     config: Any = jax.config
@@ -161,5 +161,5 @@ def _environment() -> dict[str, str]:
 
 
 def short_reason(error: BaseException) -> str:
-    """Reason of an error, on one line."""
+    """Message of an `error` on one line, cut after 120 characters; its type where it has none."""
     return " ".join(str(error).split())[:_REASON_LENGTH] or type(error).__name__

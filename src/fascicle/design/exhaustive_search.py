@@ -110,7 +110,8 @@ def pareto_front(
 def nearest(
     values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
 ) -> int:
-    """Index of the design that misses least, of those that keep all other limits if there are any.
+    """Index of the design with the least `relative_shortfall`, of those that keep all other limits
+    if any does; on a tie, of that with the fewest valves.
 
     `values`: objectives of at least one design [SI]; `permitted`: mask of designs of products that
     may be used.

@@ -97,8 +97,8 @@ class Checkpoint:
             write_text(path, "\n".join([first, *lines, ""]))
 
     def values(self, generation: int, genomes: Genomes, names: tuple[str, ...]) -> Values | None:
-        """Objectives [SI] of a `generation` by name, or `None` if the file lacks them; `ValueError`
-        for those of other `genomes`.
+        """Objectives [SI] of a `generation`, counted from 0, by name; `None` if the file lacks
+        them; `ValueError` for those of other `genomes`.
         """
         if generation >= len(self.generations):
             return None
@@ -160,7 +160,7 @@ class GenomeDecoder:
         number, sizes, cuts, factors = np.split(
             genomes, np.cumsum([1, len(_AXES), self.largest - 1]), axis=1
         )
-        total = self.muscles[_choice(number[:, 0], len(self.muscles))]
+        total = self.muscles[_choice_index(number[:, 0], len(self.muscles))]
         # units beyond the largest number join the last
         unit = np.minimum(np.cumsum(cuts > 0.5, axis=1), self.units - 1)
         unit = np.pad(unit, ((0, 0), (1, 0)))
@@ -179,13 +179,14 @@ class GenomeDecoder:
         return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
 
     def _value(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
+        """Value for each `gene` in [0, 1]: between the least and the largest, or a listed one."""
         if self.continuous:
             return min(values) + gene * (max(values) - min(values))
-        return np.array(values)[_choice(gene, len(values))]
+        return np.array(values)[_choice_index(gene, len(values))]
 
 
-def _choice(gene: np.ndarray, count: int) -> np.ndarray:
-    """Index of one of so many choices, by a `gene` in [0, 1]."""
+def _choice_index(gene: np.ndarray, count: int) -> np.ndarray:
+    """Index, counted from 0, of one of `count` choices, for each `gene` in [0, 1]."""
     return np.minimum((gene * count).astype(int), count - 1)
 
 
@@ -268,7 +269,7 @@ def evolve(
         evaluated += len(new)
         genomes = np.concatenate([genomes, new])
         values = {name: np.concatenate([values[name], new_values[name]]) for name in names}
-        best = _best(genomes, values, senses, limits, decoder, catalog)
+        best = _best_indices(genomes, values, senses, limits, decoder, catalog)
         genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
         if not resumed:
             if store:
@@ -286,7 +287,7 @@ def evolve(
 
 
 def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
-    """Violations of the limits [SI], positive where they are broken; first the task's."""
+    """Excess over each limit [SI], positive where it is broken; first a column for the task."""
     # a share of points says nothing of how near they are
     miss = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
     columns = [np.where(reaches_task(values, limits), -1.0, miss)]
@@ -296,7 +297,7 @@ def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design lim
     return np.stack(columns, axis=1)
 
 
-def _best(
+def _best_indices(
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
@@ -304,7 +305,7 @@ def _best(
     decoder: GenomeDecoder,
     catalog: Catalog,
 ) -> np.ndarray:
-    """Indices of the front and the cheapest design, or of the nearest."""
+    """Indices of the front and the cheapest design; where none is allowed, of the nearest."""
     good = np.flatnonzero(within_limits(values, limits))
     if not good.size:
         return np.array([nearest(values, limits)])

@@ -107,13 +107,13 @@ def peak_energy(outcome: Outcome) -> PerDesign:
 @objective("J", "min")
 def mean_energy(outcome: Outcome) -> PerDesign:
     """Mean fluid energy of the task's points [J]."""
-    return _mean(outcome, outcome.energy)
+    return _weighted_mean(outcome, outcome.energy)
 
 
 @objective("-", "min")
 def not_reached(outcome: Outcome) -> PerDesign:
     """Share of the task, by weight, that no recruitment state reaches [-]."""
-    return _mean(outcome, where(outcome.reached, 0.0, 1.0))
+    return _weighted_mean(outcome, where(outcome.reached, 0.0, 1.0))
 
 
 @objective("-", "min")
@@ -141,7 +141,7 @@ def relative_margin(outcome: Outcome) -> PerDesign:
 @objective("N", "min")
 def shortfall(outcome: Outcome) -> PerDesign:
     """Mean distance from what is demanded to what is reachable [N]."""
-    return _mean(outcome, outcome.shortfall)
+    return _weighted_mean(outcome, outcome.shortfall)
 
 
 @objective("N", "min")
@@ -185,7 +185,7 @@ def envelope(outcome: Outcome) -> PerDesign:
 
     Every unit but a lone one can be unfed while others contract it.
     """
-    return _computed(outcome.size, "size")
+    return _require_computed(outcome.size, "size")
 
 
 @objective("-", "min", "curves")
@@ -193,7 +193,7 @@ def reversal_depth(outcome: Outcome) -> PerDesign:
     """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
     ones at the supply's [-]; 0 for a lone unit.
     """
-    return _computed(outcome.depth, "depth")
+    return _require_computed(outcome.depth, "depth")
 
 
 @objective("N", "max", "curves")
@@ -201,15 +201,15 @@ def overlap_width(outcome: Outcome) -> PerDesign:
     """Largest height in force of what two successive states both reach, at forces of zero and
     above [N].
     """
-    return _computed(outcome.overlap, "overlap")
+    return _require_computed(outcome.overlap, "overlap")
 
 
-def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
+def _weighted_mean(outcome: Outcome, values: Numbers) -> PerDesign:
     return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
 
 
 def _largest(values: Numbers) -> PerDesign:
-    """Largest of the points, or of the units."""
+    """Largest over the first axis, of points or of units."""
     xp = array_namespace(values)
     if xp is np:
         return values.max(axis=0)
@@ -218,7 +218,7 @@ def _largest(values: Numbers) -> PerDesign:
     return xp.take_along_axis(values, xp.argmax(values, axis=0)[None], axis=0)[0]
 
 
-def _computed(values: PerDesign | None, name: str) -> PerDesign:
+def _require_computed(values: PerDesign | None, name: str) -> PerDesign:
     if values is None:
         raise InvalidInputError("outcome", f"holds no `{name}`", None, f"compute it with `{name}`")
     return values
@@ -287,7 +287,7 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
 
 
 def check_search(senses: Mapping[str, str], limits: Limits) -> None:
-    """Refuse senses and limits that can't be; both by objective."""
+    """Refuse no `senses`, any but "min" and "max", and `limits` with the least above the most."""
     if not senses:
         raise InvalidInputError("objectives", "must name at least one", None, shown="none")
     for name, sense in senses.items():

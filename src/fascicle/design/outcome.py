@@ -57,7 +57,7 @@ class Demand(Module):
         return cls(task.force, travel, task.weight, supply, task.scheme, task.stroke is not None)
 
     def strain(self, length: Numbers) -> Numbers:
-        """Contractions [-] of a bundle of `length` [m], limited to the domain of the laws."""
+        """Contractions [-] of a bundle of `length` [m]; for a stroke, at most the laws' limit."""
         travel = with_axes(self.travel, np.ndim(length))
         return minimum(travel / length, LARGEST_STRAIN) if self.by_stroke else travel
 
@@ -67,7 +67,7 @@ class Demand(Module):
         return work if self.by_stroke else work * length
 
     def is_possible(self, length: Numbers) -> Marks:
-        """True where a contraction of a bundle of `length` [m] is in the domain of the laws."""
+        """True where a stroke is in the laws' domain at a `length` [m]; for strains, everywhere."""
         travel = with_axes(self.travel, np.ndim(length))
         return travel <= (LARGEST_STRAIN * length if self.by_stroke else np.inf)
 
@@ -178,7 +178,7 @@ def choose_states(
     low: Numbers | None = None,
     cost: Numbers | None = None,
 ) -> StateChoice:
-    """Choose the state that meets each point of a demand.
+    """Choose the state that meets each point of a demand, and compute shortfall and spare there.
 
     `length`: of the bundles at rest [m], one or of every design; `high` and `low`: largest and
     least force of each state [N], states first, then points, designs last; no `low` where no gap is
@@ -250,5 +250,5 @@ def outcome(
 
 
 def with_axes(points: Numbers | Marks, axes: int) -> Any:
-    """Values of `points` [any unit] with so many `axes` in all after their own."""
+    """The array `points` [any unit], with axes of length 1 appended: `axes` follow the first."""
     return points.reshape(points.shape + (1,) * (axes + 1 - points.ndim))

@@ -50,7 +50,7 @@ def refine_sizes(
     seed: int = 0,
     may_miss: float = 0.0,
 ) -> tuple[Designs, Float[np.ndarray, " start"]]:
-    """Better sizes for a split.
+    """Better sizes for one design's split, by gradient steps from several starts.
 
     **Arguments:**
 
@@ -99,7 +99,7 @@ def refine_sizes(
         return Sizes(new["length"], new["radius"], new["wall_ratio"] * new["radius"], new["angle"])
 
     def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
-        """Cost of a start, with the objective and the distance from the task."""
+        """Objective plus `weight` times the distance from the task; and both of them, apart."""
         outcome = design_outcome(drawing, counts, sizes_at(z), demand, needs((name,)))
         names = (name, "relative_shortfall", *SHARES)
         objective, worst, *missed = objective_values(outcome, names)
@@ -138,7 +138,7 @@ def refine_sizes(
 def _coordinates(
     sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[Array, Array, np.ndarray]:
-    """Bounds of every size that has some, and the design's coordinates between them."""
+    """Least, largest and coordinate of each size in `bounds`, an array each, for all units."""
     lows, highs, fractions = [], [], []
     for key, (low, high) in bounds.items():
         check_choice(key, BOUNDED, "bounds")

@@ -69,7 +69,7 @@ def remedies(
     limits: Limits,
     product: Product | None = None,
 ) -> list[Remedy]:
-    """Changes by which a design would reach its task.
+    """Changes by which a design would reach its task, one for each quantity, enough or not.
 
     **Arguments:**
 
@@ -118,7 +118,7 @@ def remedies(
 
 
 def _present_values(design: Designs, task: Task) -> dict[str, float]:
-    """Present values of the quantities that a remedy may change [SI]."""
+    """Present values that a remedy may change [SI]: all muscles' number and largest radius."""
     return {
         "supply_pressure": task.supply_pressure,
         "muscles": float(design.counts.sum()),
@@ -128,7 +128,9 @@ def _present_values(design: Designs, task: Task) -> dict[str, float]:
 
 
 def _apply_change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
-    """The design and its task with a remedy's `value` [SI] of `what`."""
+    """The design and its task with a `value` [SI] of `what`; more muscles join the last unit, radii
+    and walls are scaled by the ratio to the largest.
+    """
     if what == "supply_pressure":
         return design, replace(task, supply_pressure=value)
     present = _present_values(design, task)[what]
@@ -145,24 +147,26 @@ def _apply_change(design: Designs, task: Task, what: str, value: float) -> tuple
 def _smallest_change(
     design: Designs, task: Task, what: str, grid: Float[np.ndarray, " value"], may_miss: float
 ) -> Remedy:
-    """The smallest value that reaches the task, between the grid's ends."""
+    """Remedy with the smallest value that reaches the task, on the rising `grid` or between."""
 
-    def spare(value: float, points: Int[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
+    def spare_forces(
+        value: float, points: Int[np.ndarray, " point"]
+    ) -> Float[np.ndarray, " point"]:
         ((_, outcome),) = outcomes(*_apply_change(design, task.take(points), what, value))
         return np.reshape(outcome.spare, -1)
 
     def reaches(value: float, points: Int[np.ndarray, " point"]) -> bool:
-        return bool(within_miss_limit(spare(value, points), task.weight[points], may_miss))
+        return bool(within_miss_limit(spare_forces(value, points), task.weight[points], may_miss))
 
     present, most = float(grid[0]), float(grid[-1])
     all_points = points = np.arange(len(task))
     if may_miss == 0 and len(task) > _FEW:
         # where all must be reached the hardest decide; which they are may change with the value
-        points = np.argsort(spare(present, all_points))[:_FEW]
+        points = np.argsort(spare_forces(present, all_points))[:_FEW]
     while True:
         first = next((i for i, value in enumerate(grid) if reaches(float(value), points)), None)
         if first is None:
-            excess = spare(most, all_points)
+            excess = spare_forces(most, all_points)
             worst = int(np.argmin(excess / task.reference))
             largest = float(excess[worst] + task.force[worst])
             return Remedy(what, present, None, most, worst, float(-excess[worst]), largest)
@@ -173,4 +177,4 @@ def _smallest_change(
             low, high = (low, middle) if reaches(middle, points) else (middle, high)
         if reaches(float(high), all_points):
             return Remedy(what, present, float(high), most)
-        points = np.union1d(points, np.argsort(spare(float(high), all_points))[:_FEW])
+        points = np.union1d(points, np.argsort(spare_forces(float(high), all_points))[:_FEW])

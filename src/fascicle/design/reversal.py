@@ -24,7 +24,7 @@ _BATCH = 2**20  # numbers computed together, some ten megabytes
 
 
 def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Numbers) -> Numbers:
-    """Falls of the free strain while each unit's pressure rises from zero [-].
+    """Largest fall of the free strain while a unit's pressure rises from zero [-], for each unit.
 
     `offset`: force of all other units at even strains [N], a row for each unit; `number`: muscles
     of the unit; `force`: of one of them at every level [N], levels first, strains last; `top`: the
@@ -97,7 +97,8 @@ def uniform_reversal_depths(
 def overlap_width(
     counts: Whole, curves: Numbers, levels: Numbers, states: States, exists: Marks
 ) -> Numbers:
-    """Largest height in force of the overlap of two successive states [N].
+    """For each design, largest range of forces, zero and above, that two successive states both
+    reach at one strain [N].
 
     `counts`: muscles in each unit, units first, designs last; `curves`: force of a muscle of each
     unit at every level and even strain [N]; `levels`: the curves; where all units have one muscle,

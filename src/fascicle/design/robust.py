@@ -76,7 +76,7 @@ class Spread:
     def front(
         self, senses: Mapping[str, str], confidence: float = 0.9
     ) -> Bool[np.ndarray, " design"]:
-        """Mask of the designs whose sure values no other dominates.
+        """Mask of the designs that no other dominates in sure values, those that most draws attain.
 
         **Arguments:**
 
@@ -125,7 +125,7 @@ def spread(
     kinds = _repeat(drawing, draws)
     if muscles is not None:
         size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
-        kinds = _pick(muscles, drawing, generator.integers(0, size, draws))
+        kinds = _pick_draws(muscles, drawing, generator.integers(0, size, draws))
     length_factor = 1 + scatter.length * generator.standard_normal(draws)
     tilt = scatter.braid_angle * generator.standard_normal(shape)
     length, radius, wall = (
@@ -141,7 +141,7 @@ def spread(
     )
     demand, values = Demand.from_task(task), np.empty((len(names), len(designs), draws))
     for index in range(len(designs)):
-        counts, sizes = _arrays(designs, index, task)
+        counts, sizes = _counts_and_sizes(designs, index, task)
         values[:, index] = drawn_objectives(
             kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
         )
@@ -229,7 +229,7 @@ def sensitivities(
     for name in set(_MATERIAL) & set(ranges):
         material = getattr(kinds.material, name) * jnp.asarray(factors[name])
         kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
-    counts, sizes = _arrays(designs, index, task)
+    counts, sizes = _counts_and_sizes(designs, index, task)
     every_unit = np.ones((len(draws), sizes.radius.size))
     scales = Scales(
         jnp.asarray(factors["length"]),
@@ -251,24 +251,26 @@ def sensitivities(
 
 
 def _single_drawing(designs: Designs) -> Muscle:
+    """The drawing of all `designs`; `ValueError` for several."""
     kinds = set(designs.kind.tolist())
     if len(kinds) != 1:
         raise InvalidInputError("designs", "must be of one drawing", len(kinds))
     return list(designs.drawings.values())[kinds.pop()]
 
 
-def _arrays(designs: Designs, index: int, task: Task) -> tuple[np.ndarray, Sizes]:
-    """Muscles in each unit of a design, and their sizes."""
+def _counts_and_sizes(designs: Designs, index: int, task: Task) -> tuple[np.ndarray, Sizes]:
+    """Muscles in each unit that is evaluated of a design, and their sizes."""
     units = int(evaluated_units(designs, task.scheme)[index])
     return designs.counts[index, :units], designs.sizes(index).take(slice(units))
 
 
 def _repeat(drawing: Muscle, draws: int) -> Muscle:
+    """The drawing with each number repeated on a first axis of so many `draws`."""
     return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (draws, *jnp.shape(leaf))), drawing)
 
 
-def _pick(muscles: Muscle, drawing: Muscle, draw: np.ndarray) -> Muscle:
-    """Some of the draws; numbers that no draw changes have no axis for it yet."""
+def _pick_draws(muscles: Muscle, drawing: Muscle, draw: np.ndarray) -> Muscle:
+    """Muscles with the indices `draw` on their first axis; numbers without it are repeated."""
 
     def pick(drawn: Values, single: Values) -> Array:
         if jnp.ndim(drawn) > jnp.ndim(single):

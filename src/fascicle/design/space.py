@@ -21,7 +21,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from itertools import product
-from typing import Any
 
 import jax
 import numpy as np
@@ -58,16 +57,17 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
     check_splits((muscles,), "all", most_units)
 
     @cache
-    def rows(total: int, units: int) -> Counts:
+    def padded_compositions(total: int, units: int) -> Counts:
+        """Compositions of `total` into at most so many `units`, a row each, zeros last."""
         if total == 0:
             return np.zeros((1, units), int)
         blocks = [np.zeros((0, units), int)]
         for first in range(total, 0, -1) if units else ():
-            tails = rows(total - first, units - 1)
+            tails = padded_compositions(total - first, units - 1)
             blocks.append(np.column_stack([np.full(len(tails), first), tails]))
         return np.concatenate(blocks)
 
-    return rows(muscles, _width(muscles, most_units))
+    return padded_compositions(muscles, _width(muscles, most_units))
 
 
 def partitions(muscles: int, most_units: int | None = None) -> Counts:
@@ -84,14 +84,15 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
     """
     check_splits((muscles,), "partitions", most_units)
 
-    def rows(total: int, units: int, smallest: int) -> Iterator[tuple[int, ...]]:
+    def ascending_parts(total: int, most_units: int, smallest: int) -> Iterator[tuple[int, ...]]:
+        """Partitions of `total` into `most_units` parts at most, ascending from `smallest`."""
         yield (total,)
-        for first in range(total // 2, smallest - 1, -1) if units > 1 else ():
-            for tail in rows(total - first, units - 1, first):
+        for first in range(total // 2, smallest - 1, -1) if most_units > 1 else ():
+            for tail in ascending_parts(total - first, most_units - 1, first):
                 yield first, *tail
 
     width = _width(muscles, most_units)
-    return pad_rows(list(rows(muscles, width, 1)), width)
+    return pad_rows(list(ascending_parts(muscles, width, 1)), width)
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
@@ -119,18 +120,19 @@ def check_splits(numbers: Iterable[int], splits: str, most_units: int | None = N
             rule, remedy = f"must lie in [1, {MAX_MUSCLES}]", "of more, list splits, as '10+50+90'"
             raise InvalidInputError("muscles", rule, number, remedy)
 
-    def count(splits: str, most_units: int | None) -> int:
-        return sum(number_of_splits(number, splits, most_units) for number in numbers)
+    def total_splits(kind: str, most_units: int | None) -> int:
+        """Number of splits of all `numbers` together; `kind`: "all" or "partitions"."""
+        return sum(number_of_splits(number, kind, most_units) for number in numbers)
 
-    total = count(splits, most_units)
+    total = total_splits(splits, most_units)
     if total <= MAX_SPLITS:
         return
     remedies = []
     for units in range(max(numbers) if most_units is None else most_units, 0, -1):
-        if (fewer := count(splits, units)) <= MAX_SPLITS:
+        if (fewer := total_splits(splits, units)) <= MAX_SPLITS:
             remedies.append(f"{units} motor units at most leave {fewer} ([limits] valves)")
             break
-    if splits == "all" and (fewer := count("partitions", most_units)) <= MAX_SPLITS:
+    if splits == "all" and (fewer := total_splits("partitions", most_units)) <= MAX_SPLITS:
         remedies.append(f"splits = 'partitions' leaves {fewer}")
     rule = f"lead to {total} splits, more than {MAX_SPLITS}"
     remedy = ", ".join([*remedies, "or list some splits"])
@@ -238,7 +240,7 @@ class Space:
         )  # fmt: skip
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
-        """Number of the drawing of designs, by their `index`; an index of -1 is of the first."""
+        """Index in `drawings` of the drawing of designs, by their `index`; -1 counts as 0."""
         return np.maximum(index, 0) // (len(self) // len(self.drawings))
 
     def scale(
@@ -260,8 +262,12 @@ class Space:
         return (tuple(range(len(self.drawings))), *(axis or (math.nan,) for axis in axes))
 
     @cached_property
-    def _shapes(self) -> tuple[Counts, Float[np.ndarray, "shape unit"], Any]:
-        """Splits with the factors of their units, and the ratio of their radius to the rule's."""
+    def _shapes(
+        self,
+    ) -> tuple[Counts, Float[np.ndarray, "shape unit"], Float[np.ndarray, " shape"]]:
+        """Muscles and radius factor of each unit, for each split; and for each split the ratio of
+        its design's radius to `radius_rule`'s [-].
+        """
         if isinstance(self.splits, str):
             enumerate_splits = compositions if self.splits == "all" else partitions
             tables = [enumerate_splits(n, self.most_units) for n in dict.fromkeys(self.muscles)]
@@ -290,7 +296,7 @@ def drawing_sizes(drawing: Muscle) -> Floats:
 def _with_factors(
     counts: Counts, factors: Floats
 ) -> tuple[Counts, Float[np.ndarray, "shape unit"]]:
-    """Each split with each choice of a factor for each of its units."""
+    """Muscles and radius factor of each unit, a row for each split with each choice of factors."""
     if len(factors) == 1:
         return counts, np.full(counts.shape, factors[0])
     units, width = np.sum(counts > 0, axis=1), counts.shape[1]

@@ -89,7 +89,7 @@ class Cases:
 
     @property
     def worst(self) -> int:
-        """The load case of which the largest share is missed [-], counted from 0."""
+        """The load case with the least force to spare over what is demanded [-], counted from 0."""
         return int(np.argmin(self.relative))
 
     @cached_property
@@ -128,11 +128,11 @@ def cases(designs: Designs, index: int, task: Task) -> Cases:
         portion = with_fields(
             demand, force=demand.force[cut], travel=demand.travel[cut], weight=demand.weight[cut]
         )
-        batches.append(_states_used(drawing, sizes, counts, portion, resolution, task.fluid))
+        batches.append(_case_fields(drawing, sizes, counts, portion, resolution, task.fluid))
     return Cases(task, float(sizes.length[0]), *map(np.concatenate, zip(*batches, strict=True)))
 
 
-def _states_used(
+def _case_fields(
     drawing: Muscle,
     sizes: Sizes,
     counts: Int[np.ndarray, " unit"],
@@ -140,7 +140,7 @@ def _states_used(
     resolution: Resolution,
     fluid: str,
 ) -> tuple[np.ndarray, ...]:
-    """Fields of `Cases` after the length."""
+    """Fields of `Cases` after the length: largest, spare, state, pressure and content."""
     length, F = sizes.length[0], demand.force
     table, _ = every_level_table(drawing, sizes, demand, (), resolution)
     table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
@@ -193,7 +193,7 @@ def _independent_levels(
 def _first_level(
     force: Float[np.ndarray, "point level"], demanded: Points, level: Float[np.ndarray, " level"]
 ) -> Points:
-    """The lowest level [-] at which a force is the demanded one, linear between two."""
+    """The lowest level [-] at which a force is the demanded one, linear between two; else 1."""
     excess = force - demanded[:, None]
     # from below or from above: a state that resists may fall before it rises
     crosses = (excess[:, :-1] * excess[:, 1:] <= 0) & (excess[:, 1:] != excess[:, :-1])

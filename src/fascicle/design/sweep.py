@@ -150,7 +150,10 @@ class Store:
             if not path.is_dir() and (path.exists() or path.is_symlink()):
                 raise ValueError(f"{folder}: {path} is no folder: name a new one.")
         # the attributes of the data name the study, too
-        contents = (_read(folder / MANIFEST), _read(folder / DATA / _META).get("attributes"))
+        contents = (
+            _read_json(folder / MANIFEST),
+            _read_json(folder / DATA / _META).get("attributes"),
+        )
         manifests = (x for x in contents if isinstance(x, dict) and isinstance(x.get("study"), str))
         manifest, fault = next(manifests, {}), ""
         same_study, former = manifest.get("study") == study.digest, manifest.get("fascicle")
@@ -184,7 +187,7 @@ class Store:
         folder.mkdir(parents=True, exist_ok=True)
         store, journal = cls(folder, study), folder / JOURNAL
         # the manifest first, and whole or not at all: it identifies the folder
-        if _read(folder / MANIFEST).get("study") != study.digest:
+        if _read_json(folder / MANIFEST).get("study") != study.digest:
             manifest = {
                 "format": 1, "study": study.digest, "fascicle": _VERSION,
                 "objectives": {name: OBJECTIVES[name].unit for name in study.names},
@@ -215,7 +218,7 @@ class Store:
         return digest_values(values)
 
     def all(self) -> Values:
-        """Values [SI] of every design by objective, in memory."""
+        """Values [SI] of every design by objective, in memory; NaN where no block is written."""
         return {name: np.asarray(array[:]) for name, array in self._arrays.items()}
 
     def finish(self, block: int, digest: str) -> None:
@@ -285,8 +288,8 @@ def digest_values(values: Values) -> str:
     return sha.hexdigest()
 
 
-def _read(path: Path) -> dict[str, Any]:
-    """A JSON object; empty where there is none that can be read."""
+def _read_json(path: Path) -> dict[str, Any]:
+    """The JSON object of the file at a `path`; empty where there is none that can be read."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -308,7 +311,7 @@ class BlockResult(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Blocks `done` and in `all`, `designs` computed in this run in `seconds` [s]."""
+    """Blocks `done` and in `all`; `designs` computed in this run in `seconds` [s]; `last` block."""
 
     done: int
     all: int
@@ -356,7 +359,7 @@ def sweep(
     if watch is not None:
         watch(Progress(done, study.blocks, 0, 0.0, None))
     if client is None:
-        results = (_compute(store, block) for block in blocks)
+        results = (_compute_and_write(store, block) for block in blocks)
     else:
         results = _distribute(client, store, blocks, worker_timeout)
     for result in results:
@@ -377,10 +380,11 @@ def run_block(study: Study, folder: str, block: int) -> BlockResult:
     key = (folder, study.digest)
     if key not in _STORES:
         _STORES.clear()
-    return _compute(_STORES.setdefault(key, Store(Path(folder), study)), block)
+    return _compute_and_write(_STORES.setdefault(key, Store(Path(folder), study)), block)
 
 
-def _compute(store: Store, block: int) -> BlockResult:
+def _compute_and_write(store: Store, block: int) -> BlockResult:
+    """Compute and write a block, with timings; the caller records it as finished."""
     start = time.perf_counter()
     values = store.study.values(block)
     computed = time.perf_counter()
@@ -400,7 +404,7 @@ def _memory() -> int:
 def _distribute(
     client: Any, store: Store, blocks: list[int], worker_timeout: float
 ) -> Iterator[BlockResult]:
-    """Results as workers finish them; Dask recomputes blocks of workers that died."""
+    """Results of `blocks` as Dask's workers finish them; those of workers that died run again."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed

@@ -145,6 +145,6 @@ def _table(
 
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Force [N] up to the free strain; beyond, where the muscle pushes, minus infinity."""
+    """Force of the tension law [N]; minus infinity past the free strain, where it pushes."""
     pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
     return where(pulls, law.tension.force(pressure, strain), -np.inf)

@@ -57,11 +57,11 @@ class AllowedHosts:
     def matches(self, host: str) -> bool:
         """True for a `Host` header with a name of this server, and any port, as one forwarded."""
         name = _host_name(host)
-        return name in self.own | self.allowed or (self.addresses and _is_address(name))
+        return name in self.own | self.allowed or (self.addresses and _is_ip_address(name))
 
 
 def reject_reason(request: Any, hosts: AllowedHosts) -> Reason | None:
-    """Reason to reject a tornado `request` to a server of these `hosts`, or `None`."""
+    """Reason to reject a tornado `request` (host, page, path or link), or `None`."""
     if not hosts.matches(request.host):
         shown = sanitize_line(request.host, 80)
         return 403, (
@@ -81,7 +81,7 @@ def guard(app: Any, hosts: AllowedHosts) -> None:
 
 
 class _RejectedRequests(Matcher):
-    """Matches requests that are rejected."""
+    """Matches requests with a `reject_reason`; in others, renames an IPv6 host for Panel."""
 
     def __init__(self, hosts: AllowedHosts):
         self._hosts = hosts
@@ -97,7 +97,7 @@ class _RejectedRequests(Matcher):
 
 
 class _RejectPage(RequestHandler):
-    """A page with the reason."""
+    """Answers a rejected request by a page with the reason, and its status."""
 
     def initialize(self, reason: Reason) -> None:
         self._reason = reason
@@ -111,6 +111,7 @@ class _RejectPage(RequestHandler):
 
 
 def _reject_other_page(host: str, headers: Mapping[str, str], hosts: AllowedHosts) -> Reason | None:
+    """Reason to reject a request by another site's page, or `None`."""
     origin = headers.get("Origin")
     if origin is not None:
         # same name and port; a name that was allowed may stand before another server's port
@@ -126,6 +127,7 @@ def _reject_other_page(host: str, headers: Mapping[str, str], hosts: AllowedHost
 
 
 def _reject_link(path: str, query: str) -> Reason | None:
+    """Reason to reject a link that no explorer made, or `None`."""
     try:
         pairs = parse_qsl(query, keep_blank_values=True, max_num_fields=_MOST_KEYS)
     except ValueError:
@@ -149,7 +151,7 @@ def _host_name(host: str) -> str:
     return match["name"].strip("[]").rstrip(".") if match else ""
 
 
-def _is_address(name: str) -> bool:
+def _is_ip_address(name: str) -> bool:
     try:
         ipaddress.ip_address(name)
     except ValueError:

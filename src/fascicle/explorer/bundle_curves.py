@@ -88,7 +88,7 @@ def bundle_state(
 def solutions(
     bundle: Bundle, force: float, strain: float, resistance: bool, unit: str = "N"
 ) -> tuple[list[Solution], str]:
-    """All pressures that reach a `force` [N] and `strain` [-], and a remark where none does."""
+    """All pressures that reach a `force` [N] at a `strain` [-]; else the nearest, and a remark."""
     result = recruitment.recruit(bundle, force, strain, resistance=resistance)
     supply = bundle.supply_pressure
     if supply is None:
@@ -144,7 +144,7 @@ def bundle_solids(view: View, top: float) -> BundleSolids:
 
 
 def muscle_positions(count: int, spacing: float) -> list[tuple[float, float, float]]:
-    """Positions of muscles in rings, `spacing` [m] from each other, that bow outward."""
+    """Angle [rad], x and y [m] of muscles in rings, `spacing` [m] apart, that bow outward."""
     polar = [(0.0, np.pi / 2)] if count != 2 else []
     ring = 1
     while len(polar) < count:

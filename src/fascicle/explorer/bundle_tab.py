@@ -60,8 +60,8 @@ class UnitRows:
         self._session = session
         self.rows: list[UnitInputs] = []
         self._buttons = [
-            button("Add a unit", self._add, margin=(4, 4, 4, 8)),
-            button("Remove the last", self._remove, margin=4),
+            button("Add a unit", self._add_unit, margin=(4, 4, 4, 8)),
+            button("Remove the last", self._remove_last, margin=4),
         ]
         self.panel = column(kind="pairs")
         self.message = Message()
@@ -70,7 +70,7 @@ class UnitRows:
         """Show the units of a `view`."""
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
-            self.rows += [self._row(i) for i in range(len(self.rows), len(view.units))]
+            self.rows += [self._make_row(i) for i in range(len(self.rows), len(view.units))]
             inputs = [w for r in self.rows for w in (r.count, *r.radius.widgets, r.pressure.panel)]
             self.panel.objects = [*self._buttons, self.message.pane, *inputs]
         for inputs, unit in zip(self.rows, view.units, strict=True):
@@ -86,7 +86,7 @@ class UnitRows:
         for inputs, pressure in zip(self.rows, view.pressures, strict=True):
             inputs.pressure.show(pressure, view.display_units["pressure"], view.supply)
 
-    def _row(self, i: int) -> UnitInputs:
+    def _make_row(self, i: int) -> UnitInputs:
         # without limits: at those the browser would refuse without a word
         count = widget(pn.widgets.IntInput, f"Unit {i + 1}: muscles", value=1)
         count.param.watch(lambda event: self._set_count(i, event.new), "value")
@@ -97,6 +97,7 @@ class UnitRows:
         return UnitInputs(count, radius, pressure)
 
     def _set_count(self, i: int, count: int | None) -> None:
+        """Set the count of muscles of unit `i`, or show why it can't be."""
         try:
             if count is None:
                 raise InvalidInputError("count", "must be a whole number", None)
@@ -106,6 +107,7 @@ class UnitRows:
             self.message.show(error)
 
     def _set_radius(self, i: int, radius: float) -> None:
+        """Set the radius [m] of the muscles of unit `i`; `ValueError` beyond `SIZES`."""
         view = self._session.view
         unit = view.units[i]
         base = view.muscle if unit.own is None else unit.own
@@ -133,14 +135,14 @@ class UnitRows:
         check_units(units)
         self._session.change(units=units)
 
-    def _add(self) -> None:
+    def _add_unit(self) -> None:
         view = self._session.view
         if len(view.units) >= MOST_UNITS:
             self.message.show(f"A bundle has at most {MOST_UNITS} motor units here.")
             return
         self._session.change(units=(*view.units, Unit()), pressures=(*view.pressures, 0.0))
 
-    def _remove(self) -> None:
+    def _remove_last(self) -> None:
         view = self._session.view
         if len(view.units) == 1:
             self.message.show("A bundle has at least 1 motor unit.")
@@ -176,13 +178,13 @@ class BundleView(Tab):
         self._numbers = pane()
         self._space = LatestResult(self._show_space, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
-        self._solutions = LatestResult(self._show_solutions, self.fail)
+        self._solutions = LatestResult(self._offer_solutions, self.fail)
         words = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
             self._scheme, *self._supply.widgets, self._resistance, self.units.panel, words,
             width=318,
         )  # fmt: skip
-        space = column(self.chart.pane, self.message.pane, kind="equal")
+        space = column(self.chart.new_pane(), self.message.pane, kind="equal")
         self._solution_column = column()
         parts = (*self._scene.panes(self._sweep.button), self._numbers, self._solution_column)
         main = column(
@@ -211,6 +213,7 @@ class BundleView(Tab):
             self._request_state(after)
 
     def _set_supply(self, value: float) -> None:
+        """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""
         check_interval(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
         view = self.session.view
         self.session.change(
@@ -220,7 +223,7 @@ class BundleView(Tab):
         )
 
     def _advance(self) -> bool:
-        """Raise the last unit's pressure, or begin again at zero."""
+        """Raise the last unit's pressure, or begin again at zero; False if another tab is open."""
         view = self.session.view
         if view.tab != self.name:
             return False
@@ -264,7 +267,7 @@ class BundleView(Tab):
             "scatter", "x y", "target", size=16, marker="cross", line_color=colors.curves[1],
             line_width=3, legend_label="the chosen point",
         )  # fmt: skip
-        chart.on_click(self._point_at)
+        chart.on_click(self._find_at_click)
         self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
         self._target_entry.visible = False
 
@@ -360,7 +363,7 @@ class BundleView(Tab):
         """Look for pressures that reach a point inside the space, for keyboards too."""
         self._find_pressures(0.5 * self._top, self._middle_force)
 
-    def _point_at(self, event: Any) -> None:
+    def _find_at_click(self, event: Any) -> None:
         if event.x is not None and 0 <= event.x <= self._top:
             self._find_pressures(float(event.x), float(event.y))
 
@@ -378,7 +381,7 @@ class BundleView(Tab):
             lambda: (strain, *solutions(view.bundle, force, strain, view.resistance, unit))
         )
 
-    def _show_solutions(self, result: tuple[float, list[Solution], str]) -> None:
+    def _offer_solutions(self, result: tuple[float, list[Solution], str]) -> None:
         strain, several, remark = result
         unit, scale = self.unit("pressure")
         rows: list[Any] = [pane(status_line(remark))] if remark else []

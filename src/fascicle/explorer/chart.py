@@ -81,8 +81,7 @@ class Chart:
         for grid in fig.grid:
             grid.grid_line_color = colors.line
 
-    @property
-    def pane(self) -> Any:
+    def new_pane(self) -> Any:
         """A new pane of the figure."""
         return pn.pane.Bokeh(
             self.figure, margin=0, css_classes=["figure"], stylesheets=[LAYOUT_CSS]
@@ -93,7 +92,7 @@ class Chart:
         return ColumnDataSource(data={column: [] for column in columns.split()}, name=name)
 
     def add(self, kind: str, columns: str, name: str | None = None, **style: Any) -> Any:
-        """Draw an empty source of `columns` by a glyph of a `kind`, and return the source."""
+        """Draw an empty source of `columns` by the figure's method `kind`; returns the source."""
         source = self.source(columns, name)
         getattr(self.figure, kind)(source=source, **_COLUMNS[kind] | style)
         return source

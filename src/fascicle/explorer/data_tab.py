@@ -92,7 +92,7 @@ class RecordInputs:
             changing.param.watch(lambda _: None if self._updating else self._on_change(), "value")
 
     def offer(self, headers: Sequence[str]) -> None:
-        """Offer the columns of a file by their `headers`."""
+        """Offer the columns of a file by their `headers`; all are chosen automatically at first."""
         self._updating = True
         for choice in self.columns.values():
             choice.param.update(options=[_DETECT, *headers], value=_DETECT)
@@ -129,7 +129,7 @@ class Fit(NamedTuple):
 
     @property
     def candidates(self) -> Selection | None:
-        """The selection, if there was one among several fits."""
+        """The selection, if there was one among several fits; else `None`."""
         return self.selection if self.selection.candidates else None
 
 
@@ -157,7 +157,7 @@ class DataView(Tab):
         )  # fmt: skip
         self.empty_state = _empty_state(self._example)
         self._download_row = row(*self.downloads, kind="wrapped", visible=False, margin=(0, 8))
-        parts = (self.empty_state, self.chart.pane, self._download_row)
+        parts = (self.empty_state, self.chart.new_pane(), self._download_row)
         self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
@@ -184,11 +184,11 @@ class DataView(Tab):
         self.bar = pane(progress_bar("fitting"), visible=False, **_WIDE)
         self.status, self.fit_notes = (pane(**_WIDE) for _ in range(2))
         self.table = pane(margin=(4, 8))
-        self.use = button("Use the tuned muscle in all tabs", self._use_fit, **wide)
+        self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
             download_button(
-                "Download tuned muscle", "toml", lambda: self._file("tuned", self._tuned_text()),
-                disabled=True, width=184,
+                "Download tuned muscle", "toml",
+                lambda: self._file("tuned", self._tuned_muscle_toml()), disabled=True, width=184,
             ),
             download_button(
                 "Download report", "html", lambda: self._file("report", self._shown_fit.report),
@@ -336,7 +336,7 @@ class DataView(Tab):
         )
 
     def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Strain [-] and force [N] of readings, evenly among many, and their nearest `pressure`."""
+        """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
         record = self.record
         if record is None:
             return np.zeros(0), np.zeros(0), np.zeros(0, int)
@@ -432,7 +432,7 @@ class DataView(Tab):
         inputs = self.session.input_names
         return data(muscle, record, tuned, self.file_name, self._read_options, names, inputs)
 
-    def _tuned_text(self) -> str:
+    def _tuned_muscle_toml(self) -> str:
         fit = self._shown_fit
         return calibrated_text(fit.calibration, _today(), fit.candidates)
 
@@ -440,7 +440,7 @@ class DataView(Tab):
         """Stem and content of a file of a `kind` on the fit."""
         return output_stem(self.file_name, kind, self.session.input_names), text.encode()
 
-    def _use_fit(self) -> None:
+    def _use_tuned_muscle(self) -> None:
         muscle = self._shown_fit.calibration.muscle
         self.session.show(view_of(muscle, "tuned muscle", self.session.view))
 
@@ -451,6 +451,7 @@ class DataView(Tab):
 
 
 def _today() -> str:
+    """Local date, such as 2026-03-31."""
     return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
 
 

@@ -53,7 +53,7 @@ def efficiency_maps(bundle: Bundle, path: str) -> Maps:
 
 
 def equivalent_muscle(view: View) -> Muscle:
-    """Single muscle with the cross-section of the whole bundle."""
+    """The view's muscle, scaled to the cross-section of the whole bundle; same length."""
     radius = float(view.muscle.outer_radius)
     total = sum(unit.count * float(view.muscle_of(unit).outer_radius) ** 2 for unit in view.units)
     return scaled(view.muscle, float(np.sqrt(total)) / radius)
@@ -61,7 +61,7 @@ def equivalent_muscle(view: View) -> Muscle:
 
 @lru_cache(maxsize=16)  # visitors share it
 def average_efficiencies(muscle: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
-    """Average efficiency [-] of `COUNTS` equal units, with resistance under `True`."""
+    """Average efficiency [-] of each number of units in `COUNTS`, with resistance under `True`."""
     bundles = [constant_cross_section(muscle, count, supply) for count in COUNTS]
     return {
         resistance: np.array([
@@ -86,13 +86,16 @@ class EfficiencyView(Tab):
         self._path.param.watch(lambda event: session.change(path=event.new), "value")
         self._kind = dropdown("Map", _KINDS, width=230)
         self._kind.param.watch(lambda _: self._show_map(), "value")
-        self._add_map()
-        self._add_averages()
+        self._make_map_chart()
+        self._make_averages_chart()
         self._numbers = pane()
-        self.maps = LatestResult(self._show, self.fail)
+        self.maps = LatestResult(self._show_maps, self.fail)
         self.averages = LatestResult(self._show_averages, self.fail)
         # a figure itself would lose its height while it loads
-        self.figures = [column(chart.pane, kind="equal") for chart in (self.map, self.bars)]
+        self.figures = [
+            column(chart.new_pane(), kind="equal")
+            for chart in (self.map_chart, self.averages_chart)
+        ]
         columns = row(*self.figures)
         choices = row(self._path, self._kind, self._numbers, kind="wrapped", sizing_mode=None)
         words = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
@@ -113,9 +116,11 @@ class EfficiencyView(Tab):
         for figure in self.figures:
             figure.loading = False
 
-    def _add_map(self) -> None:
+    def _make_map_chart(self) -> None:
         colors = self.colors
-        chart = self.map = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(320))
+        chart = self.map_chart = Chart(
+            colors, "Contraction ε [–]", "Force F [N]", screen_height(320)
+        )
         self._mapper = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
         columns = ("image", "x", "y", "dw", "dh")
         self._image = chart.source(" ".join(columns), "efficiency")
@@ -132,10 +137,12 @@ class EfficiencyView(Tab):
         )  # fmt: skip
         chart.figure.add_layout(title, "right")  # the bar's own would stand at its foot
 
-    def _add_averages(self) -> None:
+    def _make_averages_chart(self) -> None:
         colors = self.colors
         label = "Motor units in the same cross-section (1: a single one)"
-        chart = self.bars = Chart(colors, label, "Average efficiency [–]", screen_height(320))
+        chart = self.averages_chart = Chart(
+            colors, label, "Average efficiency [–]", screen_height(320)
+        )
         self._means = {}
         for resistance, dash, color, marker in (
             (True, "solid", colors.curves[0], "circle"),
@@ -152,7 +159,8 @@ class EfficiencyView(Tab):
         chart.figure.xaxis.ticker = list(COUNTS)
         chart.style_legend("bottom_right")
 
-    def _show(self, result: Maps) -> None:
+    def _show_maps(self, result: Maps) -> None:
+        """Show the chosen map and this bundle's averages, and request those by number of units."""
         self._result = result
         self.figures[0].loading = False
         self._show_map()
@@ -187,10 +195,10 @@ class EfficiencyView(Tab):
                 "dw": [strain[-1] - strain[0] + strain_step],
                 "dh": [force[-1] - force[0] + force_step],
             }  # fmt: skip
-            self.map.set_ranges(
+            self.map_chart.set_ranges(
                 (0.0, float(strain[-1] + strain_step)), (0.0, float(force[-1] + force_step))
             )
-            self.map.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+            self.map_chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
             point = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
             self._hover.tooltips = [("η", "@image{0.000}"), *point]
 
@@ -201,5 +209,7 @@ class EfficiencyView(Tab):
         values = np.concatenate(list(averages.values()))
         low, high = float(values.min()), float(values.max())
         margin = max(0.1 * (high - low), 0.005)
-        self.bars.set_ranges((COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - margin, high + margin))
+        self.averages_chart.set_ranges(
+            (COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - margin, high + margin)
+        )
         self.status.object = ""

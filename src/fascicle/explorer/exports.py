@@ -152,14 +152,14 @@ _FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Pytho
 def download_buttons(export: Callable[[], Export], **options: Any) -> list[Any]:
     """Buttons that download the files of an `export`, made when one is pressed."""
 
-    def button(suffix: str, label: str) -> Any:
-        def content() -> tuple[str, bytes]:
+    def make_button(suffix: str, label: str) -> Any:
+        def stem_and_bytes() -> tuple[str, bytes]:
             result = export()
             return result.stem, result.content(suffix)
 
-        return download_button(f"Download {label}", suffix, content, **options)
+        return download_button(f"Download {label}", suffix, stem_and_bytes, **options)
 
-    return [button(suffix, label) for suffix, label in _FILES.items()]
+    return [make_button(suffix, label) for suffix, label in _FILES.items()]
 
 
 def download_button(
@@ -167,13 +167,14 @@ def download_button(
 ) -> Any:
     """Button that downloads a file with a `suffix`; `content` gives its stem and its bytes."""
 
-    def callback() -> io.BytesIO:
+    def make_file() -> io.BytesIO:
+        """Content of the file; also sets the button's filename."""
         stem, raw = content()
         button.filename = f"{stem}.{suffix}"
         return io.BytesIO(raw)
 
     button = widget(
-        pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=callback,
+        pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=make_file,
         **{"width": 146, "margin": (2, 4)} | options,
     )  # fmt: skip
     return button

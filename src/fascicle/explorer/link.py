@@ -38,7 +38,7 @@ _CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PAT
 def to_query(view: View) -> dict[str, str]:
     """Query of the link of a `view`, by key."""
 
-    def pressure(value: float) -> str:
+    def pressure_text(value: float) -> str:
         return _exact_text(value, "pressure", view.display_units["pressure"])
 
     if any(unit.own is not None for unit in view.units):
@@ -51,11 +51,11 @@ def to_query(view: View) -> dict[str, str]:
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
         )
     query |= {
-        "supply": pressure(view.supply),
+        "supply": pressure_text(view.supply),
         "scheme": view.scheme,
-        "pressure": pressure(view.pressure),
+        "pressure": pressure_text(view.pressure),
         "strain": _exact_text(view.strain, "strain"),
-        "pressures": ",".join(pressure(P) for P in view.pressures),
+        "pressures": ",".join(pressure_text(P) for P in view.pressures),
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
         "splits": ",".join("-".join(map(str, split)) for split in view.splits),
@@ -70,7 +70,7 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
     view, errors = start, []
     for key in filter(query.__contains__, _KEYS):
         try:
-            view = _read(view, key, query[key], query)
+            view = _apply_key(view, key, query[key], query)
         except ValueError as error:
             errors.append(f"link: {error}")
         except Exception:  # noqa: BLE001 whatever a link holds, the page opens
@@ -146,8 +146,8 @@ def _exact_text(value: float, dimension: str, unit: str = "") -> str:
     return exact(value, dimension).replace(" ", "")
 
 
-def _read(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
-    """The `view` with the `text` of a `key` of a `query`."""
+def _apply_key(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
+    """The `view` with the `text` of a `key` of a `query`; `ValueError` for an invalid one."""
     if key == "muscle":
         return view if "file" in query else view_of(example(text), text, view)
     if key == "file":
@@ -158,7 +158,7 @@ def _read(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
         check_units(units)
         return replace(view, units=units, pressures=(view.supply,) * len(units))
     if key == "pressures":
-        values = tuple(_gauge_pressure(P) for P in text.split(",")[:MOST_UNITS])
+        values = tuple(_parse_gauge_pressure(P) for P in text.split(",")[:MOST_UNITS])
         return replace(view, pressures=values) if len(values) == len(view.units) else view
     if key in _CHOICES:
         if text not in _CHOICES[key]:
@@ -177,7 +177,7 @@ def _parse_unit(unit: str, text: str) -> Unit:
         raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
 
 
-def _gauge_pressure(text: str, name: str = "pressure") -> float:
+def _parse_gauge_pressure(text: str, name: str = "pressure") -> float:
     value = parse(text, "pressure")
     if name == "supply" and value <= 0:
         raise InvalidInputError(name, "must be positive", value, shown=f"{value:g} Pa")
@@ -185,13 +185,13 @@ def _gauge_pressure(text: str, name: str = "pressure") -> float:
     return value
 
 
-def _strain(text: str) -> float:
+def _parse_strain(text: str) -> float:
     value = parse(text, "strain")
     check_interval(value, 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True))
     return value
 
 
-def _display_units(text: str) -> dict[str, str]:
+def _parse_display_units(text: str) -> dict[str, str]:
     units = text.split(",")
     shown = dict(zip(DISPLAY_UNITS, units, strict=False))
     if len(units) != len(DISPLAY_UNITS) or any(
@@ -203,11 +203,11 @@ def _display_units(text: str) -> dict[str, str]:
 
 # field of the view, and parser of its text, by key
 _FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
-    "supply": ("supply", lambda text: _gauge_pressure(text, "supply")),
-    "pressure": ("pressure", _gauge_pressure),
-    "strain": ("strain", _strain),
+    "supply": ("supply", lambda text: _parse_gauge_pressure(text, "supply")),
+    "pressure": ("pressure", _parse_gauge_pressure),
+    "strain": ("strain", _parse_strain),
     "resistance": ("resistance", lambda text: text != "off"),
     "splits": ("splits", parse_splits),
-    "show": ("display_units", _display_units),
+    "show": ("display_units", _parse_display_units),
     "compare": ("alternatives", lambda text: check_alternatives(tuple(text.split(",")))),
 }

@@ -145,7 +145,7 @@ def mismatch_reason(muscle: Muscle, record: Record) -> str:
 
 
 def measured_curves(muscle: Muscle, record: Record) -> MeasuredCurves:
-    """Curves of a muscle at the pressures of a `record`."""
+    """Curves of a muscle at the mean pressures of a `record`'s levels, 100 at most."""
     level = assign_levels(record.pressure)
     levels = np.unique(level[level >= 0])
     drawn = levels[np.unique(np.linspace(0, len(levels) - 1, MOST_CURVES).astype(int))]

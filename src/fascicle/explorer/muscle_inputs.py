@@ -56,7 +56,7 @@ class MuscleInputs:
         self.message.show("")
 
     def show_error(self, error: ValueError | str) -> None:
-        """Show an error of none of the fields below all of them."""
+        """Show an error that isn't of one field, below all of them."""
         self.message.show(error, self._session.view.display_units)
 
     def arrange(self) -> None:
@@ -66,7 +66,7 @@ class MuscleInputs:
         self.panel.objects = [*sizes, self._material, *laws, self.message.pane]
 
     def change(self, **parts: Any) -> None:
-        """Replace parts of the session's muscle; `ValueError` where there is no such muscle."""
+        """Replace parts of the session's muscle, and rename it; `ValueError` if it can't be."""
         view = self._session.view
         name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
         after = replace(view, muscle=view.muscle.replace(**parts), name=name)
@@ -74,6 +74,8 @@ class MuscleInputs:
         self._session.show(after)
 
     def _size_setter(self, name: str) -> Callable[[float], None]:
+        """Function that sets the size with a `name`; it raises errors for the field to show."""
+
         def set_size(value: float) -> None:
             try:
                 self.change(**{name: value})
@@ -104,7 +106,7 @@ class LawInputs:
         self.choices: dict[str, Any] = {}
         names = {name.replace("_", " "): name for name in LAWS[kind]}
         self.select = dropdown(_TITLES.get(kind, kind.capitalize()), names, **WHOLE_ROW)
-        self.select.param.watch(lambda event: self._choose(event.new), "value")
+        self.select.param.watch(lambda event: self._choose_law(event.new), "value")
 
     @property
     def widgets(self) -> list[Any]:
@@ -116,7 +118,7 @@ class LawInputs:
         """Show a `law` with quantities in `units`, by dimension."""
         before, self._law = self._law, law
         if type(law) is not type(before):
-            self._add_widgets(law)
+            self._make_widgets(law)
         self.select.value = law.name
         for constant in law.constants():
             unit = units.get(constant.dimension, DIMENSIONS[constant.dimension].common)
@@ -124,10 +126,10 @@ class LawInputs:
         for name, choice in self.choices.items():
             choice.value = getattr(law, name)
 
-    def _add_widgets(self, law: Any) -> None:
+    def _make_widgets(self, law: Any) -> None:
         self.fields = {
             constant.name: Field(
-                _title(constant.name), constant.name, constant.dimension,
+                _label_of(constant.name), constant.name, constant.dimension,
                 lambda value, name=constant.name: self._replace(name, value), **_INDENT,
             )
             for constant in law.constants()
@@ -135,7 +137,7 @@ class LawInputs:
         self.choices = {}
         for switch in law.switches():
             names = {option.replace("_", " "): option for option in switch.options}
-            choice = self.choices[switch.name] = dropdown(_title(switch.name), names, **_INDENT)
+            choice = self.choices[switch.name] = dropdown(_label_of(switch.name), names, **_INDENT)
             choice.param.watch(
                 lambda event, name=switch.name: self._choose_option(name, event.new), "value"
             )
@@ -144,7 +146,7 @@ class LawInputs:
     def _replace(self, name: str, value: Any) -> None:
         self._inputs.change(**{self._kind: replace_checked(self._law, {name: value})})
 
-    def _choose(self, name: str) -> None:
+    def _choose_law(self, name: str) -> None:
         if name != self._law.name:
             self._attempt(lambda: self._inputs.change(**{self._kind: name}))
 
@@ -153,11 +155,13 @@ class LawInputs:
             self._attempt(lambda: self._replace(name, option))
 
     def _attempt(self, change: Callable[[], None]) -> None:
+        """Call `change`, and show its `ValueError`, if any."""
         try:
             change()
         except ValueError as error:
             self._inputs.show_error(error)
 
 
-def _title(name: str) -> str:
+def _label_of(name: str) -> str:
+    """Label of a law's constant or switch: `some_name` as "Some name"."""
     return name.replace("_", " ").capitalize()

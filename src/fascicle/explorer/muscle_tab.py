@@ -77,7 +77,7 @@ class MuscleView(Tab):
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
         words = pane(words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse"))
         left = side_column(self.inputs.panel, self.compare, self.message.pane, words, width=284)
-        curves = column(self.chart.pane, kind="equal")
+        curves = column(self.chart.new_pane(), kind="equal")
         scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
         sliders = row(self._pressure.panel, self._strain.panel)
         main = column(self.notes, sliders, row(curves, scene))
@@ -90,10 +90,10 @@ class MuscleView(Tab):
             self.session.view = view = replace(view, strain=self.top)
         self.inputs.show(view)
         options = {_law_label(key): key for key in alternative_laws(view.muscle)}
-        self.compare.param.update(options=options, value=_alternatives(view))
-        curves = self._curves(view)
+        self.compare.param.update(options=options, value=_chosen_alternatives(view))
+        curves = self._compute_curves(view)
         self._show_family(curves)
-        self._show_curve(view, curves)
+        self._show_curve_and_regions(view, curves)
         self._show_point(view, curves)
         if strain > self.top:
             self._strain.field.show_error(
@@ -105,9 +105,9 @@ class MuscleView(Tab):
     def follow(self, before: View, after: View) -> None:
         """Follow the sliders, and the laws compared."""
         if changed(before, after, "pressure", "strain"):
-            curves = self._curves(after)
+            curves = self._compute_curves(after)
             if changed(before, after, "pressure"):
-                self._show_curve(after, curves)
+                self._show_curve_and_regions(after, curves)
                 if self.alternatives.data["xs"]:
                     self._request_alternatives(after)
             self._show_point(after, curves)
@@ -115,7 +115,7 @@ class MuscleView(Tab):
             self._show_remarks(after)
             self._request_alternatives(after)
 
-    def _curves(self, view: View) -> MuscleCurves:
+    def _compute_curves(self, view: View) -> MuscleCurves:
         return muscle_curves(view.muscle, view.pressure, view.strain, view.supply, self.top)
 
     def _show_remarks(self, view: View) -> None:
@@ -181,7 +181,7 @@ class MuscleView(Tab):
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._hover.tooltips = hover_tooltips(unit)
 
-    def _show_curve(self, view: View, curves: MuscleCurves) -> None:
+    def _show_curve_and_regions(self, view: View, curves: MuscleCurves) -> None:
         self._pressure.show(view.pressure, view.display_units["pressure"], view.supply)
         unit, scale = self.unit("force")
         forces = {name: getattr(curves, name)[-1] / scale for name in PARTS}
@@ -248,7 +248,7 @@ class MuscleView(Tab):
     # other laws
 
     def _choose_alternatives(self, event: Any) -> None:
-        if event.new == _alternatives(self.session.view):  # set by the page itself
+        if event.new == _chosen_alternatives(self.session.view):  # set by the page itself
             return
         try:
             self.session.change(alternatives=check_alternatives(tuple(event.new)))
@@ -261,13 +261,15 @@ class MuscleView(Tab):
         top = self.top
 
         def compute() -> list[tuple[str, MuscleCurves]]:
-            muscles = {key: with_alternative(view.muscle, key) for key in _alternatives(view)}
+            muscles = {
+                key: with_alternative(view.muscle, key) for key in _chosen_alternatives(view)
+            }
             return [
                 (key, muscle_curves(muscle, view.pressure, view.strain, view.supply, top))
                 for key, muscle in muscles.items()
             ]
 
-        if _alternatives(view):
+        if _chosen_alternatives(view):
             self._alternative_curves.request(compute)
         else:
             self._show_alternatives([])
@@ -289,6 +291,7 @@ class MuscleView(Tab):
             self.session.change(strain=round(float(event.x), 4))
 
     def _advance(self) -> bool:
+        """Raise the strain by a step, or begin again at zero; False if another tab is open."""
         view = self.session.view
         if view.tab != self.name:
             return False
@@ -297,8 +300,8 @@ class MuscleView(Tab):
         return True
 
 
-def _alternatives(view: View) -> list[str]:
-    """Laws to compare, save those that the muscle has itself."""
+def _chosen_alternatives(view: View) -> list[str]:
+    """Laws chosen in the view to compare with, save those that the muscle has or can't have."""
     alternatives = alternative_laws(view.muscle)
     return [key for key in view.alternatives if key in alternatives]
 

@@ -196,6 +196,7 @@ def build(
 
 
 def _downloads(session: Session, name: str) -> list[Any]:
+    """A row of download buttons of the tab with a `name`; none for that of data."""
     if name not in EXPORTS:  # the data tab has its own: they need a record
         return []
     buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))

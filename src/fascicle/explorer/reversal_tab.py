@@ -107,8 +107,8 @@ class ReversalView(Tab):
                           text_color=colors.ink, text_font_size="12px")  # fmt: skip
         self._legend = pane(sizing_mode="stretch_width")
         self._table = pane(margin=(8, 8))
-        self._curves = LatestResult(self._show, self.fail)
-        left = column(self._splits, self.message.pane, self.status, self._legend, chart.pane)
+        self._curves = LatestResult(self._show_curves, self.fail)
+        left = column(self._splits, self.message.pane, self.status, self._legend, chart.new_pane())
         explanation = pane(_EXPLANATION, (8, 8))
         self.panel = row(
             left, pn.Column(explanation, self.notes, self._table, width=_SIDE, margin=0)
@@ -128,7 +128,7 @@ class ReversalView(Tab):
         except ValueError as error:
             self.message.show(error)
 
-    def _show(self, curves: list[SplitCurve]) -> None:
+    def _show_curves(self, curves: list[SplitCurve]) -> None:
         unit, scale = self.unit("pressure")
         colors = cycle_colors(self.colors, len(curves))
         for name, lines, suffix in (

@@ -92,7 +92,7 @@ async def _serve(
 
 
 def start_server(view: View, host: str, port: int | None) -> Any:
-    """Server on the `port`, or on the first free one from 5006 on; `OSError` without one."""
+    """Server, not yet started, on the `port` or the first free one from 5006; `OSError` without."""
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:

@@ -169,7 +169,7 @@ class Scene:
     def panes(self, *widgets: Any) -> tuple[Any, Any]:
         """The figure, and a row of its slider and `widgets`."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
-        return self._chart.pane, row(slider, *widgets, kind="")
+        return self._chart.new_pane(), row(slider, *widgets, kind="")
 
     def show(
         self,
@@ -202,10 +202,12 @@ class Scene:
 
 
 def _columns(names: Sequence[str], points: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns of `points`, single precision, by their `names`."""
     return {name: points[:, i].astype(np.float32) for i, name in enumerate(names)}
 
 
 def _face_columns(colors: Sequence[str], fitting: str) -> dict[str, np.ndarray]:
+    """Corners and colors of the faces of solids with tubes of these `colors`, by column."""
     corners = face_corners()
     number = corners.max() + 1
     all_corners = np.concatenate([corners + i * number for i in range(len(colors))])

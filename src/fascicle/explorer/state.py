@@ -30,11 +30,7 @@ SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared mu
 
 @dataclass(frozen=True)
 class Unit:
-    """A motor unit of `count` muscles.
-
-    Their radius and wall are `size` times [-] those of the view's muscle; or `own` is another
-    muscle instead of it.
-    """
+    """A motor unit: `count` muscles, the view's with radius and wall times `size` [-], or `own`."""
 
     count: int = 1
     size: float = 1.0
@@ -93,7 +89,7 @@ def scaled(muscle: Muscle, size: float) -> Muscle:
 
 
 def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:
-    """View of a muscle or a bundle that is opened; units, tab and options stay as `before`."""
+    """View of an opened muscle or bundle; tab, options and display units are those of `before`."""
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
@@ -156,7 +152,7 @@ class Session:
             self.show(replace(self.view, **changes))
 
     def show(self, view: View) -> None:
-        """Replace the view."""
+        """Replace the view, and call all callbacks."""
         before, self.view = self.view, view
         with self._batch():
             for callback in self._callbacks:
@@ -164,6 +160,6 @@ class Session:
 
 
 def changed(before: View, after: View, *names: str) -> bool:
-    """True where one of the fields `names` differs between two views."""
+    """True if one of the fields `names` is another object in the two views, even an equal one."""
     # by identity: two muscles are compared by their arrays, and any change makes a new one
     return any(getattr(before, name) is not getattr(after, name) for name in names)

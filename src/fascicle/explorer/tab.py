@@ -63,7 +63,7 @@ class Tab:
         return unit, unit_factor(unit, dimension)
 
     def fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation."""
+        """Show the error of a computation, and end its status."""
         self.status.object = ""
         self.message.show(error, self.session.view.display_units)
 
@@ -96,6 +96,7 @@ class LatestResult:
             self._start(doc, compute)
 
     def _start(self, doc: Any, compute: Callable[[], Any]) -> None:
+        """Run `compute` in a thread; at its end show its result, or start a newer request."""
         self._busy = True
 
         def deliver(outcome: Outcome) -> None:
@@ -124,6 +125,7 @@ class LatestResult:
 
 
 def _attempt(compute: Callable[[], Any]) -> Outcome:
+    """Result of `compute`, or its `ValueError`; any other error is logged, a sentence shown."""
     try:
         return compute(), None
     except ValueError as error:

@@ -237,6 +237,7 @@ class Sweep:
             self._timer = pn.state.add_periodic_callback(self._advance, period=_SWEEP_PERIOD)
 
     def _advance(self) -> None:
+        """Move the value a step, and release the button at the end."""
         if not self._step():
             self.button.value = False
 
@@ -247,19 +248,19 @@ def heading(text: str) -> str:
 
 
 def status_line(text: str) -> str:
-    """A quiet line in HTML on the state of a computation."""
+    """A quiet line in HTML on the state of a computation; `text` isn't escaped."""
     return f'<div role="status">{text}</div>' if text else ""
 
 
 def readout_table(rows: Mapping[str, str]) -> str:
-    """A table in HTML of names and values."""
+    """A table in HTML of names and values, which aren't escaped."""
     texts = {name: f"−{text[1:]}" if text[:1] == "-" else text for name, text in rows.items()}
     lines = "".join(f"<tr><th>{name}</th><td>{text}</td></tr>" for name, text in texts.items())
     return f'<table class="readout">{lines}</table>'
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table in HTML with a row of `heads`."""
+    """A table in HTML with a row of `heads`; cells are HTML and aren't escaped."""
     lines = [f"<th>{'</th><th>'.join(heads)}</th>"]
     lines += [f"<td>{'</td><td>'.join(row)}</td>" for row in rows]
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"
