@@ -189,7 +189,7 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
             rule = f"has an empty entry in {_quote(text)}"
             raise InvalidInputError(name, rule, text, "drop the comma", shown="")
         if ":" in entry:
-            values += _range(entry, dimension, name)
+            values += _expand_range(entry, dimension, name)
         else:
             values.append(parse(entry, dimension, name))
         if len(values) > MAX_POINTS:
@@ -212,8 +212,9 @@ def exact(value: float, dimension: str) -> str:
 
 
 def pretty(value: float, dimension: str, digits: int = 4) -> str:
-    """Text of a `value` [SI] for a reader, with significant `digits`: `"34.5 kPa"`, and `"10 m"`
-    rather than `"1e+04 mm"`; "-" for infinity and NaN.
+    """Text of a `value` [SI] in its dimension's common unit, or another if that takes an exponent:
+    `"34.5 kPa"`, `"10 m"` rather than `"1e+04 mm"`; with significant `digits`; "-" for infinity
+    and NaN.
     """
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
@@ -235,6 +236,7 @@ def figures(value: float, digits: int = 4) -> str:
 
 
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
+    """Value [SI] that `parse` rounds: a fraction, or a float for zero and degrees."""
     kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
 
     def invalid(value: str, remedy: str = "") -> InvalidInputError:
@@ -322,7 +324,9 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
-def _range(text: str, dimension: str, name: str) -> list[float]:
+def _expand_range(text: str, dimension: str, name: str) -> list[float]:
+    """Numbers [SI] of `start:stop:step`, of which `stop` is always the last."""
+
     def invalid(remedy: str) -> InvalidInputError:
         return InvalidInputError(name, f"has the range {_quote(text)}", text, remedy, shown="")
 
@@ -344,6 +348,7 @@ def _range(text: str, dimension: str, name: str) -> list[float]:
 
 
 def _too_many(text: str, name: str) -> ValueError:
+    """Error, for the caller to raise, of more than `MAX_POINTS` values."""
     rule = f"has more than {MAX_POINTS} values in {_quote(text)}"
     return InvalidInputError(name, rule, text, "take fewer", shown="")
 

@@ -187,12 +187,12 @@ class Bundle(Module):
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` if all are 1."""
         if self.plate_distance is None:
             return None
-        return _stack([self.plate_distance / unit.muscle.length for unit in self.motor_units])
+        return _stack_units([self.plate_distance / unit.muscle.length for unit in self.motor_units])
 
     @cached_property
     def counts(self) -> Whole:
         """Muscles in each motor unit [-], on the last axis."""
-        return _stack([unit.count for unit in self.motor_units])
+        return _stack_units([unit.count for unit in self.motor_units])
 
     @cached_property
     def groups(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
@@ -229,7 +229,7 @@ class Bundle(Module):
         return forces if resistance else where(forces > 0, forces, 0.0)
 
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
-        """Smallest strain at which the force vanishes; without resistance, the largest.
+        """Smallest strain of no force, inf if none; without resistance, the units' largest one.
 
         **Arguments:**
 
@@ -247,7 +247,7 @@ class Bundle(Module):
         return where(roots.count > 0, roots.strain[..., 0], np.inf)[()]
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
-        """All strains at which the force vanishes, and their stability.
+        """All strains of no force, and their stability; without resistance, the free strain alone.
 
         **Arguments:**
 
@@ -345,8 +345,8 @@ class Bundle(Module):
         resistance: bool = True,
         scheme: AbstractScheme | str | None = None,
     ) -> float:
-        """Average efficiency [-] over the workspace at a supply pressure [Pa]; arguments are those
-        of `fascicle.energetics.average_efficiency`.
+        """Plain mean of the efficiency [-] over its map at a supply pressure [Pa]; arguments are
+        those of `fascicle.energetics.average_efficiency`.
         """
         options = {"resistance": resistance, "scheme": scheme}
         return self.efficiency_map(supply_pressure, path, **options).average
@@ -398,6 +398,7 @@ class Bundle(Module):
         return replace_checked(self, changes, length=self.plate_distance)
 
     def _check_strain(self, strain: Values) -> Batch:
+        """The `strain` [-] of the plates as floats, refused off the domain of any muscle."""
         single = isinstance(strain, float) and self.plate_distance is None
         if single and 0.0 <= strain <= LARGEST_STRAIN:
             return np.float64(strain)  # a check of each muscle would take as long as their law
@@ -408,6 +409,9 @@ class Bundle(Module):
         return check_strain(strain, reduce(np.maximum, lowest))
 
     def _check_pressures(self, pressures: Values) -> PerUnit:
+        """The `pressures` [Pa] as floats, refused unless there is one for each unit, 0 to 1 MPa;
+        warns of those above a unit's tuning.
+        """
         P, units = _gauge_pressure(pressures), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != units:
             raise InvalidInputError(
@@ -421,6 +425,9 @@ class Bundle(Module):
         return P
 
     def _check_shapes(self, pressures: PerUnit, **arrays: Numbers) -> None:
+        """Refuse `pressures`, units last, and `arrays` that don't broadcast with each other and
+        with a batch of bundles.
+        """
         shapes = {name: np.shape(x) for name, x in arrays.items()}
         shape = broadcast_shape(pressures=np.shape(pressures)[:-1], **shapes)
         if self._batch:
@@ -443,7 +450,7 @@ class Bundle(Module):
         self._check_shapes(pressures, **dict(zip(("force",), force, strict=False)))
         primal = primal_numpy(self, pressures, *force)
         if primal is None:
-            return evaluate(_equilibria, self, pressures, *force)
+            return evaluate(_equilibria_of_all, self, pressures, *force)
         bundle, *arrays = primal
         roots = bundle._find_equilibria(*arrays)
         return roots._replace(
@@ -460,7 +467,8 @@ def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
     return array_namespace(free_strains).max(free_strains, axis=-1)
 
 
-def _equilibria(bundle: Bundle, pressures: PerUnit, *force: Numbers) -> Equilibria:
+def _equilibria_of_all(bundle: Bundle, pressures: PerUnit, *force: Numbers) -> Equilibria:
+    """Equilibria at all points to which bundles, `pressures` [Pa] and `force` [N] broadcast."""
     batch, shape = flatten_batch(bundle, pressures, *force)
     load = [array_namespace(x).broadcast_to(x, shape).reshape(-1) for x in force]
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in find_equilibria(batch, *load)))
@@ -476,13 +484,16 @@ def _with_derivatives(
     return roots.reshape(strain.shape)
 
 
-def _stack(values: list[Any]) -> Any:
+def _stack_units(values: list[Any]) -> Any:
     """A value for each unit, on the last axis."""
     xp = array_namespace(*values)
     return xp.stack(xp.broadcast_arrays(*values), axis=-1)
 
 
 def _gauge_pressure(value: Values, name: str = "pressures") -> Batch:
+    """The `value` [Pa] as floats, refused outside 0 to 1 MPa; warns of bare numbers that may be in
+    bar.
+    """
     checked = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
     if not has_units(value):
         warn_pressure_units(checked)
@@ -526,8 +537,8 @@ def check_single(bundle: Any) -> None:
 
 
 def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
-    """A bundle of the units that differ, and the index among them of each unit: equal units are
-    evaluated once.
+    """A bundle of the units that differ, without supply pressure and scheme, and the index among
+    them of each unit: equal units are evaluated once.
     """
     unique, inverse = unique_indices(bundle.motor_units)
     units = [bundle.motor_units[i] for i in unique]

@@ -142,6 +142,8 @@ def unit_work(
 
 
 def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
+    """As `unit_work`, without checks."""
+
     def muscle_work(muscle: Pressurized, strain: Numbers, start: Numbers) -> Numbers:
         return contraction_work(muscle, strain, start, resistance)
 
@@ -188,6 +190,9 @@ def unit_work_along(
 def _unit_work_along(
     bundle: Bundle, pressures: Numbers, stops: Numbers, count: int, nodes: int, resistance: bool
 ) -> Numbers:
+    """As `unit_work_along`: `stops`, rest first, then `count` strains of the result, then others
+    [-].
+    """
     x, weights = np.polynomial.legendre.leggauss(nodes)
 
     def muscle_work(muscle: Pressurized, stops: Numbers) -> Numbers:
@@ -262,7 +267,7 @@ class EfficiencyMap:
 
     @property
     def average(self) -> float:
-        """Mean efficiency [-] over the points that are reached."""
+        """Plain mean of the efficiency [-] over the points that are reached."""
         return float(np.nanmean(self.efficiency))
 
 
@@ -358,7 +363,7 @@ def average_efficiency(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> float:
-    """Mean efficiency over the workspace of a bundle [R18].
+    """Plain mean of the efficiency over the points of its map that a bundle reaches [R18].
 
     **Arguments:**
 

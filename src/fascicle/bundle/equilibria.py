@@ -60,10 +60,10 @@ def find_equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Equili
     count, units = bundles.pressures.shape
     size = max(1, min(_BATCH, _PAIRS // units**2))
     if count <= size:
-        return _equilibria(bundles, load)
+        return _equilibria_of_block(bundles, load)
 
     def search(index: Any) -> Equilibria:
-        return _equilibria(bundles.take(index), None if load is None else load[index])
+        return _equilibria_of_block(bundles.take(index), None if load is None else load[index])
 
     if bundles.is_numpy and isinstance(load, np.ndarray | None):
         parts = [search(slice(start, start + size)) for start in range(0, count, size)]
@@ -84,7 +84,8 @@ def attach_derivatives(pressurized: Pressurized, load: Numbers, strain: Numbers)
     return where(exists, roots, strain)
 
 
-def _equilibria(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
+def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
+    """As `find_equilibria`, of a batch that fits the memory."""
     pressurized = bundles.pressurized()
     constant = stop_gradient(pressurized)
     free_strains = constant.free_strains[:, 0]

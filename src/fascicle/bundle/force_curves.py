@@ -103,6 +103,7 @@ class MuscleCurves:
         return force, slope if self.ratio is None else slope * self.ratio
 
     def _cell(self, level: Array) -> Array:
+        """Index of the grid's cell in which each `level` [-] lies."""
         index = np.searchsorted(self.levels, level, "right") - 1
         return np.clip(index, 0, self.levels.size - 2)
 
@@ -125,6 +126,10 @@ class MuscleCurves:
         return self.law.tension.pull(level * self.supply, self.strain(plates)).force
 
     def _kink_residual(self, index: int) -> Residual:
+        """Strain [-] of the kink `index` beyond the plates', as a function of level and plates'
+        strain [-].
+        """
+
         def residual(level: Array, plates: Array) -> Array:
             muscle = self.law.at(level * self.supply, self._free_strain(level))
             strain = np.broadcast_to(_kink_strains(muscle)[index], level.shape)
@@ -181,9 +186,9 @@ class StateCurves:
         """Force [N] of the units that each `state` throttles, at a `node` of the grid."""
         return self._sum(state, lambda muscle, i: muscle.force_at_nodes(node[i], strain[i]))[0]
 
-    def interpolate(self, state: Array, strain: Array) -> tuple[Array, Array]:
-        """Force [N] that a `state` throttles at each node, by a table over `strain` [-], and how
-        much it changes between two columns of that table [N].
+    def throttled_force_at_all_nodes(self, state: Array, strain: Array) -> tuple[Array, Array]:
+        """Force [N] of the units that each `state` throttles at every node, nodes last, linear
+        between the columns of a table over `strain` [-], and its change between both columns [N].
         """
         low, high, table = self._force_table(strain)
         position = (strain - low) / (high - low) * (_COLUMNS - 1)
@@ -206,6 +211,9 @@ class StateCurves:
         return self._table
 
     def _sum(self, state: Array, law: Callable) -> tuple[Array, Array]:
+        """Force [N] that a `law` gives for all units that each `state` throttles, and its slope
+        [N].
+        """
         force, slope = np.zeros(len(state)), np.zeros(len(state))
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
@@ -217,6 +225,7 @@ class StateCurves:
         return force, slope
 
     def _without_pushing(self, force: Array, slope: Array) -> tuple[Array, Array]:
+        """Force and slope [N], both zero where units would push and resistance doesn't count."""
         if self.resistance:
             return force, slope
         return np.where(force > 0, force, 0.0), np.where(force > 0, slope, 0.0)
@@ -317,6 +326,7 @@ def find_roots(
 
 
 def _find_roots(curves: StateCurves, force: Array, strain: Array, state: Array | None) -> Roots:
+    """As `find_roots`, of one batch of demands."""
     demand = np.arange(len(force))
     if state is None:
         demand = np.repeat(demand, curves.states)
@@ -325,7 +335,7 @@ def _find_roots(curves: StateCurves, force: Array, strain: Array, state: Array |
     searches = Searches(curves, demand, state, strain[demand], target)
     every_cell = cells = np.ones((len(demand), len(curves.levels) - 1), bool)
     if cells.size > FEW_CELLS:  # those that may hold the target, by the force table
-        forces, change = curves.interpolate(state, searches.strain)
+        forces, change = curves.throttled_force_at_all_nodes(state, searches.strain)
         # a kink moves through the cells between two columns of the table
         slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
         cells = _may_reach_zero(forces - target[:, None], slack)

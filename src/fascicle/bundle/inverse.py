@@ -259,6 +259,9 @@ def _least_energy(
 
 
 def _status(is_reached: Array, value: Array, force: Array) -> Array:
+    """Status of each demand of a `force` [N], of which `value` [N] is the nearest that is reached.
+    reached.
+    """
     return np.where(is_reached, REACHED, np.where(value < force, ABOVE, BELOW))
 
 
@@ -310,7 +313,7 @@ def _solve_traced(
     states, shape = states_of(scheme, len(bundle.motor_units)), np.shape(force)
     slots = 1 if states.independent else _SLOTS_PER_STATE * states.size + 2
 
-    def solve(*arguments: Any) -> RecruitmentResult:
+    def solve_by_numpy(*arguments: Any) -> RecruitmentResult:
         # in single precision only arguments and results are; the search itself is not
         arguments = tree_map(
             lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), arguments
@@ -334,12 +337,13 @@ def _solve_traced(
         unit=array_spec(int),
     )
     arguments = stop_gradient((bundle, supply, force, strain, *present))
-    result = jax.pure_callback(solve, shapes, *arguments, vmap_method="sequential")
+    result = jax.pure_callback(solve_by_numpy, shapes, *arguments, vmap_method="sequential")
     return _derivatives_for(scheme, resistance)(bundle, force, strain, supply, result)
 
 
 @cache
 def _derivatives_for(scheme: AbstractScheme, resistance: bool) -> Callable[..., RecruitmentResult]:
+    """`_attach_derivatives` for a scheme, compiled once."""
     import jax
 
     return jax.jit(partial(_attach_derivatives, scheme=scheme, resistance=resistance))
@@ -363,14 +367,16 @@ def _attach_derivatives(
     if not states.independent:
         throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
 
-    def total(bundle: Bundle, pressures: Any, strain: Any) -> Any:
+    def total_force(bundle: Bundle, pressures: Any, strain: Any) -> Any:
         forces, _ = pressurized(bundle, pressures).unit_forces(strain)
         return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
 
     P = result.pressures / stop_gradient(supply) * supply
-    value = total(bundle, P, strain)
+    value = total_force(bundle, P, strain)
     constant, eps = stop_gradient((bundle, strain))
-    slope = jax.jvp(lambda p: total(constant, p, eps), (stop_gradient(P),), (1.0 * throttled,))[1]
+    slope = jax.jvp(
+        lambda p: total_force(constant, p, eps), (stop_gradient(P),), (1.0 * throttled,)
+    )[1]
     is_reached = result.status == REACHED
     moves = is_reached & (slope != 0)
     miss = where(moves, force - value, 0.0)

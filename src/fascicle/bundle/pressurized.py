@@ -111,6 +111,7 @@ class Pressurized(Module):
         return total(forces, axis=-1), total(slopes, axis=-1)
 
     def _plate_strains(self, strains: Numbers) -> Numbers:
+        """The plates' strain [-] at strains of each unit's muscles [-]."""
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def _in_order(self, values: list[Any]) -> Any:
@@ -172,27 +173,28 @@ def flatten_batch(
         return BundleBatch(bundle, flat), shape
     tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
 
-    def flatten(leaf: Any) -> Any:
+    def flatten_leaf(leaf: Any) -> Any:
         table = np.shape(leaf)[-1:] if id(leaf) in tables else ()
         if np.ndim(leaf) == len(table):
             return leaf
         return array_namespace(leaf).broadcast_to(leaf, (*shape, *table)).reshape(-1, 1, *table)
 
-    return BundleBatch(tree_map(flatten, bundle), flat), shape
+    return BundleBatch(tree_map(flatten_leaf, bundle), flat), shape
 
 
 def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
-    """Muscles of the same laws stacked on the last axis, with their indices among `muscles`;
-    repetitions of one object stay that object, which broadcasts.
+    """Groups of muscles of the same laws and shapes, each as its indices among `muscles` and one
+    muscle, stacked on the last axis; repetitions of one object stay that object, which broadcasts.
     """
     groups: dict[Any, list[int]] = {}
     for i, muscle in enumerate(muscles):
         key = tree_structure(muscle), tuple(map(np.shape, tree_leaves(muscle)))
         groups.setdefault(key, []).append(i)
-    return [(tuple(index), _stack([muscles[i] for i in index])) for index in groups.values()]
+    return [(tuple(index), _stack_group([muscles[i] for i in index])) for index in groups.values()]
 
 
-def _stack(muscles: list[Muscle]) -> Muscle:
+def _stack_group(muscles: list[Muscle]) -> Muscle:
+    """Muscles of the same laws as one, stacked; repetitions of a single one as that object."""
     first = muscles[0]
     if all(muscle is first for muscle in muscles) and not batch_shape(first):
         return first

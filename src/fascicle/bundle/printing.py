@@ -31,7 +31,7 @@ def bundle_table(bundle: Any) -> ReprTable:
     muscles = [unit.muscle for unit in units]
     texts = {
         "material": (material_text(muscle.material) for muscle in muscles),
-        "laws": map(_laws, muscles),
+        "laws": map(_laws_text, muscles),
         "tuning": (tuning_text(muscle.tuning) for muscle in muscles),
     }
     facts = [
@@ -198,7 +198,7 @@ def _format_count(unit: Any) -> str:
     return format_range(unit.count, "{:.0f}".format)
 
 
-def _laws(muscle: Any) -> str:
+def _laws_text(muscle: Any) -> str:
     laws = ((kind, getattr(muscle, kind)) for kind in LAWS)
     return "; ".join(
         f"{kind.replace('_', '-')} {law_text(law)}"

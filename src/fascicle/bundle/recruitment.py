@@ -137,6 +137,7 @@ class Overlap:
 
 
 def _outline(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
+    """Strains [-] there and back, with the `high` edge [N] there and the `low` one back."""
     strain, low, high = strain[inside], low[inside], high[inside]
     return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
 

@@ -137,6 +137,7 @@ def onset_pressure(
 
 
 def _check_unit(bundle: Bundle, unit: int) -> int:
+    """The `unit`, counted from 1, refused unless the `bundle` has it."""
     units = len(bundle.motor_units)
     if not isinstance(unit, int | np.integer):
         rule = "must be a whole number, counted from 1"

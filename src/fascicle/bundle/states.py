@@ -81,8 +81,8 @@ class States(NamedTuple):
 
     @property
     def gapless(self) -> bool:
-        """True if no gap is between the forces of states: each begins with all units vented, or as
-        an earlier one begins or ends.
+        """True if no gap is between the forces of states: each begins (its throttled units vented)
+        without any pressure, or as an earlier one begins or ends (its throttled units full).
         """
         if self.independent:
             return not self.full.any()

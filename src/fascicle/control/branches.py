@@ -95,11 +95,13 @@ class Branches(Module):
         return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of one muscle of each unit [N] at a `pressure` [Pa] and `strain` [-]."""
+        """Force of one muscle of each unit [N], on and off its branch, at a `pressure` [Pa]
+        and `strain` [-].
+        """
         return self.muscles.at(pressure, strain).force
 
     def onset(self, strain: Numbers) -> Numbers:
-        """$p_{on}$ [Pa] at a `strain` [-]: the top where no pressure up to it gains."""
+        """Onset $p_{on}$ [Pa] of each unit at `strain` [-]: the top where no pressure gains."""
         j, w, indices = self._column(strain)
         onsets = array_namespace(strain).asarray(self.onsets)
         between = (1 - w) * onsets[indices, j] + w * onsets[indices, j + 1]
@@ -128,7 +130,7 @@ class Branches(Module):
         return depth, pressure
 
     def pressure(self, force: Numbers, strain: Numbers) -> BranchPressure:
-        """The inverse, (K1).
+        """Pressure on the rising branch of each unit that gives a force, and its status, (K1).
 
         **Arguments:**
 

@@ -158,6 +158,9 @@ class Cascade(Module):
     def _act(
         self, memory: Memory, measurement: Measurement, reference: Any
     ) -> tuple[Memory, Numbers]:
+        """Next memory, but for its timing, and the commands [-], from a measurement that is late
+        already.
+        """
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
         started = memory.steps > 0
         if self.of == "position":
@@ -207,14 +210,14 @@ class Cascade(Module):
         # a larger output is out of reach if the bundle that pulls on can't, or the other one less
         is_short, is_excess = jnp.any(jnp.stack(short)), jnp.any(jnp.stack(excess))
 
-        def limited(value: Batch, before: Batch) -> Batch:
+        def without_windup(value: Batch, before: Batch) -> Batch:
             winds_up = (is_short & (value > before)) | (is_excess & (value < before))
             return jnp.where(winds_up, before, value)
 
         commands = self._valves(jnp.concatenate(targets), measurement, strains, speed)
         return memory._replace(
-            integral=limited(integral, memory.integral),
-            force_integral=limited(force_integral, memory.force_integral),
+            integral=without_windup(integral, memory.integral),
+            force_integral=without_windup(force_integral, memory.force_integral),
             demand=demand, rate=rate, friction=friction, reference=last, policies=tuple(policies),
         ), commands  # fmt: skip
 

@@ -165,16 +165,18 @@ def crossing(
     reserve = state.largest_force - F
     short = np.flatnonzero(reserve < 0)
 
-    def none(reason: str, needed: float | None = None) -> Crossing:
+    def no_crossing(reason: str, needed: float | None = None) -> Crossing:
         return Crossing(None, None, None, None, None, None, None, needed, reason)
 
     before = f"unit {unit - 1}" if unit == 2 else f"units 1 to {unit - 1}"
     if not short.size:
-        return none(f"{before} can hold all of the path, at least {np.min(reserve):.4g} N are left")
+        return no_crossing(
+            f"{before} can hold all of the path, at least {np.min(reserve):.4g} N are left"
+        )
     k = short[0]  # the reserve is used up before this moment
     if k == 0:
         missing = f"{-reserve[0]:.4g} N are missing"
-        return none(f"{before} can't hold the path's beginning: {missing}", float(t[0]))
+        return no_crossing(f"{before} can't hold the path's beginning: {missing}", float(t[0]))
     needed = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
     starts, start, end = t[(t < needed) & (reserve >= state.dip)], np.nan, np.nan
     step = float(np.max(np.diff(t)))
@@ -182,7 +184,7 @@ def crossing(
         ends = hand_over.ends(starts)
         feasible = np.flatnonzero(np.isfinite(ends))
         if not feasible.size:  # not after the first round, whose start is among the next ones
-            return none(hand_over.reason(t[: k + 1], before), needed)
+            return no_crossing(hand_over.reason(t[: k + 1], before), needed)
         start, end = float(starts[feasible[-1]]), float(ends[feasible[-1]])
         starts, step = np.linspace(start, min(start + step, needed), 33), step / 32
     eps = float(np.interp(end, path.time, path.strain))

@@ -49,7 +49,7 @@ _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop"
 
 
 class FrequencyResponse(NamedTuple):
-    """Response for each amplitude, in rows, and frequency.
+    """Response to sines: amplitudes on the first axis, frequencies on the second.
 
     `error`: root mean square over that of the reference [-]; `reached`: fraction of steps whose
     reference was in reach [-]; useful `work` of a period [J]; flow `drawn` from the supply [kg/s]
@@ -78,7 +78,7 @@ def frequency_response(
     start: State,
     time: Values = 2.0,
 ) -> FrequencyResponse:
-    """Frequency response of a controlled plant, with amplitudes on the first axis.
+    """Error, work and flow of a position-controlled plant that follows sines; no gain or phase.
 
     **Arguments:**
 
@@ -110,21 +110,22 @@ def frequency_response(
     batch = (middle + A[:, None, None] * growth * sines).reshape(-1, steps)
     step_size = estimate_substeps(plant, dt)
 
-    def run(reference: Numbers) -> PlantOutputs:
+    def simulate_reference(reference: Numbers) -> PlantOutputs:
         substeps = step_size.substeps
         return simulate(plant, controller, reference, dt=dt, start=start, substeps=substeps).outputs
 
-    outputs = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(batch)))
+    outputs = jax.tree.map(np.asarray, jax.vmap(simulate_reference)(jnp.asarray(batch)))
     late = slice(round(_GROWTH_TIME / dt), steps)
 
-    def grid(values: Numbers) -> Numbers:
+    def per_sine(values: Numbers) -> Numbers:
+        """The `values` of all runs with axes of amplitudes and frequencies."""
         return np.reshape(values, (len(A), len(f), *np.shape(values)[1:]))
 
     deviation = outputs.position[:, 1:][:, late] - batch[:, late]
-    rms = grid(np.sqrt(np.mean(deviation**2, axis=-1)))
+    rms = per_sine(np.sqrt(np.mean(deviation**2, axis=-1)))
     pull = np.sum(plant.lengths * plant.gains * outputs.forces, axis=-1)
     power = np.maximum(pull * outputs.velocity, 0.0)[:, late]
-    work = grid(np.sum(power, axis=-1)) * dt / (span * f)
+    work = per_sine(np.sum(power, axis=-1)) * dt / (span * f)
     runs = (PlantOutputs(*(field[k] for field in outputs)) for k in range(len(batch)))
     can = [
         np.mean(reachability(controller, run_outputs, reference).can[late])
@@ -134,8 +135,8 @@ def frequency_response(
     drawn = np.sum(np.maximum(outputs.drawn, 0.0), axis=-1)[:, late]
     trusted = ~np.any((outputs.status & _DISTRUSTED) > 0, axis=-1) & (not step_size.stiff)
     return FrequencyResponse(
-        A, f, rms / (A[:, None] / np.sqrt(2)), grid(np.array(can)), work, grid(drawn), grid(top),
-        dt, span, grid(trusted),
+        A, f, rms / (A[:, None] / np.sqrt(2)), per_sine(np.array(can)), work, per_sine(drawn),
+        per_sine(top), dt, span, per_sine(trusted),
     )  # fmt: skip
 
 

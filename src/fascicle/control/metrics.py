@@ -70,7 +70,7 @@ class Reachability(NamedTuple):
 
     @property
     def short(self) -> Numbers:
-        """Distance of the target from the range [SI]."""
+        """Distance of the target from the range [SI]; zero inside."""
         return np.maximum(np.maximum(self.target - self.upper, self.lower - self.target), 0.0)
 
 
@@ -99,7 +99,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     error = np.where(can, y - target, 0.0)
     dt = float(run.time[1] - run.time[0])
     spent = np.asarray(run.ledger)[:, LEDGER.index("supplied")]
-    dip, recruited = _units(controller, run)
+    dip, recruited = _dip_and_recruitments(controller, run)
     return ControlMetrics(
         drawdown=drawdown(y, target, can),
         dip=dip,
@@ -128,7 +128,9 @@ def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
 
 
 def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
-    """Equation (K4) of `values` [SI] while the `demand` [SI] doesn't fall and is `counted`."""
+    """Largest fall of `values` [SI] below their maximum since the `demand` [SI] last fell or wasn't
+    `counted`, (K4).
+    """
     deepest, top, before = 0.0, -np.inf, -np.inf
     for y, target, can in zip(values, demand, counted, strict=True):
         top = max(top, y) if can and target >= before else -np.inf
@@ -164,8 +166,8 @@ def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers)
     return Reachability(target, np.asarray(lower), np.asarray(upper), inside)
 
 
-def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
-    """The deepest dip [N] at the run's strains, and the number of recruitments."""
+def _dip_and_recruitments(controller: Cascade, run: Trajectory) -> tuple[float, int]:
+    """Deepest dip [N] of units but the first at the run's strains; number of recruitments."""
     plant, deepest, switches = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
         indices = plant.unit_indices(side)
@@ -182,7 +184,7 @@ def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
 
 
 def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
-    """Lag with the least error, in steps."""
+    """Steps by which `y` lags the `target` with the least error; zero for a constant target."""
     if np.ptp(target) == 0 or not counted.any():
         return 0
     upper = min(_LAGS, len(y) // 4)

@@ -126,6 +126,7 @@ def cascade(
 
 
 def _steps(value: Any, dt: float, name: str) -> int:
+    """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
     steps = round(float(value) / dt)
     if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
         rule = f"must be whole steps of {dt:g} s"

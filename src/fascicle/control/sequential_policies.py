@@ -85,7 +85,7 @@ class SequentialPolicy(Module):
         # the last unit that is recruited and the next one; and those one back
         last = where(indices == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
         next_ = where(indices == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
-        reserve, dip, need = self._needed(capability, demand, last, next_)
+        reserve, dip, need = self._reserves(capability, demand, last, next_)
         next_unit = xp.sum(next_[0] * where(capability.gains, 1.0, 0.0)) > 0
         late = reserve[0] < 0
         in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
@@ -130,11 +130,12 @@ class SequentialPolicy(Module):
         )
         return SequentialState(recruited, direction, target), where(opened, top, target)
 
-    def _needed(
+    def _reserves(
         self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers
     ) -> tuple[Numbers, Numbers, Numbers]:
         """Reserve of the states that end with the `last` unit, dip of the `next_` unit, and the
-        reserve at which a hand-over to it begins [N]; units as ones among zeros.
+        reserve at which a hand-over to it begins [N]; units as ones among zeros, in two rows: for
+        going up, and for going down.
         """
         reserve, dip = (
             select(last, capability.largest) - demand.force,
@@ -154,6 +155,8 @@ class SequentialPolicy(Module):
 
 
 def _sequential_policy(**options: float) -> Any:
+    """Constructor, from a band, of the sequential policy with some switches other than default."""
+
     def policy_with_band(band: Any) -> SequentialPolicy:
         """Policy that vents a unit when the demand has fallen by a `band` [N]."""
         values = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | options

@@ -54,7 +54,7 @@ class Transition(NamedTuple):
 
 
 def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
-    """Force that a unit adds as it is pressurized, equation (X1).
+    """Force that a unit adds as it is pressurized, negative below its onset, equation (X1).
 
     **Arguments:**
 
@@ -158,6 +158,7 @@ def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
 
 
 def _gain(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
+    """As `gain`, without checks, of all of the unit's muscles [N]."""
     motor_unit = bundle.motor_units[unit - 1]
     pressurized, empty = (
         motor_unit.muscle.law.at(P) for P in (pressure + 0.0 * strain, 0.0 * strain)

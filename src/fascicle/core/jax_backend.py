@@ -57,6 +57,7 @@ def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
 
 @implicit_root.defjvp
 def _implicit_derivative(residual: Residual, primals: tuple, tangents: tuple) -> tuple:
+    """The root and its tangent, by `theta` alone; zero where it doesn't depend on the residual."""
     root = implicit_root(residual, *primals)
 
     def value_and_slope(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:

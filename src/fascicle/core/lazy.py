@@ -53,13 +53,13 @@ def attach_lazy(
 def renamed_method(old: str, new: str) -> Callable[..., Any]:
     """Method under its `old` name: warns, and calls the `new` one."""
 
-    def method(self: Any, *arguments: Any, **options: Any) -> Any:
+    def call_renamed(self: Any, *arguments: Any, **options: Any) -> Any:
         message = f"`{type(self).__name__}.{old}` is now `{new}`."
         warnings.warn(message, DeprecationWarning, stacklevel=2)
         return getattr(self, new)(*arguments, **options)
 
-    method.__doc__ = f"Former name of `{new}`."
-    return method
+    call_renamed.__doc__ = f"Former name of `{new}`."
+    return call_renamed
 
 
 def import_late(name: str) -> Any:
@@ -109,6 +109,9 @@ class _AliasFinder:
             sys.modules[name] = importlib.import_module(target)
 
     def _target(self, name: str) -> str:
+        """Present name of an alias, and of a module inside one unless it warns; empty for others.
+        others.
+        """
         for alias, target in self.aliases.items():
             if name == alias or (not self.warns and name.startswith(f"{alias}.")):
                 return target + name.removeprefix(alias)

@@ -237,6 +237,7 @@ def repr_fields(module: Module) -> str:
 
 
 def _register(kind: type[Module], jax: Any) -> None:
+    """Tell JAX the leaves and static values of a `kind` of module."""
     leaf_names, static_names = kind.leaf_names, kind.static_names
     keys = [jax.tree_util.GetAttrKey(name) for name in leaf_names]
 
@@ -260,6 +261,7 @@ call_on_import("jax", lambda jax: [_register(kind, jax) for kind in _CLASSES])
 
 
 def _value_text(value: Any) -> str:
+    """Numbers of a field; of many their count, of traced ones their type and shape."""
     if is_jax_array(value) and not is_concrete(value):
         return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
     if not (is_numpy(value) or is_jax_array(value)):

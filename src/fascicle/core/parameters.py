@@ -51,6 +51,7 @@ _MARGIN = 0.1  # the logistic curve passes 0 and 1 by this much, so that a fit c
 
 
 def _fraction(z: Batch) -> Batch:
+    """Value [-] at a coordinate `z`, from 0 to 1 and constant beyond both."""
     value = _MARGIN * (1 + _MARGIN) * expm1(z) / (1 + _MARGIN * (1 + exp(z)))
     return where(z >= 0, where(value < 1, value, 1.0), 0.0)
 

@@ -70,8 +70,8 @@ def check_interval(
         bad, low, high = (float(np.broadcast_to(x, good.shape)[~good][0]) for x in (x, low, high))
         ends = f"{_number_text(low)}, {_number_text(high)}"
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
-        rule = f"must lie in {_with_unit(interval, unit)} {why}".rstrip()
-        text = _with_unit(_number_text(bad), unit)
+        rule = f"must lie in {_append_unit(interval, unit)} {why}".rstrip()
+        text = _append_unit(_number_text(bad), unit)
         raise InvalidInputError(name, rule, bad, remedy, shown=text)
     return x[()]
 
@@ -85,7 +85,7 @@ def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Bat
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
         bad = float(x[~good].flat[0])
-        text = _with_unit(_number_text(bad), unit)
+        text = _append_unit(_number_text(bad), unit)
         raise InvalidInputError(name, "must be positive and finite", bad, remedy, shown=text)
     return x[()]
 
@@ -154,11 +154,13 @@ def _number_text(value: float) -> str:
     return f"{value:g}".replace("e+0", "e")
 
 
-def _with_unit(text: str, unit: str) -> str:
+def _append_unit(text: str, unit: str) -> str:
+    """The `text` and its unit; the `text` alone if `unit` is "-"."""
     return text if unit == "-" else f"{text} {unit}"
 
 
 def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
+    """The `value` as an array of floats, refused if it isn't one of numbers."""
     try:
         x = np.asarray(value)
         if x.dtype.kind not in "fiu":  # a bool or a string is no measurement
@@ -199,6 +201,7 @@ def has_units(value: Any) -> bool:
 
 
 def _convert(value: Any, name: str, dimension: str) -> Any:
+    """Number [SI] of text or a pint quantity, and of lists and arrays of them."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, str):
@@ -331,18 +334,21 @@ def check_braid_angle(braid_angle: Batch) -> None:
 
 
 def _check_range(value: Values, limits: Range, name: str) -> None:
+    """Refuse a `value` that is impossible within `limits`, in their unit, and warn of an unusual
+    one.
+    """
     x, unit = np.asarray(value, dtype=float), limits.unit
     # written so that NaN is refused too
     good = (x >= limits.least) & (x <= limits.largest)
     if not np.all(good):
-        rule = f"must lie in {_with_unit(f'[{limits.least:g}, {limits.largest:g}]', unit)}"
+        rule = f"must lie in {_append_unit(f'[{limits.least:g}, {limits.largest:g}]', unit)}"
         bad = float(x[~good].flat[0])
-        text = _with_unit(_number_text(bad), unit)
+        text = _append_unit(_number_text(bad), unit)
         raise InvalidInputError(name, rule, bad, "check its unit", shown=text)
     usual = (x >= limits.low) & (x <= limits.high)
     if not np.all(usual):
-        interval = _with_unit(f"[{limits.low:g}, {limits.high:g}]", unit)
-        text = _with_unit(_number_text(x[~usual].flat[0]), unit)
+        interval = _append_unit(f"[{limits.low:g}, {limits.high:g}]", unit)
+        text = _append_unit(_number_text(x[~usual].flat[0]), unit)
         warn_user(f"`{name}` of {text} is unusual, most lie in {interval}.")
 
 

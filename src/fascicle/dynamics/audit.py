@@ -206,6 +206,7 @@ def _balance(
     name: str, tolerance: float, largest: dict[str, Any], into: dict[str, Any],
     went: dict[str, Any], terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
 ) -> Balance:  # fmt: skip
+    """Balance of what came `into` a store and where it `went`, over the largest of its `terms`."""
     into = {key: float(value) for key, value in into.items()}
     went = {key: float(value) for key, value in went.items()}
     left = sum(into.values()) - sum(went.values())
@@ -223,6 +224,7 @@ def _balance(
 def _supply_balance(
     plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
+    """Balance of the supply: shaft work in; drawn by the bundle, lost and stored out [J]."""
     reserve = np.asarray(run.outputs.reserve)
     stored = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}

@@ -169,8 +169,8 @@ class ProjectedChambers(NamedTuple):
 def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
-    """$k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` at `pressures` [Pa], with
-    `volumes` of muscles [m³].
+    """Conserved states $k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` at
+    `pressures` [Pa], with `volumes` of muscles [m³].
     """
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 
@@ -179,8 +179,8 @@ def conserved_rates(
     chamber: AbstractChamber, chambers: Numbers, fixed_volume_rate: Numbers,
     pressure_rates: Numbers, volumes: Numbers,
 ) -> Numbers:  # fmt: skip
-    """$\\dot k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` with a
-    `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` of muscles [m³].
+    """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] of a
+    `chamber` with a `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` [m³].
     """
     push, P_dot = chamber.per_volume_rate, pressure_rates
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)

@@ -107,9 +107,11 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
     valve = unit * (flows.drawn * (ln_P - ln_p) + flows.vented * ln_p)
 
     def warmth(T: Numbers, ln_T: Numbers) -> Numbers:
+        """Exergy of a kilogram for its temperature [J/kg]."""
         return c_p * (T - T_a - T_a * ln_T)
 
-    def mixed(inflow: Numbers, T_in: Numbers, ln_T_in: Numbers) -> Numbers:
+    def lost_in_mixing(inflow: Numbers, T_in: Numbers, ln_T_in: Numbers) -> Numbers:
+        """Exergy that an inflow loses in the chamber [W]; none of an outflow."""
         return maximum(inflow, 0.0) * c_p * T_a * (ln_T - ln_T_in + T_in / T - 1)
 
     drawn_warmth = where(flows.drawn > 0, warmth(T_s, ln_T_s), warmth(T, ln_T))
@@ -117,7 +119,7 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
         flows.drawn * (unit * ln_P + drawn_warmth),  # (F1)
         valve,
         maximum(flows.vented, 0.0) * warmth(T, ln_T),
-        mixed(flows.drawn, T_s, ln_T_s) + mixed(-flows.vented, T_a, 0.0),
+        lost_in_mixing(flows.drawn, T_s, ln_T_s) + lost_in_mixing(-flows.vented, T_a, 0.0),
         (1 - T_a / T) * heat,
     )
 

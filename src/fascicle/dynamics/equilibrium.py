@@ -77,6 +77,8 @@ def equilibrium_state(
 
 
 def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
+    """First position [SI] from `low` to `high` at which the net force falls through zero."""
+
     def net_force(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
@@ -112,5 +114,6 @@ def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float)
 
 
 def _check_position(position: float, low: float, high: float, unit: str) -> float:
+    """The `position` [SI], refused where the muscles' tables end."""
     why = "where the muscles' tables end"
     return float(check_interval(position, low, high, "position", unit, why, (True, True)))

@@ -134,7 +134,7 @@ class MaxwellSlip(AbstractHysteresis):
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """Equation (H1) [N], [J]."""
+        """Friction [N] and loss [J] of all springs after a displacement, equation (H1)."""
         del velocity, by_pressure
         k = self.stiffness
         before, f = (self._slip_force(P) for P in pressures)
@@ -166,6 +166,7 @@ class MaxwellSlip(AbstractHysteresis):
         return array_namespace(forces).sum(forces**2 / (2 * self.stiffness), axis=-1)
 
     def _slip_force(self, pressure: Batch) -> Numbers:
+        """Slip force of each spring [N] at a `pressure` [Pa]."""
         return self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
 
 
@@ -196,14 +197,14 @@ class Dahl(AbstractHysteresis):
 
     @property
     def count(self) -> int:
-        """One force."""
+        """One: the force of its spring."""
         return 1
 
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """Equation (H2) [N], [J]."""
+        """Friction [N] and loss [J] after a displacement, equation (H2)."""
         del velocity, by_pressure
         k = self.stiffness
         f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
@@ -242,14 +243,14 @@ class Coulomb(AbstractHysteresis):
 
     @property
     def count(self) -> int:
-        """No force."""
+        """Zero: it remembers no force."""
         return 0
 
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """Equation (H3) [N]; the loss is that of `lost_power`."""
+        """Friction [N] at a velocity, equation (H3), with no loss: that is in `lost_power`."""
         del pressures
         return FrictionStep(forces, self._force(velocity, by_pressure), 0.0 * displacement)
 
@@ -263,6 +264,7 @@ class Coulomb(AbstractHysteresis):
         return self._force(velocity, by_pressure) * velocity
 
     def _force(self, velocity: Batch, by_pressure: Batch) -> Batch:
+        """Friction against contraction [N], with the sign of the `velocity` [m/s]."""
         sign = array_namespace(velocity).tanh(velocity / self.velocity)
         return self.width * absolute(by_pressure) * sign
 

@@ -109,6 +109,9 @@ def _leg(
     plant: Plant, low: Batch, tolerance: Batch, row: Numbers, command: Numbers, times: Numbers,
     size: Numbers,
 ) -> tuple[Any, Numbers]:  # fmt: skip
+    """True if steps under one `command` reached the end, and rows at `times` [s], from `low` [s]
+    on.
+    """
     import diffrax
 
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
@@ -131,6 +134,8 @@ def _leg(
 def _observe(
     plant: Plant, times: Numbers, rows: Numbers, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers, State]:
+    """Outputs, the ledger with its $P V$ terms since the first row, and states at `times` [s]."""
+
     def observe_row(t: Batch, row: Numbers, c: Numbers) -> tuple:
         state, ledger = _split_row(plant, row)
         state = project_pressures(plant, t, state, _NEWTON)

@@ -44,6 +44,8 @@ _DAMPER_DEPTH = 1e-3
 
 
 def _positive_field(name: str, unit: str) -> Any:
+    """Field of a positive number in a `unit`."""
+
     def checked(value: Values) -> Batch:
         return check_positive(value, name, unit)
 
@@ -57,6 +59,8 @@ def _interval_field(
     default: float = 0.0,
     closed: tuple[bool, bool] = _FROM_ZERO,
 ) -> Any:
+    """Field of a number in a `unit`, from `low` on, each end `closed` or not."""
+
     def checked(value: Values) -> Batch:
         return check_interval(value, low, np.inf, name, unit, closed=closed)
 
@@ -81,7 +85,9 @@ class Stop(Module):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Force of the stop at `position` and `velocity` [SI], and its damper's share [SI]."""
+        """Force of the stop against a rising coordinate, positive beyond `high` [SI], and its
+        damper's share [SI], at `position` and `velocity` [SI].
+        """
         over, under = self._depths(position)
         depth = over + under
         spring = self.stiffness * (over - under)
@@ -99,6 +105,7 @@ class Stop(Module):
         return (position > self.high) | (position < self.low)
 
     def _depths(self, position: Batch) -> tuple[Batch, Batch]:
+        """Depths beyond `high` and `low` [SI], zero or more."""
         return maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
 
 
@@ -116,26 +123,26 @@ class AbstractLoad(Module):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """Arms of each bundle [m], [SI]."""
+        """For each bundle its contraction at $q = 0$ [m] and per unit of $q$ [SI]: one, (0, 1)."""
         return ((0.0, 1.0),)
 
     @property
     @abc.abstractmethod
     def inertia(self) -> Batch:
-        """$M$, of mass or moment [SI]."""
+        """Inertia $M$ of the coordinate, a mass or a moment of inertia [SI]."""
 
     @abc.abstractmethod
     def force(self, position: Batch) -> Batch:
-        """$-\\mathrm{d}U/\\mathrm{d}q$ [SI] at `position` [SI]."""
+        """Force $-\\mathrm{d}U/\\mathrm{d}q$ [SI], positive towards a rising `position` [SI]."""
 
     @abc.abstractmethod
     def potential(self, position: Batch) -> Batch:
-        """$U$ [J] at `position` [SI]."""
+        """Potential energy $U$ [J] at `position` [SI]."""
 
     @property
     @abc.abstractmethod
     def damper(self) -> Batch:
-        """$d$ [SI]."""
+        """Damping $d$ of the coordinate [SI]."""
 
     @property
     def stiffness(self) -> Batch:
@@ -157,7 +164,7 @@ class AbstractFreeLoad(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """$d$ [SI]."""
+        """Damping $d$ of the coordinate [SI]."""
         return self.damping
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
@@ -188,7 +195,7 @@ class HangingMass(AbstractFreeLoad):
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Its weight [N], at any `position` [m]."""
+        """Its weight [N], negative, at any `position` [m]."""
         return -self.mass * self.gravity + 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
@@ -223,7 +230,7 @@ class InertiaSpringDamper(AbstractFreeLoad):
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Force of the spring and from outside [N] at `position` [m]."""
+        """Force of spring and outside [N], negative against contraction, at `position` [m]."""
         return -self.spring_stiffness * (position - self.rest) - self.force_outside
 
     def potential(self, position: Batch) -> Batch:
@@ -257,7 +264,7 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """Arms of two bundles, against each other [m], [m/rad]."""
+        """For each bundle its contraction at $q = 0$ [m] and the radius, with its sign [m/rad]."""
         return (self.contraction, self.radius), (self.contraction, -self.radius)
 
     @property

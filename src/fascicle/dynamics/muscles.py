@@ -172,14 +172,14 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
         )
         return work + coenergy_at_rest(law) if muscles.ends.is_compliant else work
 
-    def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
+    def coenergy_and_volume(P: Numbers) -> tuple[Numbers, Numbers]:
         return jax.jvp(coenergy, (P,), (one_pascal,))
 
-    def force(P: Numbers) -> tuple[Numbers, Numbers]:
+    def force_and_slope(P: Numbers) -> tuple[Numbers, Numbers]:
         return muscles.law.at(P).force(strain)
 
-    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (one_pascal,))
-    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (one_pascal,))
+    (value, volume), (_, volume_by) = jax.jvp(coenergy_and_volume, (pressure,), (one_pascal,))
+    (pull, slope), (by_pressure, _) = jax.jvp(force_and_slope, (pressure,), (one_pascal,))
     return Surface(value, pull, volume, slope, by_pressure, volume_by)
 
 

@@ -171,6 +171,7 @@ class Plant(Module):
         return 1 - (self.distances - self._arms(0)) / self.lengths
 
     def _arms(self, index: int) -> Numbers:
+        """Entry `index` of the load's arms, 0 or 1, for each unit [SI]."""
         arms = [self.load.arms[side][index] for side in self.sides]
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 

@@ -28,7 +28,9 @@ class Measurement(NamedTuple):
 
 
 class Controller(Protocol):
-    """Interface of a controller in `simulate`: its first `memory`, and a call."""
+    """Interface of a controller in `simulate`: `memory` at the start; a call takes memory,
+    measurement and reference, and returns the next memory and commands.
+    """
 
     @property
     def memory(self) -> Any:

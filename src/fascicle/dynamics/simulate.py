@@ -74,6 +74,9 @@ def substep(
     state, anchor, ledger, folded = progress
 
     def stage(carry: tuple, weights: Numbers) -> tuple[tuple, tuple]:
+        """One Runge-Kutta stage: its slope, with the weighted sums of slopes and of the ledger's
+        rates so far; and volumes [m³] and folds of its chambers.
+        """
         slope, total, growth = carry
         delay, weight = weights
         stage_state = add_scaled(state, slope, delay * h)

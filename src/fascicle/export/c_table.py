@@ -60,8 +60,8 @@ class MuscleTables(NamedTuple):
         return _LOWEST, min(float(surface.highest_pressure) for surface in self.surfaces)
 
     @property
-    def limits(self) -> dict[str, str]:
-        """Limits of strain and pressure, by their names in templates."""
+    def limits_as_text(self) -> dict[str, str]:
+        """Limits of strain [-] and pressure [Pa] as text, by their names in templates."""
         low, high = self.strains
         lowest, highest = self.pressures
         return {"low": f"{low:.6f}", "high": f"{high:.6f}", "lowest_pressure": f"{lowest:.0f}",
@@ -79,13 +79,13 @@ class MuscleTables(NamedTuple):
                 return f"{np.format_float_scientific(np.float32(value), trim='0')}f"
             return repr(float(value))
 
-        def row(values: Values) -> str:
+        def initializers(values: Values) -> str:
             return join(values, number)
 
-        def braces(values: np.ndarray) -> str:
+        def nested_initializers(values: np.ndarray) -> str:
             if values.ndim == 1:
-                return "{" + row(values) + "}"
-            return "{" + ",\n".join(map(braces, values)) + "}"
+                return "{" + initializers(values) + "}"
+            return "{" + ",\n".join(map(nested_initializers, values)) + "}"
 
         values = {
             "title": "A muscle" if len(self.kinds) == 1 else "A bundle of muscles",
@@ -101,19 +101,19 @@ class MuscleTables(NamedTuple):
             "lowest_pressure_real": number(_LOWEST),
             "rounding": number(1 + _EDGE[self.precision]),
             "errors": "\n".join(f" * {line}" for line in self.errors.splitlines()),
-            "nodes": ",\n".join(braces(nodes(surface)) for surface in surfaces),
-            "root_steps": row(float(surface.root_step) for surface in surfaces),
-            "tops": row(float(surface.highest_pressure) for surface in surfaces),
-            "lows": row(ends[:, 0]),
-            "highs": row(ends[:, 1]),
-            "cells": row((high - low) / columns for low, high in ends),
-            "lengths": row(float(surface.rest_length) for surface in surfaces),
+            "nodes": ",\n".join(nested_initializers(nodes(surface)) for surface in surfaces),
+            "root_steps": initializers(float(surface.root_step) for surface in surfaces),
+            "tops": initializers(float(surface.highest_pressure) for surface in surfaces),
+            "lows": initializers(ends[:, 0]),
+            "highs": initializers(ends[:, 1]),
+            "cells": initializers((high - low) / columns for low, high in ends),
+            "lengths": initializers(float(surface.rest_length) for surface in surfaces),
             "kind_of": join(self.kinds),
-            "counts": row(self.counts),
-            "ratios": row(self.ratios),
+            "counts": initializers(self.counts),
+            "ratios": initializers(self.ratios),
             "controller": "",
             "controller_source": "",
-            **self.limits,
+            **self.limits_as_text,
         }
         if self.controller is not None:
             values |= template_values(self.controller, number)
@@ -157,14 +157,8 @@ def write_table(
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
 ) -> tuple[Path, Path]:
-    """Write `NAME.h` and `NAME.c` of a table into a folder.
-
-    **Arguments:** those of `table_code`, among them `highest_pressure` [Pa], and `folder`, which is
-    created if it is missing.
-
-    **Returns:** the paths of header and source.
-
-    **Raises:** as `table_code`.
+    """Write `NAME.h` and `NAME.c` of a table into a `folder`, created if it is missing; returns
+    their paths. Other arguments, `highest_pressure` [Pa] among them, and errors: as `table_code`.
     """
     texts = table_code(target, name, precision, highest_pressure, shape)
     return write_c_files(texts, folder, name)

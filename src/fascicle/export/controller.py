@@ -28,7 +28,7 @@ _CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
-    """Tabulate the units of a controller, for its step in C.
+    """Copy of a controller for C: tables of `shape` (pressure, strain), and acting at every step.
 
     **Arguments:**
 
@@ -46,7 +46,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (plant.liquid, "is of a liquid", "use gas"),
         (not isinstance(plant.chamber, _CHAMBERS), "has a chamber of another kind", ""),
         (controller.delay > 0, "has a delay", "drop it: what C measures is late by itself"),
-        (_policy(controller) is None, "has a policy of another kind", "take orderly or threshold"),
+        (not _c_policy(controller), "has a policy of another kind", "take orderly or threshold"),
     )
     for is_violated, reason, remedy in limitations:
         if is_violated:
@@ -66,14 +66,14 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
     temperature = float(chamber.room_temperature)
     density = chamber.gas.density(np.asarray(chamber.room_pressure), temperature)
 
-    def row(values: Any) -> str:
+    def initializers(values: Any) -> str:
         return ", ".join(number(x) for x in np.broadcast_to(np.asarray(values, float), (count,)))
 
-    def braces(values: Any) -> str:
+    def nested_initializers(values: Any) -> str:
         values = np.asarray(values)
         if values.ndim == 1:
             return "{" + ", ".join(number(x) for x in values) + "}"
-        return "{" + ",\n".join(map(braces, values)) + "}"
+        return "{" + ",\n".join(map(nested_initializers, values)) + "}"
 
     def valve(valve: SonicValve, temperatures: tuple[float, float]) -> str:
         """Constants [unit, direction, 3] of each unit's valve with its hose, forward and back."""
@@ -82,13 +82,13 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
             C, b = valve._passage(np.array(not back), 1.0)
             constants[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
-        return braces(constants)[1:-1]
+        return nested_initializers(constants)[1:-1]
 
     return {
-        "policy": _policy(controller),
+        "policy": _c_policy(controller),
         "shares": branches.pressures.shape[-1] - 1,
-        "onsets": ",\n".join(map(braces, branches.onsets)),
-        "branches": ",\n".join(map(braces, branches.pressures)),
+        "onsets": ",\n".join(map(nested_initializers, branches.onsets)),
+        "branches": ",\n".join(map(nested_initializers, branches.pressures)),
         "branch_top": number(branches.top),
         "highest_pressure": number(controller.highest_pressure),
         "dt": number(controller.dt * controller.every),
@@ -98,10 +98,10 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "flow_limit": number(controller.flow_limit),
         "band": number(policy.band),
         "parked": int(float(policy.parked) > 0),
-        "room": row(chamber.room_pressure),
-        "dead": row(chamber.dead_volume),
-        "dense": row(density),
-        "softness": row(1 / np.asarray(getattr(chamber, "exponent", 1.0))),
+        "room": initializers(chamber.room_pressure),
+        "dead": initializers(chamber.dead_volume),
+        "dense": initializers(density),
+        "softness": initializers(1 / np.asarray(getattr(chamber, "exponent", 1.0))),
         "supply_valve": valve(units.valve, (float(units.supply_temperature), temperature)),
         "exhaust_valve": valve(units.exhaust_valve, (temperature, temperature)),
         "linear": number(LAMINAR_FROM),
@@ -116,7 +116,8 @@ def single_bundle(plant: Plant) -> Bundle:
     return next(iter(plant.bundles))
 
 
-def _policy(controller: Cascade) -> str | None:
+def _c_policy(controller: Cascade) -> str | None:
+    """Name of the controller's policy in C; `None` for one that C doesn't have."""
     policy = next(iter(controller.policies))
     if not isinstance(policy, SequentialPolicy) or float(policy.early) or float(policy.wide):
         return None

@@ -104,7 +104,7 @@ def write_fmu(
         "guid": guid,
         "sample_time": repr(step),
         "supply_pressure": repr(_supply_pressure(tables)),
-        **tables.limits,
+        **tables.limits_as_text,
     }
     sources = {f"{name}.h": header, f"{name}.c": source, "fmu.c": render_template("fmu.c", values)}
     files = {"modelDescription.xml": _description(tables, name, guid, step)}
@@ -153,6 +153,7 @@ def variables(tables: MuscleTables) -> list[Variable]:
 
 
 def _supply_pressure(tables: MuscleTables) -> float:
+    """Gauge pressure [Pa] of a controller's supply; zero without a controller."""
     return tables.controller.plant.supply_pressure if tables.controller else 0.0
 
 

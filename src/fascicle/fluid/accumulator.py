@@ -199,8 +199,8 @@ class PumpedAccumulator(AbstractSupply):
         return self.accumulator.temperature_at(state)
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Equation (F23) [SI] for a `state` [SI] with the inflow `mass_in` [kg/s] from the bundle,
-        negative for an outflow; `energy_in` [W] doesn't count.
+        """Rates, equation (F23) [SI], of a `state` [SI] with the inflow `mass_in` [kg/s] from the
+        bundle, negative for an outflow; `energy_in` [W] doesn't count.
         """
         del energy_in
         P, on, pump = self.pressure_at(state), state[..., 1], self.pump
@@ -225,7 +225,9 @@ class PumpedAccumulator(AbstractSupply):
         return self.accumulator.stored(state)
 
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
-        """Work of the pump's shaft and losses [J] since the start, in a `state` [SI], by name."""
+        """Shaft work, losses of the pump and of the relief valve [J] from the start to a `state`
+        [SI]: keys "shaft_work", "pump_lost" and "relief_lost".
+        """
         return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
 
     def empty(self, state: Numbers) -> BoolBatch:

@@ -141,7 +141,7 @@ class Orifice(Module):
         temperature_2: BatchLike = 0.0,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, equation (F8).
+        """Mass flow from 1 to 2, negative back, equation (F8).
 
         **Arguments:**
 
@@ -199,7 +199,7 @@ class SonicValve(Module):
         temperature_2: BatchLike,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, equation (F4).
+        """Mass flow from 1 to 2, negative back, equation (F4).
 
         **Arguments:**
 

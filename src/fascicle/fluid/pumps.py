@@ -45,6 +45,7 @@ _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
 
 
 def _efficiency(name: str) -> Any:
+    """Field of an efficiency in (0, 1], by default without loss."""
     return interval_field(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
 
 

@@ -66,14 +66,16 @@ class AbstractSpool(Module):
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Rate of the `spool` [1/s], itself [-], under a `command` [-]."""
+        """Rate [1/s] of the positions `spool` [-] under a `command` [-]."""
 
     @abc.abstractmethod
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-] at a `command` [-] and a position of the `spool` [-]."""
 
     def _port_openings(self, position: Numbers) -> Openings:
-        """Equation (F9) at a `position` of the spool [-]."""
+        """Openings [-], (F9), at a `position` of the spool [-]: to the supply if positive, else to
+        the exhaust.
+        """
         # at the edges a derivative is the mean of both sides', as differences have it
         supply, exhaust = (
             minimum(maximum(side - self.overlap, 0.0) / (1 - self.overlap), 1.0)
@@ -93,11 +95,11 @@ class Direct(AbstractSpool):
         return 0 * units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """No rates [1/s] at any `command` [-] for no `spool` [-]."""
+        """Empty rates [1/s], of no `spool` [-], at any `command` [-]."""
         return 0.0 * command[..., :0] + spool
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (F9) at the `command` [-]; the `spool` [-] doesn't count."""
+        """Openings [-], (F9), at the `command` [-]; the `spool` [-] doesn't count."""
         del spool
         return self._port_openings(command)
 
@@ -117,11 +119,11 @@ class Servovalve(AbstractSpool):
         return units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (F10) [1/s] for a `command` and position of the `spool` [-]."""
+        """Rate of the `spool` [1/s] towards its `command` [-], equation (F10)."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (F9) of the `spool` [-]; the `command` [-] doesn't count."""
+        """Openings [-], (F9), at the `spool` [-]; the `command` [-] doesn't count."""
         del command
         return self._port_openings(spool)
 
@@ -154,11 +156,11 @@ class OrderlyValve(AbstractSpool):
         return self.command_count(units)
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (F10) [1/s] for the `command` and position of the `spool` [-]."""
+        """Rate of the `spool` [1/s] towards the `command` [-], equation (F10)."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equations (F11) and (F9) of the `spool` [-]; the `command` [-] doesn't count."""
+        """Openings [-], (F11) and (F9), at the `spool` [-]; the `command` [-] doesn't count."""
         del command
         return self._port_openings(self.units * (1 + spool) - 2 * np.arange(self.units) - 1)
 

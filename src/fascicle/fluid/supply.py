@@ -71,8 +71,8 @@ class AbstractSupply(Module):
     switched = renamed_method("switched", "update_switch")
 
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
-        """Work of the pump's shaft and losses [J] up to a `state` [SI], by name; empty without a
-        pump.
+        """Work of a pump's shaft and losses [J] from the start to a `state` [SI], by name; empty
+        without a pump.
         """
         del state
         return {}
@@ -195,8 +195,8 @@ class Tank(AbstractSupply):
         return self.chamber.temperature(state, self.pressure_at(state))
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Equation (F17) [SI] for a `state` [SI] with the inflows `mass_in` [kg/s] and `energy_in`
-        [W], negative for an outflow.
+        """Rates, equation (F17) [SI], of a `state` [SI] with the inflows `mass_in` [kg/s] and
+        `energy_in` [W], negative for an outflow.
         """
         return self.chamber.rates(state, self.pressure_at(state), mass_in, energy_in, 0.0)
 

@@ -82,6 +82,7 @@ def warn_fitted_length(muscle: Any) -> None:
 
 
 def _fit_info(muscle: Any) -> tuple[float | None, bool]:
+    """Length [m] at which a muscle was fitted, or `None`, and whether its ends were fitted, too."""
     return vars(muscle).get(_FIT_INFO, (None, False))
 
 

@@ -84,7 +84,7 @@ class LawRegistry(Mapping[str, type[Law]]):
         return self[self._default]
 
     def package_attributes(self) -> tuple[Callable[[str], type[Law]], Callable[[], list[str]]]:
-        """`__getattr__` and `__dir__` of the laws' package, with the classes of all laws."""
+        """The package's `__getattr__`, for its laws' classes, and `__dir__`, which lists them."""
 
         def get_class(class_name: str) -> type[Law]:
             if not class_name.startswith("_"):
@@ -94,11 +94,12 @@ class LawRegistry(Mapping[str, type[Law]]):
                         return law
             raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
 
-        def names() -> list[str]:
+        def list_attributes() -> list[str]:
+            """The package's own names and the classes of all laws."""
             classes = {law.__name__ for law in self.values()}
             return sorted({*vars(sys.modules[self._package]), *classes})
 
-        return get_class, names
+        return get_class, list_attributes
 
     def choose(self, value: Any, argument: str) -> Law:
         """Law from an object or a name; `InvalidInputError` of the `argument` for other values."""

@@ -417,6 +417,7 @@ def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
 
 
 def _quantity(muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any) -> Any:
+    """Method `quantity` of the muscle's laws at a pressure, of `strain` and `static` arguments."""
     return getattr(muscle.law.at(pressure), quantity)(strain, *static)
 
 
@@ -425,6 +426,7 @@ def _state_quantity(at: AtPressure, strain: Batch, quantity: str, *static: Any) 
 
 
 def _law_quantity(muscle: Muscle, pressure: Batch, quantity: str) -> Any:
+    """Method `quantity` of the muscle's law, of pressure alone."""
     return getattr(muscle.law, quantity)(pressure)
 
 

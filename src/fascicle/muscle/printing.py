@@ -25,7 +25,7 @@ _ROWS = 5  # pressures of the table: as many as fit beside the code
 
 def muscle_table(muscle: Any) -> ReprTable:
     """Sizes and laws of a muscle, and its forces and strains at a few pressures."""
-    facts = [(_spaced(name), _range(muscle, name, d)) for name, d in _SIZES.items()]
+    facts = [(_spaced(name), _range_text(muscle, name, d)) for name, d in _SIZES.items()]
     facts.append(("material", material_text(muscle.material)))
     for kind in LAWS:
         law = getattr(muscle, kind)
@@ -108,6 +108,7 @@ def tuning_text(tuning: Any) -> str:
 
 
 def _material_name(material: Any) -> str:
+    """Name of a library's material that equals this one, else an empty text."""
     return next((name for name, named in MATERIALS.items() if named == material), "")
 
 
@@ -115,12 +116,15 @@ def _spaced(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _range(owner: Any, name: str, dimension: str) -> str:
+def _range_text(owner: Any, name: str, dimension: str) -> str:
+    """Text of a number of the `owner`, or from the least to the largest of several."""
     return format_range(getattr(owner, name), lambda x: pretty(x, dimension))
 
 
 def _constants(law: Declared) -> str:
-    numbers = [f"{_spaced(c.name)} {_range(law, c.name, c.dimension)}" for c in law.constants()]
+    numbers = [
+        f"{_spaced(c.name)} {_range_text(law, c.name, c.dimension)}" for c in law.constants()
+    ]
     return ", ".join(
         [*numbers, *(f"{_spaced(s.name)} {getattr(law, s.name)}" for s in law.switches())]
     )

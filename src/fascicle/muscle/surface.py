@@ -271,8 +271,8 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Coefficients of each cell [J]: [line, column, power of u, power of w]."""
     step, h = strain[1] - strain[0], roots[1]
-    by_pressure = _smooth_slopes(roots, nodes.coenergy, nodes.by_pressure)
-    by_both = _smooth_slopes(roots, nodes.by_strain, nodes.by_both)
+    by_pressure = _pressure_slopes(roots, nodes.coenergy, nodes.by_pressure)
+    by_both = _pressure_slopes(roots, nodes.by_strain, nodes.by_both)
     # dP/du at both ends of each cell: of P itself in the first one
     dP_du = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
     dP_du[:, 0] = h**2
@@ -288,16 +288,18 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
     return _HERMITE @ corners @ _HERMITE.T
 
 
-def _smooth_slopes(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Slopes in pressure at the nodes of a spline with the `slope` at both ends."""
+def _pressure_slopes(root_pressure: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Slopes by pressure of a cubic spline over √P from the second node on, clamped to `slope`
+    there and at the last node; the first slope is kept.
+    """
     # its second derivative is continuous: a volume whose slope in pressure jumps takes an
     # integrator ten times the steps
     from scipy.interpolate import CubicSpline  # 0.25 s that a force doesn't need
 
-    per = 2 * roots[1:, None]
+    per = 2 * root_pressure[1:, None]
     ends: Any = ((1, slope[1] * per[0]), (1, slope[-1] * per[-1]))
-    spline = CubicSpline(roots[1:], value[1:], bc_type=ends)
-    return np.concatenate([slope[:1], spline(roots[1:], 1) / per])
+    spline = CubicSpline(root_pressure[1:], value[1:], bc_type=ends)
+    return np.concatenate([slope[:1], spline(root_pressure[1:], 1) / per])
 
 
 def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:

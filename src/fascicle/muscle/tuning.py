@@ -142,7 +142,9 @@ class Tuning(Module):
         return self._interpolate(pressure, self.c2)
 
     def _interpolate(self, pressure: BatchLike, rows: Rows) -> Batch:
-        """Linear interpolation of the table's `rows` at effective `pressure` [Pa]."""
+        """The table's `rows` at effective `pressure` [Pa], linear between its pressures, constant
+        above; a single row counts at every pressure.
+        """
         if rows.shape[-1] == 1:
             return rows[..., 0] + 0.0 * pressure  # nothing was measured
         P, start = add_table_axis(pressure), self.pressures[..., :-1]

@@ -249,5 +249,6 @@ def diameter_matches(muscle: Any, diameter: float) -> bool:
 
 
 def _size_text(value: Any) -> str:
+    """Text of a length [m], or from the least to the largest of several."""
     low, high = (pretty(float(x), "length", 3) for x in (np.min(value), np.max(value)))
     return low if low == high else f"{low} to {high}"

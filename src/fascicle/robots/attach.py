@@ -86,7 +86,7 @@ class Tendons(AbstractLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """Offset [m] and arm [-] of each bundle: its plates come nearer as its tendon shortens."""
+        """(0 m, 1) for each bundle: the position is how far its tendon has shortened."""
         return ((0.0, 1.0),) * self.bundles
 
     @property

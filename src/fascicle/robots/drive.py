@@ -178,6 +178,7 @@ class Drive(Module):
         return self._pull(pressures, lengths)
 
     def _pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
+        """As `pull`, without checks."""
         force = self.plant.muscles.at(pressures, self.strains(lengths)).force
         return array_namespace(force).sum(self.members * (self.plant.counts * force), axis=-1)
 
@@ -314,6 +315,7 @@ class Drive(Module):
         check_interval(pressures, low, top, "pressures", "Pa", "of the table", (True, True))
 
     def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
+        """Refuse tendons' `lengths` [m] and a `fluid` outside of the muscles' tables."""
         low, high = (np.asarray(end) for end in self.plant.muscles.strains)
         strains = np.asarray(self.strains(np.asarray(lengths)))
         outside = np.argwhere(~((strains >= low) & (strains <= high)))
@@ -347,6 +349,7 @@ class Drive(Module):
         pulls: list[Any] = []
 
         def gain(mj_model: Any, mj_data: Any, actuator: int) -> float:
+            """Negative pull of an actuator's bundle [N]; the first call evaluates all of them."""
             side = indices.get(actuator)
             if side is None:
                 return 0.0 if before is None else before(mj_model, mj_data, actuator)

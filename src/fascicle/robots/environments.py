@@ -127,6 +127,7 @@ class Environment(gymnasium.Env):
         return self._observation(), -error, terminated, False, self._info()
 
     def _observation(self) -> np.ndarray:
+        """Position, speed, target and units' pressures, each scaled to [-1, 1]."""
         task = self.task
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
         observation = [(position - task.middle) / task.reach, speed / task.speed,

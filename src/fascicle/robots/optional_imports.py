@@ -10,7 +10,8 @@ from typing import Any
 _INSTALL = "pip install 'fascicle[robots]'"
 
 
-def _import(name: str, label: str) -> Any:
+def _import_or_explain(name: str, label: str) -> Any:
+    """A module, silently; where it is missing, an error that says how to install it."""
     try:
         # MJX prints its missing extras
         with contextlib.redirect_stdout(io.StringIO()):
@@ -37,7 +38,7 @@ def mjx() -> Any:
             f"mujoco {installed} and mujoco-mjx {required} don't go together:"
             f" `pip install mujoco=={required} mujoco-mjx=={required}`."
         )
-    return _import("mujoco.mjx", "MJX")
+    return _import_or_explain("mujoco.mjx", "MJX")
 
 
-mujoco: Any = _import("mujoco", "MuJoCo")
+mujoco: Any = _import_or_explain("mujoco", "MuJoCo")

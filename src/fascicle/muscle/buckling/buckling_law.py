@@ -129,7 +129,9 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force [N] and its components at a `strain` [-] from the free strain on, elementwise."""
+        """Components of the force [N], negative where it pushes, and the sum's slope, at a `strain`
+        [-] from the free strain on, elementwise.
+        """
 
     @abc.abstractmethod
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:

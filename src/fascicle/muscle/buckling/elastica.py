@@ -88,9 +88,9 @@ class Elastica(AbstractBuckling):
         return _Branch(onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force [N] and its components at `strain` [-], (E3)."""
+        """Components of the force [N], negative where it pushes, at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
-        state = _bent_state(column, arc)
+        state = _state_at_arc(column, arc)
         pull, T, chord = state.pull, state.pull.force, state.chord
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
         slope = (pull.slope - T * state.chord_slope / chord) / chord
@@ -107,7 +107,7 @@ class Elastica(AbstractBuckling):
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection $\\ell k/K$ [m] and bending moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
         bent, arc = _bent_arc(column, strain)
-        k, K = _modulus(bent, _bent_state(column, arc).load)
+        k, K = _modulus(bent, _state_at_arc(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
         return column.rest_length * (1 - arc) * k / K, moment
 
@@ -116,12 +116,12 @@ class Elastica(AbstractBuckling):
         return column.branch.onset
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strain [-] at the fold past the onset, where the force jumps; inf without a fold."""
+        """One-entry tuple: strain [-] of the fold past the onset, where force jumps, or inf."""
         onset, curve = column.branch
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
         bracket = _first_bracket(curve, cut < curve.start.strain, end < cut)
         # the strain is flat over the arc at a fold, which needs no slope of its own
-        fold = _bent_state(column, bracket.start).strain
+        fold = _state_at_arc(column, bracket.start).strain
         exists = logical_and(bracket.exists, xp.isfinite(onset))
         return (where(logical_and(exists, bracket.start < stop_gradient(onset)), fold, np.inf),)
 
@@ -150,7 +150,7 @@ class Elastica(AbstractBuckling):
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _bent_arc(column, strain)
-        k = xp.add_table_axis(_modulus(bent, _bent_state(column, arc).load)[0])
+        k = xp.add_table_axis(_modulus(bent, _state_at_arc(column, arc).load)[0])
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
@@ -170,7 +170,7 @@ class Elastica(AbstractBuckling):
             is_past = [expand_nodes(points.strain, eps) > eps for points in curve]
             for first, second in pairwise(is_past):
                 count = count + sum_nodes(where(first != second, 1.0, 0.0))
-        straight = where(_bent_state(fixed, eps).load < _EULER, 1.0, -1.0)
+        straight = where(_state_at_arc(fixed, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
         return logical_and(count + straight > 1.5, eps > fixed.free_strain)
 
@@ -187,8 +187,8 @@ class _State(NamedTuple):
     strain_slope: Batch
 
 
-def _bent_state(column: Column, arc: Batch) -> _State:
-    """Bent state (E6) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
+def _state_at_arc(column: Column, arc: Batch) -> _State:
+    """State (E6) whose arc has the strain `arc` [-]; straight where $G$ is above $\\pi^2/4$."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)
@@ -202,14 +202,14 @@ def _bent_state(column: Column, arc: Batch) -> _State:
 def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Target load minus that of an arc [-], and its slope."""
     column, target = theta
-    state = _bent_state(column, arc)
+    state = _state_at_arc(column, arc)
     return target - state.load, -state.load_slope
 
 
 def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Strain of a bent state minus its target [-], and its slope."""
     column, target = theta
-    state = _bent_state(column, arc)
+    state = _state_at_arc(column, arc)
     return state.strain - target, state.strain_slope
 
 
@@ -282,11 +282,11 @@ def _branch_start(onset: Batch) -> Batch:
 def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State], Batch]) -> _Curve:
     """Cells from `low` to `high` arc [-], cut where a `slope` vanishes, else in the middle."""
     # the error of the extremum is the square of the cut's
-    start, end = _bent_state(column, low), _bent_state(column, high)
+    start, end = _state_at_arc(column, low), _state_at_arc(column, high)
     a, b = (low, slope(start)), (high, slope(end))
     crosses = a[1] * b[1] < 0
     cut = 0.5 * (low + high)
-    state = _bent_state(column, cut)
+    state = _state_at_arc(column, cut)
     for _ in range(_SECANT_STEPS):
         point = (cut, slope(state))
         beside_a = (point[1] > 0) == (a[1] > 0)
@@ -295,7 +295,7 @@ def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State]
         b = tuple(where(beside_b, new, old) for new, old in zip(point, b, strict=True))
         fraction = guarded(crosses, a[1]) / guarded(crosses, a[1] - b[1], 2.0)
         cut = where(crosses, a[0] + fraction * (b[0] - a[0]), cut)
-        state = _bent_state(column, cut)
+        state = _state_at_arc(column, cut)
     ends = ((low, start), (cut, state), (high, end))
     return _Curve(*(_Points(arc, point.strain, point.load) for arc, point in ends))
 

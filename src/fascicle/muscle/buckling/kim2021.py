@@ -35,7 +35,8 @@ It rises with $\xi$ to one peak, at a $\xi$ that depends on $c$ alone, and falls
 the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for
 $\tau = \xi/\kappa$ with $\kappa = \hat m/\sqrt c$, the compression of a small moment,
 
-$$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g) = (1 + \xi)\, h, \qquad
+$$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g)
+  = (1 + \xi) \sqrt{1 - \kappa \hat g/(2 - \xi)}, \qquad
   \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
 
 in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another. The steps of
@@ -93,7 +94,7 @@ class Kim2021(AbstractBuckling):
         return column.pull(column.free_strain)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force [N] and its components at `strain` [-], (16) and (27)."""
+        """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
         # a quotient of numbers that all strains have in common would be a division for each strain
         xi = (strain - eps_f) * (1 / (1 - eps_f))
@@ -215,7 +216,7 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     peak = _peak_compression(fixed_c)
     # at the peak's compression (16c) says whether the moment there is larger than the target
     scale = xp.maximum(fixed_target, _TINY_MOMENT) / root_c
-    exists = _moment_residual((fixed_c, scale), peak / scale)[0] <= 0
+    exists = _residual_of_tau((fixed_c, scale), peak / scale)[0] <= 0
     # else of a compression before the peak, and too low: 1.5 is more than h, which is at most
     # 1/(1 - ξ), and so leaves too little that bows
     per_xi = fixed_c * (1 - _SAFE_COMPRESSION) ** 4 / (1 + _SAFE_COMPRESSION)
@@ -229,11 +230,13 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     fixed_m = xp.maximum(stop_gradient(m), _TINY_MOMENT)
     scale = fixed_m / root_c
     start = _start_compression(fixed_c, fixed_m, peak) / scale
-    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / scale, start), exists
+    return kappa * root(_residual_of_tau, (c, kappa), 1.0, peak / scale, start), exists
 
 
-def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """Residual of (16c) at $\\tau$, and its slope, both times $h$ to save divisions."""
+def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
+    """Right side of (16c) less its left at `tau` [-], and its slope, both times the root there to
+    save divisions; `theta`: $c$ and $\\kappa$.
+    """
     c, kappa = theta
     xi = kappa * tau
     free, inverse = 1 - xi, 1 / (2 - xi)
@@ -270,6 +273,7 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
 
 
 def _peak_coordinate(c: BatchLike) -> Batch:
+    """Variable of the series of peaks [-], falling from 1 with the slenderness `c` [-]."""
     return 1 / (1 + c**0.25)
 
 

@@ -79,7 +79,7 @@ class Kim2021Series(AbstractBuckling):
         return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force [N] and its components at `strain` [-], (12s)."""
+        """Components of the force [N], negative where it pushes, at `strain` [-], (12s)."""
         state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
         T = state.pull.force
         by_arc = state.pull.slope - 8 * np.pi**2 * EI * L0 / state.chord**3
@@ -112,8 +112,8 @@ class Kim2021Series(AbstractBuckling):
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
         fixed, fixed_square = stop_gradient(theta)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness + 0.0 * fixed_square
-        exists, low, high = _first_cell(_moment_residual, (fixed, fixed_square), free)
-        strain = root(_moment_residual, theta, low, high, 0.5 * (low + high))
+        exists, low, high = _first_cell(_force_excess_at_moment, (fixed, fixed_square), free)
+        strain = root(_force_excess_at_moment, theta, low, high, 0.5 * (low + high))
         return where(logical_and(exists, isfinite(column.branch)), strain, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
@@ -134,14 +134,16 @@ def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch,
 
 
 def _load_reserve(column: Column, strain: Batch) -> tuple[Batch, Batch]:
-    """Load that a straight muscle can still take before it bows [N], and its slope [N]."""
+    """Load that a straight muscle can take yet before it bows [N], negative past it; its slope."""
     pull, length = column.pull(strain), column.rest_length * (1 - strain)
     euler = 4 * np.pi**2 * column.bending_stiffness / length**2
     return pull.force + euler, pull.slope + 2 * euler / (1 - strain)
 
 
 def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
-    """Excess of the bow's force over the compression of the arc [N], and its slope [N]."""
+    """Excess [N] of the bow's force over the arc's compression, and its slope; `theta`: column and
+    chord [m].
+    """
     column, chord = theta
     pull, EI, L0 = column.pull(arc_strain), column.bending_stiffness, column.rest_length
     unit = 4 * np.pi**2 * EI / chord**3
@@ -149,7 +151,7 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _bow_state(column: Column, strain: BatchLike) -> _BowState:
-    """State of the muscle at `strain` [-]."""
+    """State at `strain` [-]: bent past the onset wherever the straight muscle would give way."""
     L0 = column.rest_length
     # past the onset, where the straight muscle would give way
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
@@ -161,8 +163,10 @@ def _bow_state(column: Column, strain: BatchLike) -> _BowState:
     return _BowState(bent, arc, column.pull(arc), L0 * (1 - arc), L0 * (1 - strain) + 0.0 * arc)
 
 
-def _moment_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """Excess of the bow's force over the compression of the arc at a moment [N], and its slope."""
+def _force_excess_at_moment(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
+    """Excess [N] of the bow's force over the arc's compression at a `strain` [-], and its slope;
+    `theta`: column and $(M/4\\pi EI)^2$ [1/m²].
+    """
     column, square = theta
     EI, L0 = column.bending_stiffness, column.rest_length
     d = L0 * (1 - strain)

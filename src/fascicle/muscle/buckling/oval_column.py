@@ -251,6 +251,7 @@ class _Section(NamedTuple):
 
 
 def _section(xp: Any, P: Any, x: Any) -> _Section:
+    """Column in the middle of the section at the points, from its sines and cosines `x`."""
     b = _basis()
     t, z = x[..., :_SINES], x[..., _SINES:-1]
     oval = z @ b.Z.T

@@ -104,8 +104,8 @@ class Ovalising(AbstractBuckling):
         return _Branch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force [N] and its components at `strain` [-], (O4)."""
-        bent, _, w, arc, pull = state = _bent_state(column, strain)
+        """Components of the force [N], negative where it pushes, at `strain` [-], (O4)."""
+        bent, _, w, arc, pull = state = _state_at_strain(column, strain)
         unit, chord, T = _force_unit(column), 1 - w, pull.force
         n, n_slope = _interpolate_load(column, state.cell, w)
         # h(w, ε) = -T (1 - ε_a) - n (1 - w) u is zero: how w and the arc move with strain
@@ -126,7 +126,7 @@ class Ovalising(AbstractBuckling):
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and largest bending moment [N·m], at the ends or in the middle."""
-        state, branch = _bent_state(column, strain), column.branch
+        state, branch = _state_at_strain(column, strain), column.branch
         n, bow, bend = (
             interpolate_spline(x, slope, state.cell, state.w)[0]
             for x, slope in zip(branch.states[:3], branch.slopes[:3], strict=True)
@@ -140,7 +140,9 @@ class Ovalising(AbstractBuckling):
         return column.branch.onset
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strain [-] of the first fold of the branch, to a node; inf without a fold."""
+        """One-entry tuple: strain [-] of the first fold, past the onset, rounded to a node of the
+        branch; inf without one.
+        """
         start, end = column.branch.strain[:-1], column.branch.strain[1:]
         rank = node_axis(np.arange(float(end.shape[0])), end[0])
         first = xp.min_nodes(where(end < start, rank, np.inf))
@@ -154,7 +156,7 @@ class Ovalising(AbstractBuckling):
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
-        state, sines = _bent_state(column, strain), column.branch.states.sines
+        state, sines = _state_at_strain(column, strain), column.branch.states.sines
         root_w, node = state.root_w, state.w / STEP
         # linear between nodes
         weight = xp.maximum(1 - xp.absolute(node - node_axis(np.arange(len(sines)), node)), 0.0)
@@ -221,8 +223,8 @@ def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
     return -pull.force * arc - n * chord * unit, slope
 
 
-def _bent_state(column: Column, strain: BatchLike) -> _State:
-    """State at `strain` [-], followed from the free strain."""
+def _state_at_strain(column: Column, strain: BatchLike) -> _State:
+    """State at `strain` [-]: straight up to the onset, then the branch's first that reaches it."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain

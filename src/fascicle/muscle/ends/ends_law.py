@@ -58,8 +58,8 @@ def quadrature() -> tuple[np.ndarray, np.ndarray]:
 
 
 class AbstractEnds(AbstractLaw):
-    """Law of a muscle's ends, rigid unless a law overrides the methods; `is_compliant`: true if the
-    bladder's strain isn't the muscle's.
+    """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them, and
+    are used if `is_compliant`, which all but `Rigid` are.
     """
 
     is_compliant: ClassVar[bool] = True

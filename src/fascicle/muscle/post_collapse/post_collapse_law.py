@@ -21,6 +21,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
+from ...core.lazy import renamed_method
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..buckling.buckling_law import Centerline, Column
@@ -38,15 +39,17 @@ class AbstractPostCollapse(AbstractLaw):
     slope_factor: ClassVar[float]
 
     @abc.abstractmethod
-    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]."""
+
+    halves = renamed_method("halves", "bending_force")
 
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
         """Push $F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge`: $M_h$ [N·m]."""
         x, chord = compression, column.free_length - compression
-        halves, slope = self.halves(column, x)
+        bending, slope = self.bending_force(column, x)
         fold = hinge / sqrt(x * chord)
-        return halves + fold, slope - 0.5 * fold * (1 / x - 1 / chord)
+        return bending + fold, slope - 0.5 * fold * (1 / x - 1 / chord)
 
     def deflection(self, column: Column, strain: Batch) -> Batch:
         """Deflection of the hinge $y_{c,max}$ [m] at `strain` [-]."""
@@ -78,7 +81,7 @@ class Derived(AbstractPostCollapse):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
     slope_factor: ClassVar[float] = 1.0
 
-    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """$B = EI\\pi^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$ [N], and its slope [N/m]."""
         B, slope = bent_halves(column, compression)
         return B / 4, slope / 4
@@ -91,7 +94,7 @@ class Consistent(AbstractPostCollapse):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
     slope_factor: ClassVar[float] = 2.0
 
-    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """$B = EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N], and its slope [N/m]."""
         return bent_halves(column, compression)
 
@@ -103,8 +106,10 @@ class Printed(AbstractPostCollapse):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
     slope_factor: ClassVar[float] = 1.0
 
-    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
-        """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, printed as [N], in truth [N·m]; its slope."""
+    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, in truth a moment [N·m], counted as a force [N]
+        as in print; and its slope by $x$.
+        """
         EI, L, x = column.bending_stiffness, column.free_length, compression
         B = EI * np.pi**2 * L / (4 * (L - x) ** 2)
         return B, 2 * B / (L - x)

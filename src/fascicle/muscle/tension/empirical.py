@@ -136,7 +136,7 @@ class AbstractSarosi(AbstractEmpirical):
 
 
 class Sarosi(AbstractSarosi):
-    """(S) for a Festo DMSP-20-200N."""
+    """(S) with the constants published for a Festo DMSP-20-200N as defaults."""
 
     name: ClassVar[str] = "sarosi"
     title: ClassVar[str] = "Sárosi, DMSP-20-200"
@@ -150,7 +150,7 @@ class Sarosi(AbstractSarosi):
 
 
 class Sarosi10(AbstractSarosi):
-    """(S) for a Festo DMSP-10."""
+    """(S) with the constants published for a Festo DMSP-10 as defaults."""
 
     name: ClassVar[str] = "sarosi_10"
     title: ClassVar[str] = "Sárosi, DMSP-10"
@@ -163,7 +163,7 @@ class Sarosi10(AbstractSarosi):
 
 
 class Sarosi20Long(AbstractSarosi):
-    """(S) for a Festo muscle of 20 mm, 400 mm long."""
+    """(S) with the constants published for a Festo muscle of 20 mm, 400 mm long as defaults."""
 
     name: ClassVar[str] = "sarosi_20_400"
     title: ClassVar[str] = "Sárosi, DMSP-20-400"
@@ -239,7 +239,7 @@ class AbstractBolen(AbstractEmpirical):
 
 
 class Bolen(AbstractBolen):
-    """(BF) for Festo muscles of 10 mm."""
+    """(BF) with the constants published for Festo muscles of 10 mm as defaults."""
 
     name: ClassVar[str] = "bolen"
     title: ClassVar[str] = "Bolen, 10 mm"
@@ -252,7 +252,7 @@ class Bolen(AbstractBolen):
 
 
 class Bolen20(AbstractBolen):
-    """(BF) for Festo muscles of 20 mm."""
+    """(BF) with the constants published for Festo muscles of 20 mm as defaults."""
 
     name: ClassVar[str] = "bolen_20"
     title: ClassVar[str] = "Bolen, 20 mm"
@@ -332,7 +332,7 @@ class AbstractMartens(AbstractEmpirical):
 
 
 class Martens2017(AbstractMartens):
-    """(MB) for a Festo DMSP-10-250."""
+    """(MB) with the constants published for a Festo DMSP-10-250 as defaults."""
 
     name: ClassVar[str] = "martens2017"
     title: ClassVar[str] = "Martens-Boblan, DMSP-10-250"
@@ -344,7 +344,7 @@ class Martens2017(AbstractMartens):
 
 
 class Martens201720(AbstractMartens):
-    """(MB) for a Festo DMSP-20-300."""
+    """(MB) with the constants published for a Festo DMSP-20-300 as defaults."""
 
     name: ClassVar[str] = "martens2017_20"
     title: ClassVar[str] = "Martens-Boblan, DMSP-20-300"
