@@ -373,7 +373,7 @@ def test_a_narrow_terminal_gets_narrow_tables(fascicle, monkeypatch, width, line
 def test_first_columns_are_repeated_in_every_block(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "24")
     heads = ["aa", "bb", *(f"c{i}wide" for i in range(5))]
-    print_table("Title", heads, [[*"12", *("9.9999" for _ in range(5))]], keys=2)
+    print_table("Title", heads, [[*"12", *("9.9999" for _ in range(5))]], key_columns=2)
     lines = capsys.readouterr().out.splitlines()
     tops = [line.split() for line in lines if "wide" in line]
     assert len(tops) > 1 and all(top[:2] == ["aa", "bb"] for top in tops)

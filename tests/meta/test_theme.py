@@ -90,6 +90,6 @@ def test_every_face_has_the_theme():
     assert set(theme.CYCLE) <= set(theme.LIGHT.curves)
     assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)
     report = render("page.html", title="A page")
-    for name, value in theme.variables(theme.LIGHT).items():
+    for name, value in theme.css_variables(theme.LIGHT).items():
         assert f"{name}: {value};" in report
         assert f"{name}: {value};" in page_css(LIGHT)

@@ -70,7 +70,7 @@ def _open_streams() -> None:
 
 
 def _exit_on_interrupt(unraisable: Any) -> None:
-    """Exit at a Ctrl-C inside a callback, where Python would print a traceback and continue."""
+    """As `sys.unraisablehook`: exit at a Ctrl-C in a callback, where Python would continue."""
     if unraisable.exc_type is KeyboardInterrupt:
         os._exit(_INTERRUPTED)
     sys.__unraisablehook__(unraisable)

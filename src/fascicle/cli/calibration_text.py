@@ -101,6 +101,7 @@ def _print_choice(choice: "Selection") -> None:
     """Print the candidates, and the reasons for the selected one."""
 
     def percent(fraction: float) -> str:
+        """Text of a fraction in percent; "-" if it isn't finite."""
         return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "-"
 
     titles = {"pulling": "readings that pull", "all": "all readings"}

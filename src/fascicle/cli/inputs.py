@@ -203,7 +203,7 @@ def read_rising_strains(text: str | None) -> list[float] | None:
 
 
 def check_grid(*sizes: int) -> None:
-    """Refuse a table with more than `MAX_GRID` points."""
+    """Refuse a table of more than `MAX_GRID` points, the product of its `sizes`."""
     if math.prod(sizes) > MAX_GRID:
         points = " x ".join(map(str, sizes))
         raise UserError(f"{points} points are more than {MAX_GRID}: take fewer.")

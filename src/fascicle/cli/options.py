@@ -35,7 +35,7 @@ def option(text: str, names: str = "", *, default: Any = None, **settings: Any) 
     **Arguments:**
 
     - `text`: its help.
-    - `names`: its spellings; default: made of the parameter's name.
+    - `names`: its spellings, separated by spaces; default: made of the parameter's name.
     - `default`: shown in the help, unless it is `None`; an ellipsis if it is required.
     - `settings`: further ones of `typer.Option`.
     """
@@ -44,7 +44,7 @@ def option(text: str, names: str = "", *, default: Any = None, **settings: Any) 
 
 
 def flag(text: str, names: str) -> Any:
-    """Flag of a command, off by default; `text`: its help, `names`: its spellings."""
+    """Flag, off by default; `text`: its help, `names`: its spellings, separated by spaces."""
     return typer.Option(False, *names.split(), help=text, show_default=False)
 
 
@@ -55,7 +55,7 @@ def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> An
 
 
 def complete_target(incomplete: str) -> list[str]:
-    """Named examples and muscle files that begin so."""
+    """Named examples, and TOML files by path, that begin with `incomplete`."""
     from ..files import examples
 
     folder, slash, _ = incomplete.rpartition("/")

@@ -51,11 +51,11 @@ def print_table(
     heads: Sequence[str],
     rows: Sequence[Sequence[str]],
     caption: str = "",
-    keys: int = 1,
+    key_columns: int = 1,
 ) -> None:
-    """Print a table of texts, of one line or several each.
+    """Print a table; columns that don't fit follow below, with the first `key_columns` again.
 
-    Columns that do not fit follow below, next to the first `keys` columns, which name a row.
+    Cells have one line or several.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -63,30 +63,31 @@ def print_table(
 
     console = _console()
 
-    def table(columns: Sequence[int], narrow: bool) -> Table:
-        grid = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
-        for index in columns:
+    def grid(indices: Sequence[int], narrow: bool) -> Table:
+        """Grid of the columns with these indices; `narrow`: heads broken at spaces, no padding."""
+        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
+        for index in indices:
             head = escape_invisible(heads[index])
             head = Text(head.replace(" ", "\n") if narrow else head)
-            grid.add_column(head, justify="right", no_wrap=True)
+            table.add_column(head, justify="right", no_wrap=True)
         for row in rows:
-            cells = ("\n".join(map(sanitize_line, row[index].split("\n"))) for index in columns)
-            grid.add_row(*map(Text, cells))
-        return grid
+            cells = ("\n".join(map(sanitize_line, row[index].split("\n"))) for index in indices)
+            table.add_row(*map(Text, cells))
+        return table
 
-    def fits(columns: Sequence[int], narrow: bool) -> bool:
+    def fits(indices: Sequence[int], narrow: bool) -> bool:
         unlimited = console.options.update(max_width=_MAX_WIDTH)
-        width = console.measure(table(columns, narrow), options=unlimited).maximum
+        width = console.measure(grid(indices, narrow), options=unlimited).maximum
         return width < console.width
 
     narrow = not fits(range(len(heads)), False)
-    names, columns = [*range(keys)], [*range(keys, len(heads))]
+    names, columns = [*range(key_columns)], [*range(key_columns, len(heads))]
     while columns:
         count = len(columns)
         while count > 1 and not fits([*names, *columns[:count]], narrow):
             count -= 1
         print_text(title, "bold")
-        console.print(table([*names, *columns[:count]], narrow))
+        console.print(grid([*names, *columns[:count]], narrow))
         columns = columns[count:]
     if caption:
         print_text(caption)
@@ -167,10 +168,10 @@ def check_file(
 
 
 @contextlib.contextmanager
-def write_file(
+def replace_output(
     option: str, path: str | Path, overwrite: bool, folder: bool = False
 ) -> Iterator[Path]:
-    """Give a draft to write to, and move it to `path` once it is complete."""
+    """Context of a path, not yet made, of a draft that replaces `path`; errors name `option`."""
     with user_errors(f"{option} ".lstrip()):
         atomic.check_overwrite(path, overwrite)
         with atomic.replace_whole(path, folder) as draft:
@@ -179,7 +180,7 @@ def write_file(
 
 def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> None:
     """Write a text file, whole or not at all."""
-    with write_file(option, path, overwrite) as draft:
+    with replace_output(option, path, overwrite) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -234,14 +235,14 @@ class Outputs:
         self,
         variables: Mapping[str, "Variable"],
         table: Callable[[], None],
-        draw: Callable[[], Any] | None = None,
+        figure: Callable[[], Any] | None = None,
         *,
         title: str,
         notes: str = "",
     ) -> None:
         """Write the files, then print.
 
-        **Arguments:** `table`: prints for a reader; `draw`: returns the figure.
+        **Arguments:** `table`: prints for a reader; `figure`: returns that of --plot.
         """
         from ..results import labelled
 
@@ -249,16 +250,16 @@ class Outputs:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
                 is_folder = Path(self.out).suffix.lower() == ".zarr"
-                with write_file("--out", self.out, self.overwrite, is_folder) as draft:
+                with replace_output("--out", self.out, self.overwrite, is_folder) as draft:
                     labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
-            if self.plot is not None and draw is not None:
+            if self.plot is not None and figure is not None:
                 from ..plot import to_bytes
 
                 update("drawing the picture")
                 with user_errors():
-                    figure = draw()
-                with write_file("--plot", self.plot, self.overwrite) as draft:
-                    draft.write_bytes(to_bytes(figure, draft.suffix.lower()[1:]))
+                    drawn = figure()
+                with replace_output("--plot", self.plot, self.overwrite) as draft:
+                    draft.write_bytes(to_bytes(drawn, draft.suffix.lower()[1:]))
         if self.as_json:
             print(labelled.to_json(variables))
         elif self.as_csv:

@@ -84,13 +84,13 @@ def provenance_of(
     if record.rest_length is not None:
         rest_length = exact(record.rest_length, "length")
     residuals = [
-        {"against": trend.along, "share": _short(trend.share), "chance": _short(trend.chance),
+        {"against": trend.along, "share": _rounded(trend.share), "chance": _rounded(trend.chance),
          "noise": not trend.found}
         for trend in diagnosis.trends
     ]  # fmt: skip
     residuals += [
         {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
-         "chance": _short(run.chance), "noise": not run.found}
+         "chance": _rounded(run.chance), "noise": not run.found}
         for run in diagnosis.runs
     ]  # fmt: skip
     table = {
@@ -103,10 +103,10 @@ def provenance_of(
         "points": calibration.points,
         "censored": calibration.censored,
         "rmse": _force_text(calibration.rmse),
-        "relative_rmse": _short(calibration.relative_rmse),
+        "relative_rmse": _rounded(calibration.relative_rmse),
         "noise": _force_text(calibration.problem.noise),
-        "inflation": _short(diagnosis.inflation),
-        "wider": [_short(x) for x in calibration.wider.tolist()],
+        "inflation": _rounded(diagnosis.inflation),
+        "wider": [_rounded(x) for x in calibration.wider.tolist()],
         "intervals": "quick" if calibration.bootstrapped is None else "bootstrap",
         "not_told": list(diagnosis.confounded),
         "rest_length": rest_length,
@@ -139,8 +139,8 @@ def provenance_of(
         table["reasons"] = list(choice.reasons)
         table["candidate"] = [
             {
-                "free": row.label, "numbers": row.constants, "rmse": _short(row.rmse),
-                "left_out_rmse": _short(row.left_out_rmse), "on": row.readings,
+                "free": row.label, "numbers": row.constants, "rmse": _rounded(row.rmse),
+                "left_out_rmse": _rounded(row.left_out_rmse), "on": row.readings,
                 "taken": row.chosen,
             }
             for row in choice.candidates
@@ -252,7 +252,7 @@ def _force_text(force: Any) -> str:
     return pretty(float(force), "force", _ERROR_DIGITS)
 
 
-def _short(number: float) -> float:
+def _rounded(number: float) -> float:
     return float(f"{number:.{_ERROR_DIGITS}g}")
 
 

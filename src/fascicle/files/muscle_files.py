@@ -83,7 +83,7 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
     **Raises:** as `load_muscle`.
     """
 
-    def read(path: Path) -> dict[str, Any]:
+    def read_calibration(path: Path) -> dict[str, Any]:
         table = parse_file(read_text(path), str(path)).get(_CALIBRATION, {})
         if not isinstance(table, dict):
             rule = "must be a table of keys."
@@ -91,12 +91,13 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
         return table
 
     path = Path(path)
-    table = read(path)
+    table = read_calibration(path)
     log = table.get("log", "")
     if not isinstance(log, str) or Path(log).name != log:
         rule = "must be the name of a file in the same folder."
         raise ValueError(location_message(str(path), [_CALIBRATION, "log"], rule, log))
-    return read(path.parent / log) | table if log and (path.parent / log).is_file() else table
+    log_path = path.parent / log
+    return read_calibration(log_path) | table if log and log_path.is_file() else table
 
 
 def save(
@@ -349,9 +350,9 @@ def _muscle_tables(muscle: Muscle) -> Tables:
     for kind in LAWS:
         law = getattr(muscle, kind)
         if kind != "collapse" and is_written_out(kind, law):
-            table = _law_table(law, kind)
+            table = _law_entries(law, kind)
             entries[kind] = table if len(table) > 1 else table["law"]
-    collapse = _law_table(muscle.collapse, "collapse")
+    collapse = _law_entries(muscle.collapse, "collapse")
     rate = _number(muscle.transition_rate, "transition_rate")
     name = collapse.pop("law")
     tables = {"": entries, "collapse": {"law": name, "transition_rate": rate, **collapse}}
@@ -410,7 +411,7 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
     return lines
 
 
-def _law_table(law: Any, kind: str) -> dict[str, Any]:
+def _law_entries(law: Any, kind: str) -> dict[str, Any]:
     """A law's name, and its constants and switches by key unless all are the defaults."""
     name, laws = getattr(law, "name", ""), LAWS[kind]
     if name not in laws or type(law) is not laws[name]:

@@ -169,11 +169,11 @@ def _constant_of(kind: str, name: str) -> BeforeValidator:
     # a law without this constant refuses it later, by the law's name
     default = next(iter(dimensions.values()))
 
-    def read(value: Any, info: Any) -> float:
+    def parse_constant(value: Any, info: Any) -> float:
         law = info.data.get("law") or next(iter(LAWS[kind]))
         return parse(value, dimensions.get(law, default), info.field_name)
 
-    return BeforeValidator(read)
+    return BeforeValidator(parse_constant)
 
 
 def _law_table(kind: str, **fields: Any) -> type[LawSection]:
@@ -338,9 +338,9 @@ def _price(dimension: str | None) -> BeforeValidator:
 
 
 def _quantities(dimension: str) -> BeforeValidator:
-    """A quantity, a list or range in the command line's syntax, or a list of these."""
+    """Parser of a quantity, a list or range in the command line's syntax, or a list of these."""
 
-    def read(value: Any, info: Any) -> tuple[float, ...]:
+    def parse_quantities(value: Any, info: Any) -> tuple[float, ...]:
         values: list[float] = []
         for entry in value if isinstance(value, list) else [value]:
             if isinstance(entry, str) and (":" in entry or "," in entry):
@@ -349,19 +349,19 @@ def _quantities(dimension: str) -> BeforeValidator:
                 values.append(parse(entry, dimension, info.field_name))
         return tuple(values)
 
-    return BeforeValidator(read)
+    return BeforeValidator(parse_quantities)
 
 
 def _entries(kind: type, rule: str) -> BeforeValidator:
-    """An entry of a kind, or a list of them."""
+    """Validator of an entry of a `kind` or a list of them, to a tuple; `rule`: such as "a name"."""
 
-    def read(value: Any, info: Any) -> tuple[Any, ...]:
+    def check_entries(value: Any, info: Any) -> tuple[Any, ...]:
         entries = value if isinstance(value, list) else [value]
         if not entries or any(type(entry) is not kind for entry in entries):
             raise InvalidInputError(info.field_name, f"must be {rule}, or a list of them", None)
         return tuple(entries)
 
-    return BeforeValidator(read)
+    return BeforeValidator(check_entries)
 
 
 PriceEach = Annotated[Price, _price(None)]
@@ -421,7 +421,7 @@ class CatalogFile(TableModel):
 
 
 class PricesSection(TableModel):
-    """`[prices]`: by the piece or by a unit; the m³ of air is a normal one."""
+    """`[prices]`: of a valve or muscle, of air by normal volume, and of energy."""
 
     valve: PriceEach | None = None
     muscle: PriceEach | None = None

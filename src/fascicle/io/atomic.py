@@ -43,7 +43,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 @contextlib.contextmanager
 def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
-    """Context of a draft, which is moved to `path` at the end; as `write`."""
+    """Context of a path, not yet made, of a draft that replaces `path` at the end; as `write`."""
     target = draft = check_writable(path, folder)
     try:
         with open_draft(target) as draft:

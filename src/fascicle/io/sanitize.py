@@ -16,7 +16,7 @@ _HIDDEN = re.compile(
 
 def escape_invisible(text: str) -> str:
     """A text with its hidden characters written as their numbers; line breaks stay."""
-    return _HIDDEN.sub(lambda match: _number(match.group()), text)
+    return _HIDDEN.sub(lambda match: _escape(match.group()), text)
 
 
 def sanitize_line(text: str, limit: int = _MAX_LENGTH) -> str:
@@ -24,7 +24,7 @@ def sanitize_line(text: str, limit: int = _MAX_LENGTH) -> str:
     if len(text) > limit:
         text = f"{text[: limit // 2]} … {text[-(limit // 3) :]}"
     line = " ".join(escape_invisible(text).split())
-    return "".join(sign if sign.isprintable() else _number(sign) for sign in line)
+    return "".join(sign if sign.isprintable() else _escape(sign) for sign in line)
 
 
 def dump_json(value: Any) -> str:
@@ -33,5 +33,5 @@ def dump_json(value: Any) -> str:
     return _HIDDEN.sub(lambda match: json.dumps(match.group())[1:-1], text)
 
 
-def _number(sign: str) -> str:
+def _escape(sign: str) -> str:
     return sign.encode("unicode_escape", "surrogatepass").decode("ascii")

@@ -164,7 +164,7 @@ def fit(data: FitPlot) -> Figure:
         strain = data.strain[data.measured < 0.6 * push]
         margin = 0.03 * np.ptp(strain)
         axes[0, 1].set_xlim(np.min(strain) - margin, np.max(strain) + margin)
-    _pressure_bar(figure, axes, data.pressure)
+    _label_pressures(figure, axes, data.pressure)
     handles: list[Any] = []
     for label, style, paint, mask in _marks(data):
         if np.any(mask & np.isfinite(data.force)):
@@ -194,8 +194,9 @@ def _marks(data: FitPlot) -> list[tuple[str, dict[str, Any], str, np.ndarray]]:
 
 
 def _draw_fit(ax: Axes, data: FitPlot) -> None:
+    """Draw points, fitted curves and bands of force over strain, a color for each pressure."""
     force_strain_axes(ax)
-    norm, levels = _norm(data.pressure), data.pressure.size
+    norm, levels = _pressure_scale(data.pressure), data.pressure.size
     with_curve = _spread(levels, _CURVES)
     with_band = with_curve if levels < _CROWDED else _spread(levels, _BANDS)
     for i, pressure in enumerate(data.pressure):
@@ -221,7 +222,7 @@ def residuals(data: FitPlot) -> Figure:
     timed = data.time is not None and bool(np.any(np.isfinite(data.time)))
     count = 3 if timed else 2
     figure, axes = new_figure(1, count, DOUBLE, 0.4 * DOUBLE, sharey=True)
-    P, norm = data.pressure, _norm(data.pressure)
+    P, norm = data.pressure, _pressure_scale(data.pressure)
     # readings of one level side by side in the order of their strain, as far as there is room
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0))
     lowest = np.nanmin(data.strain)
@@ -254,7 +255,7 @@ def residuals(data: FitPlot) -> Figure:
     axes[0, 0].set_ylabel("Measured less fitted force [N]")
     reach = max(np.nanmax(np.abs(data.residual), initial=0.0), 2 * data.noise)
     axes[0, 0].set_ylim(-1.12 * reach, 1.12 * reach)
-    _pressure_bar(figure, axes, P)
+    _label_pressures(figure, axes, P)
     handles = [
         Line2D([], [], color=GRAY, label="residual", linestyle="", marker="o", markersize=3),
         Line2D([], [], color=BLACK, linewidth=1.2, label="mean there"),
@@ -361,17 +362,17 @@ def _draw_profile(ax: Axes, profile: ProfilePlot) -> None:
         )  # fmt: skip
 
 
-def _norm(pressure: np.ndarray) -> Normalize:
+def _pressure_scale(pressure: np.ndarray) -> Normalize:
     # never of zero width: one pressure alone is dark
     return Normalize(pressure[0], max(pressure[-1], pressure[0] + 1.0))
 
 
-def _pressure_bar(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
+def _label_pressures(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
     if pressure.size == 1:
         axes.flat[0].set_title(f"P = {in_kilopascals(pressure[0])}", loc="right")
         return
     bar = figure.colorbar(
-        ScalarMappable(_norm(pressure / 1e3), _COLORS), ax=list(axes.flat),
+        ScalarMappable(_pressure_scale(pressure / 1e3), _COLORS), ax=list(axes.flat),
         label="Pressure P [kPa]", aspect=35, pad=0.015,
     )  # fmt: skip
     bar.outline.set_visible(False)

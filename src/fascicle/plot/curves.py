@@ -131,7 +131,7 @@ def force_strain(
         pressures = np.linspace(0.0, highest, 4 if components else 5)
     P = np.atleast_1d(np.asarray(to_si(pressures, "pressures", "Pa"), float))
     if strains is None:
-        strains = _default_strains(np.max(muscle.free_strain(P)))
+        strains = _default_strains(float(np.max(muscle.free_strain(P))))
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     if not components:
         figure, axes = new_figure(width=SINGLE)
@@ -210,7 +210,7 @@ def bundle_force_strain(
         space = recruitment.workspace(bundle, strain=strains, resistance=resistance)
         return workspace(space, overlap(space))
     if strains is None:
-        strains = _default_strains(bundle.free_strain(pressures, resistance=False))
+        strains = _default_strains(float(bundle.free_strain(pressures, resistance=False)))
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     figure, axes = new_figure(width=SINGLE)
@@ -299,14 +299,14 @@ def free_strain_states(
         P, first = np.unique(rows[mask, unit], return_index=True)
         eps = np.asarray(strains)[mask][first]
 
-        def curve(values: np.ndarray, state: np.ndarray = state) -> np.ndarray:
+        def free_at(values: np.ndarray, state: np.ndarray = state) -> np.ndarray:
             if isinstance(system, Muscle):
                 return np.asarray(system.free_strain(values))
             points = np.insert(np.tile(state, (len(values), 1)), unit, values, axis=1)
             return np.asarray(system.free_strain(points, resistance))
 
         points = smooth(P) if labeled else P
-        line, jumps = split_at_jumps(points, curve(points) if labeled else eps, curve)
+        line, jumps = split_at_jumps(points, free_at(points) if labeled else eps, free_at)
         color = CYCLE[i % len(CYCLE)]
         levels = (f"{n} = {in_kilopascals(p)}" for n, p in zip(names, state, strict=True))
         ax.plot(line[0] / 1e3, line[1], color=color, label=", ".join(levels) or "free strain")
@@ -393,11 +393,11 @@ def split_at_reversal(
     return (np.insert(pressure, indices, P), np.insert(strain, indices, eps)), jump
 
 
-def _default_strains(free_strain: Any) -> np.ndarray:
-    """Strains [-] from rest to a quarter past the largest free strain, where resistance shows."""
-    return np.linspace(0.0, min(max(1.25 * float(free_strain), 0.05), LARGEST_STRAIN), _POINTS)
+def _default_strains(largest_free_strain: float) -> np.ndarray:
+    """Strains [-] from 0 to a quarter past it, to 0.05 at least and `LARGEST_STRAIN` at most."""
+    return np.linspace(0.0, min(max(1.25 * largest_free_strain, 0.05), LARGEST_STRAIN), _POINTS)
 
 
 def smooth(values: Any) -> np.ndarray:
-    """Values, and enough points between them for smooth curves."""
+    """Sorted `values`, and even points between them, enough for a smooth curve."""
     return np.union1d(values, np.linspace(np.min(values), np.max(values), _POINTS))

@@ -54,7 +54,7 @@ class Outline:
 def outlines(
     muscle: Muscle, pressures: Any, strains: Any, collapse_strains: Any = None
 ) -> list[Outline]:
-    """Outlines of `muscle` at several `pressures` [Pa] and `strains` [-].
+    """Outline of `muscle` at each pair of `pressures` [Pa] and `strains` [-].
 
     Without `collapse_strains` [-] at those pressures, they are computed.
     """

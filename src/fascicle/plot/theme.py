@@ -145,7 +145,7 @@ def contrast(first: str, second: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-def variables(colors: Colors) -> dict[str, str]:
+def css_variables(colors: Colors) -> dict[str, str]:
     """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
     names = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
              "bad", "alarm")  # fmt: skip
@@ -164,8 +164,8 @@ def variables(colors: Colors) -> dict[str, str]:
 
 
 def css(colors: Colors) -> str:
-    """Declarations of `variables` in a style sheet."""
-    return " ".join(f"{name}: {value};" for name, value in variables(colors).items())
+    """Declarations of `css_variables`, without a selector: `--ink: #…; --paper: #…; …`."""
+    return " ".join(f"{name}: {value};" for name, value in css_variables(colors).items())
 
 
 class StyledFigure(Figure):

@@ -50,9 +50,9 @@ _HATCHED: dict[str, Any] = {
 _ZERO: dict[str, Any] = {"color": GRAY, "linewidth": 0.6, "zorder": 1}
 
 
-class Demand(NamedTuple):
-    """Demand on a run: its `quantity`, "force" or "position"; the `demand` at each step and the
-    `output` at each moment [SI]; `reachable`: demands that some policy can meet.
+class Tracking(NamedTuple):
+    """Demand on a run and what was done: the `quantity`, "force" or "position"; `demand` at each
+    step and `output` at each moment [SI]; `reachable`: steps whose demand some policy can meet.
     """
 
     quantity: str
@@ -72,23 +72,23 @@ class PolicyCosts(NamedTuple):
 
 
 @styled
-def traces(plant: "Plant", run: "Trajectory", demand: Demand | None = None) -> Figure:
-    """Figure of position, pressures, forces and valves over time, below the demand if there is one.
+def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) -> Figure:
+    """Figure of position, pressures, forces and valves over time, below demand and error if given.
 
     **Arguments:**
 
     - `plant`: the plant.
     - `run`: one run of it, not a batch [SI].
-    - `demand`: its demand [SI], or none.
+    - `tracking`: its demand and output [SI], or none.
     """
-    extra = 0 if demand is None else 2
+    extra = 0 if tracking is None else 2
     heights = [*[1.3, 0.7][:extra], 1.0, 1.0, 1.0, 0.12 + 0.13 * plant.units]
     figure, axes = new_figure(
         4 + extra, 1, DOUBLE, 0.19 * DOUBLE * sum(heights) + 0.5, sharex=True, height_ratios=heights
     )
     position, pressure, force, valves = axes[extra:, 0]
-    if demand is not None:
-        draw_demand(axes[0, 0], axes[1, 0], plant, run, demand)
+    if tracking is not None:
+        _draw_tracking(axes[0, 0], axes[1, 0], plant, run, tracking)
     _draw_position(position, plant, run)
     for ax, values in ((pressure, np.asarray(run.outputs.pressures) / 1e3),
                        (force, np.asarray(run.outputs.forces))):  # fmt: skip
@@ -190,19 +190,19 @@ def _draw_valves(ax: Axes, run: "Trajectory") -> None:
     ax.grid(visible=False)
 
 
-def draw_demand(ax: Axes, error: Axes, plant: "Plant", run: "Trajectory", demand: Demand) -> None:
-    """Draw `demand` and output [SI] of a `run` of a `plant` onto `ax`, their difference onto
-    `error`.
-    """
-    factor, unit = display_unit(plant, demand.quantity)
-    target, output = factor * demand.demand, factor * demand.output
+def _draw_tracking(
+    ax: Axes, error: Axes, plant: "Plant", run: "Trajectory", tracking: Tracking
+) -> None:
+    """Draw demand and output of a `run` onto `ax`, and output less demand onto `error`."""
+    factor, unit = display_unit(plant, tracking.quantity)
+    target, output = factor * tracking.demand, factor * tracking.output
     _draw_line(ax, run, output, BLUE, "done")
     _draw_line(ax, run, np.append(target, target[-1]), BLACK, "demanded", linestyle=_DASHED)
     # an unreachable demand has no error
-    difference = np.append(0.0, np.where(demand.reachable, output[1:] - target, np.nan))
+    difference = np.append(0.0, np.where(tracking.reachable, output[1:] - target, np.nan))
     _draw_line(error, run, difference, VERMILION, "error")
     error.axhline(0, **_ZERO)
-    edges = np.flatnonzero(np.diff(np.r_[True, demand.reachable, True]))
+    edges = np.flatnonzero(np.diff(np.r_[True, tracking.reachable, True]))
     label: str | None = "can't be reached"
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
         span = (float(run.time[begin]), float(run.time[end]))
@@ -210,8 +210,8 @@ def draw_demand(ax: Axes, error: Axes, plant: "Plant", run: "Trajectory", demand
         error.axvspan(*span, **_HATCHED)
         label = None
     ax.legend(loc="best")
-    symbol = "F" if demand.quantity == "force" else "q"
-    ax.set_ylabel(f"{demand.quantity.capitalize()} {symbol} [{unit}]")
+    symbol = "F" if tracking.quantity == "force" else "q"
+    ax.set_ylabel(f"{tracking.quantity.capitalize()} {symbol} [{unit}]")
     error.set_ylabel(f"Error [{unit}]")
 
 
@@ -225,14 +225,14 @@ def display_unit(plant: "Plant", quantity: str) -> tuple[float, str]:
 
 @styled
 def policies(
-    plant: "Plant", runs: Mapping[str, tuple["Trajectory", Demand]], costs: PolicyCosts
+    plant: "Plant", runs: Mapping[str, tuple["Trajectory", Tracking]], costs: PolicyCosts
 ) -> Figure:
     """Figure of the front of drawdown against energy, and of all policies' errors over time.
 
     **Arguments:**
 
     - `plant`: the plant.
-    - `runs`: by policy, each with its demand [SI].
+    - `runs`: by policy, each with its demand and output [SI].
     - `costs`: of each run [SI].
     """
     # one panel below the other: names need room
@@ -247,11 +247,12 @@ def policies(
         energies[order], drawdowns[order], where="post", color=GRAY, linewidth=0.8, zorder=1,
         label="front",
     )  # fmt: skip
-    for k, (name, (run, demand)) in enumerate(runs.items()):
+    for k, (name, (run, tracking)) in enumerate(runs.items()):
         color, mark = CYCLE[k % len(CYCLE)], _MARKS[k % len(_MARKS)]
         face = color if best[k] else WHITE  # dominated policies are hollow
         front.plot(energies[k], drawdowns[k], mark, color=color, markerfacecolor=face, label=name)
-        values = factor * np.where(demand.reachable, demand.output[1:] - demand.demand, np.nan)
+        difference = tracking.output[1:] - tracking.demand
+        values = factor * np.where(tracking.reachable, difference, np.nan)
         points = thinned(values)
         style = _STYLES[k % len(_STYLES)]
         error.plot(np.asarray(run.time)[1:][points], values[points], color=color, linestyle=style)

@@ -67,7 +67,7 @@ def choose_columns(
     columns = {}
     for role, column in chosen.items():
         try:
-            columns[role] = _with_unit(table, column, units.get(role), atmosphere=atmosphere)
+            columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
         except ValueError:
             if role not in OPTIONAL or role in headers or role in units:
                 raise
@@ -119,7 +119,7 @@ def check_roles(mapping: Mapping[str, Any], argument: str, roles: Sequence[str] 
     """Refuse keys of a `mapping` that are no `roles`; `argument` names it in the error."""
     for role in mapping:
         if role not in roles:
-            hint = _nearest(str(role), roles, '"') or f"choose one of {', '.join(roles)}"
+            hint = _suggest_name(str(role), roles, '"') or f"choose one of {', '.join(roles)}"
             raise InvalidInputError(argument, f"has the unknown key {role!r}", role, hint, shown="")
 
 
@@ -159,7 +159,7 @@ def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
     return positions
 
 
-def _nearest(name: str, choices: Sequence[str], quote: str) -> str:
+def _suggest_name(name: str, choices: Sequence[str], quote: str) -> str:
     """A question for the most similar name; empty if none is similar."""
     similar = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
     return f"did you mean {quote}{similar[0]}{quote}?" if similar else ""
@@ -175,7 +175,7 @@ def _index_of(table: Table, role: str, header: str) -> int:
         ]
     if not indices:
         names = [name for name in names if name]
-        hint = _nearest(header, names, "`") or f"there are {_listed(names)}."
+        hint = _suggest_name(header, names, "`") or f"there are {_list_names(names)}."
         raise ValueError(f"{table.where}: no column `{header}` for {role}: {hint}")
     if len(indices) > 1:
         raise _ambiguous(table, role, indices)
@@ -193,7 +193,7 @@ def _candidates(table: Table, role: str, used: set[int], unit: str | None) -> li
     return [i for i, points in scores.items() if points == best > 0]
 
 
-def _with_unit(table: Table, column: Column, override: str | None, *, atmosphere: bool) -> Column:
+def _complete(table: Table, column: Column, override: str | None, *, atmosphere: bool) -> Column:
     """The column with its unit, factor and sign."""
     if column.role in {"branch", "clipped"}:
         return column
@@ -262,7 +262,7 @@ def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
     if len(set(names)) == 1:
         times = f"is there {len(names)} times: rename one, or name the columns in their order."
         return ValueError(f"{table.where}: column `{names[0]}` {times}")
-    how = f"{table.where}: several columns could be {role}, {_listed(names)}: choose one with "
+    how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
     return MissingMetadataError(how, ("columns", role, names[0], ""))
 
 
@@ -291,11 +291,11 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     if len(names) == 1 and role == "length" and is_unit(read_header(names[0])[0][1], ("length",)):
         choices = [("columns", role, names[0], ""), ("columns", "displacement", names[0], "")]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
-    after = f" if it is one of {_listed(names)}"
+    after = f" if it is one of {_list_names(names)}"
     named = ("columns", role, names[0], after)
     return MissingMetadataError(f"{before}name it with ", named, constant)
 
 
-def _listed(names: Sequence[str]) -> str:
+def _list_names(names: Sequence[str]) -> str:
     text = ", ".join(f"`{name}`" for name in names[:8])
     return f"{text} and {len(names) - 8} more" if len(names) > 8 else text

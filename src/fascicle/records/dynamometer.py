@@ -254,7 +254,7 @@ class VirtualDynamometer:
         P = np.asarray(self.pressures, dtype=float)
         # cycled until it is soft, so the stroke is the softened muscle's
         closing = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
-        clean = np.asarray(self._new(muscle).force(P[:, None], closing))
+        clean = np.asarray(self._with_new_rubber(muscle).force(P[:, None], closing))
         half = 0.5 * self.hysteresis * clean[:, :1]
         if not self.both_ways:
             return Sweeps(P, closing, np.ones(closing.size, int), clean - half)
@@ -289,7 +289,7 @@ class VirtualDynamometer:
         scatter = Scatter(self.length_scatter, self.angle_scatter)
         return scatter.draw(muscle, _streams(seed)[-1])
 
-    def _new(self, muscle: Muscle) -> Muscle:
+    def _with_new_rubber(self, muscle: Muscle) -> Muscle:
         """The muscle with the stiffness of new rubber at each pressure, on a first axis."""
         if not self.mullins:
             return muscle
@@ -430,5 +430,5 @@ def agreements(
 
 
 def _streams(seed: int) -> list[np.random.Generator]:
-    """Independent random numbers of load cell, transducer, ruler and fabrication."""
+    """Independent random generators, in order: load cell, transducer, ruler, fabrication."""
     return np.random.default_rng(seed).spawn(4)

@@ -76,7 +76,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
     require("openpyxl")
     from openpyxl import load_workbook
 
-    def text(value: Any) -> str:
+    def cell_text(value: Any) -> str:
         return "" if value is None else " ".join(str(value).split()).replace('"', "")
 
     try:
@@ -85,7 +85,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
         raise ValueError(f"{source}: can't be read as .xlsx: {_line(error)}") from None
     return {
         sheet.title: "".join(
-            "\t".join(map(text, row)) + "\n" for row in sheet.iter_rows(values_only=True)
+            "\t".join(map(cell_text, row)) + "\n" for row in sheet.iter_rows(values_only=True)
         ).encode()
         for sheet in book.worksheets
     }
@@ -109,8 +109,8 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
             if step and len(channel) and "time [s]" not in columns:
                 columns["time [s]"] = pd.Series(channel.time_track())
             unit = channel.properties.get("unit_string") or channel.properties.get("Unit")
-            columns[_with_unit(channel.name, unit)] = pd.Series(channel[:])
-        tables[group.name] = _text(pd.DataFrame(columns))
+            columns[_header(channel.name, unit)] = pd.Series(channel[:])
+        tables[group.name] = _tabbed_text(pd.DataFrame(columns))
     return tables
 
 
@@ -149,16 +149,16 @@ def _visit(content: Mapping[str, Any], name: str, tables: dict[str, bytes]) -> N
         values = values.astype(int) if values.dtype.kind == "b" else values
         is_number = values.dtype.kind in "fiu"
         if (values.ndim == 1 and values.size > 1) or (values.ndim == 0 and is_number):
-            columns[_with_unit(label, unit)] = values
+            columns[_header(label, unit)] = values
         elif values.ndim == 2 and is_number:
             has_labels = labels is not None and np.shape(labels) == values.shape[1:]
             frame = pd.DataFrame(values, columns=labels if has_labels else None)
-            tables[label] = _text(frame, header=has_labels)
+            tables[label] = _tabbed_text(frame, header=has_labels)
     sizes = [values.size for values in columns.values() if values.ndim]
     if sizes:
         size = max(set(sizes), key=lambda n: (sizes.count(n), n))
         # a number beside columns holds for each of their rows
-        tables[name] = _text(pd.DataFrame({
+        tables[name] = _tabbed_text(pd.DataFrame({
             key: np.broadcast_to(values, size)
             for key, values in columns.items()
             if values.ndim == 0 or values.size == size
@@ -175,11 +175,11 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield key, value
 
 
-def _with_unit(name: str, unit: Any) -> str:
+def _header(name: str, unit: Any) -> str:
     return f"{name} [{unit}]" if isinstance(unit, str) and unit else name
 
 
-def _text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
+def _tabbed_text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
     return frame.to_csv(sep="\t", index=False, header=header).encode()
 
 

@@ -57,7 +57,7 @@ class Loop:
 
 
 def averaged(record: Record, points: int = 50) -> Averaged:
-    """Average the branches of each hysteresis loop.
+    """Average the branches of each hysteresis loop to a half-way curve.
 
     At each level both branches are interpolated on one grid, over the strains (or pressures) that
     both reach, and averaged. A half-way force is censored where one of its branches is. Readings of
@@ -131,7 +131,7 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
 
 
 def _group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
-    """Runs of one kind at one level, together."""
+    """Runs in groups, each of one kind at about one level, in order of kind and level."""
     levels: list[list[Run]] = []
     scales = {kind: np.max(np.abs(getattr(record, kind))) for kind in ("pressure", "force")}
     scales["strain"] = np.ptp(record.strain)
@@ -194,7 +194,7 @@ def _interpolate(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndar
     if centers.size < 2:
         return np.full(grid.size, means[0])
 
-    def extended(row: np.ndarray) -> np.ndarray:  # the outer cells' means lie inside the grid
+    def add_ends(row: np.ndarray) -> np.ndarray:  # the outer cells' means lie inside the grid
         return np.concatenate([[2 * row[0] - row[1]], row, [2 * row[-1] - row[-2]]])
 
-    return np.interp(grid, extended(centers), extended(means))
+    return np.interp(grid, add_ends(centers), add_ends(means))

@@ -19,7 +19,7 @@ from .formats import unpack
 from .headers import DIMENSIONS, ROLES
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
 from .sidecar import CONSTANTS, ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
-from .tables import MAX_ROWS, Cells, Table, open_table
+from .tables import MAX_ROWS, Table, TableColumns, open_table
 from .units import (
     POSITIONS,
     CellError,
@@ -70,7 +70,7 @@ def load(
     rows: str | None = None,
     table: str | None = None,
 ) -> Record:
-    """Read a dynamometer's file.
+    """Read a dynamometer's file, or several of one muscle as one record.
 
     An argument overrules the TOML file beside the table, and that overrules the table.
 
@@ -114,7 +114,7 @@ def load(
         if name_pattern is not None:
             changes = _read_name(file, name_pattern)
             info = info.model_copy(update=changes)
-            notes += (f"its name gives {_listed_values(changes)}",)
+            notes += (f"its name gives {_list_values(changes)}",)
         records.append(_read_record(raw, str(file), file.name, _overrule(info, **options), notes))
     return records[0] if len(records) == 1 else join(records)
 
@@ -209,7 +209,7 @@ def _read_name(path: Path, pattern: str) -> dict[str, float]:
     *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
     expression, fields = "", []
     for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
-        expression += _literal(text) + r"([+-]?\d+(?:[.,]\d+)?)"
+        expression += _wildcard_expression(text) + r"([+-]?\d+(?:[.,]\d+)?)"
         fields.append((name, inside or behind))
         if name not in _PATTERN_NAMES:
             hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
@@ -217,7 +217,7 @@ def _read_name(path: Path, pattern: str) -> dict[str, float]:
     if not fields:
         hint = 'write such as "{length}cm_{pressure}kPa"'
         raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
-    match = re.search(expression + _literal(end), path.stem)
+    match = re.search(expression + _wildcard_expression(end), path.stem)
     if match is None:
         raise ValueError(f"{path}: the file's name doesn't fit the pattern {pattern!r}.")
     values = {}
@@ -226,11 +226,11 @@ def _read_name(path: Path, pattern: str) -> dict[str, float]:
     return values
 
 
-def _literal(text: str) -> str:
+def _wildcard_expression(text: str) -> str:
     return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
 
 
-def _listed_values(values: Mapping[str, float]) -> str:
+def _list_values(values: Mapping[str, float]) -> str:
     return ", ".join(f"{role} {pretty(value, _dimension(role))}" for role, value in values.items())
 
 
@@ -261,7 +261,7 @@ def _read_record(
     if constants:
         raws |= {role: np.full(len(cells.lines), value) for role, value in constants.items()}
         columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
-        rest_notes += (f"all readings at {_listed_values(constants)}",)
+        rest_notes += (f"all readings at {_list_values(constants)}",)
     position = columns[next(role for role in POSITIONS if role in columns)]
     if rest_length is None and position.role != "strain":
         before = (
@@ -315,7 +315,7 @@ def _read_record(
 
 def _read_cells(
     table: Table, columns: Mapping[str, Column], info: Sidecar
-) -> tuple[Cells, list[Column]]:
+) -> tuple[TableColumns, list[Column]]:
     """The columns' cells, and inferred optional columns that hold something else."""
     named = set(columns) if info.names else {*info.columns, *info.units}
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
@@ -413,7 +413,7 @@ def _strain(
 
 
 def _censored(
-    table: Table, cells: Cells, column: Column | None, force: np.ndarray, info: Sidecar
+    table: Table, cells: TableColumns, column: Column | None, force: np.ndarray, info: Sidecar
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     censored = np.zeros(force.size, dtype=bool)
     if column is not None:
@@ -430,9 +430,9 @@ def _censored(
 
 
 def _meanings(
-    table: Table, cells: Cells, column: Column, meanings: Mapping[str, int], rule: str
+    table: Table, cells: TableColumns, column: Column, meanings: Mapping[str, int], rule: str
 ) -> np.ndarray:
-    """The meaning of the text in each cell of a column."""
+    """Meaning of the text in each cell of a column; the error for an unknown one says `rule`."""
     values = []
     for line, text in zip(cells.lines, cells.texts[column.index], strict=True):
         if (value := meanings.get(text.lower())) is None:

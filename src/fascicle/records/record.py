@@ -86,10 +86,10 @@ class Record:
         readings = {"pressure": pressure, "strain": strain, "force": force}
         shape = broadcast_shape(**{name: np.shape(values) for name, values in readings.items()})
 
-        def flat(values: Any, kind: Any) -> np.ndarray:
+        def flat_copy(values: Any, kind: Any) -> np.ndarray:
             return np.broadcast_to(np.asarray(values, dtype=kind), shape).reshape(-1).copy()
 
-        columns = {name: flat(values, float) for name, values in readings.items()}
+        columns = {name: flat_copy(values, float) for name, values in readings.items()}
         for name, values in columns.items():
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
@@ -98,8 +98,8 @@ class Record:
                 raise InvalidInputError(name, "must be finite", value, "drop that reading", text)
         return cls(
             **columns,
-            censored=flat(False if censored is None else censored, bool),
-            branch=flat(UNKNOWN if branch is None else branch, np.int8),
+            censored=flat_copy(False if censored is None else censored, bool),
+            branch=flat_copy(UNKNOWN if branch is None else branch, np.int8),
             **fields,
         )
 
@@ -122,7 +122,7 @@ class Record:
 
 
 def join(records: Sequence[Record]) -> Record:
-    """Concatenate records of one muscle.
+    """Concatenate records of one muscle; `time` is `None` unless every record has one.
 
     **Arguments:** `records`: at least one.
 
@@ -199,7 +199,7 @@ def dumps(record: Record) -> str:
 def _duplicate_messages(records: Sequence[Record]) -> list[str]:
     """A line for each record that repeats the readings of an earlier one."""
 
-    def name(index: int) -> str:
+    def file_names(index: int) -> str:
         return ", ".join(s.name for s in records[index].sources) or f"record {index + 1}"
 
     first, lines = {}, []
@@ -207,6 +207,6 @@ def _duplicate_messages(records: Sequence[Record]) -> list[str]:
         readings = np.stack([record.pressure, record.strain, record.force]).tobytes()
         earlier = first.setdefault(readings, index)
         if earlier != index:
-            pair = f"{name(earlier)} and {name(index)}"
+            pair = f"{file_names(earlier)} and {file_names(index)}"
             lines.append(f"{pair} hold the same readings, which count twice: leave one out")
     return list(dict.fromkeys(lines))

@@ -124,7 +124,7 @@ class Sidecar(TableModel):
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
     """Read a sidecar file; `ValueError` names file and key of an invalid value."""
-    return _validate(_tables(Path(path)), str(path))
+    return _validate(_read_tables(Path(path)), str(path))
 
 
 def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
@@ -132,14 +132,14 @@ def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
     toml = path.with_suffix(".toml")
     if toml == path or not toml.is_file():
         return Sidecar(), ()
-    data = _tables(toml)
+    data = _read_tables(toml)
     if {"muscle", "bundle"} & set(data):
         # a calibrated muscle's file may have its record's name
         return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
     return _validate(data, str(toml)), (f"{toml.name} beside it read",)
 
 
-def _tables(path: Path) -> dict[str, Any]:
+def _read_tables(path: Path) -> dict[str, Any]:
     raw = read_bytes(path, _MAX_SIZE, "record's TOML")
     try:
         text = raw.decode("utf-8-sig")

@@ -40,8 +40,8 @@ _BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\
 
 
 @dataclass
-class Cells:
-    """Columns of a table, by index in the header.
+class TableColumns:
+    """A table's columns, `numbers` and `texts`, each keyed by its position in the header.
 
     - `numbers`: as the file writes them; clock times in seconds.
     - `texts`: as the file writes them.
@@ -106,7 +106,7 @@ class Table:
         texts: Sequence[int],
         time: int | None = None,
         rows: tuple[int, int] = (1, MAX_ROWS),
-    ) -> Cells:
+    ) -> TableColumns:
         """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
 
         Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
@@ -118,7 +118,7 @@ class Table:
         width, count, is_led = len(self.header), 0, False
         values: list[list[float]] = []
         texts = [*texts, *([] if time is None else [time])]
-        cells = Cells({}, {i: [] for i in texts}, [])
+        cells = TableColumns({}, {i: [] for i in texts}, [])
         holes: list[tuple[int, list[str]]] = []
         text_rows: list[tuple[int, list[str]]] = []
         for line, row in self._rows():
@@ -159,7 +159,7 @@ class Table:
 
     def _read_regular(
         self, numbers: Sequence[int], texts: Sequence[int], time: int | None, rows: tuple[int, int]
-    ) -> Cells | None:
+    ) -> TableColumns | None:
         """All rows read by pandas, in a tenth of the time; `None` if they aren't regular."""
         import pandas as pd
 
@@ -186,7 +186,7 @@ class Table:
         ):
             return None
         frame = frame.iloc[rows[0] - 1 : rows[1]]
-        return None if frame.empty else Cells(
+        return None if frame.empty else TableColumns(
             {i: frame[i].to_numpy() for i in floats},
             {i: [text.strip() for text in frame[i]] for i in texts},
             [self.first + int(i) for i in frame.index],

@@ -187,7 +187,7 @@ def check_pressures(
     pressure = to_si_units(raw, column.factor) - zero
     row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
     top, strongest = float(pressure[row]), float(np.max(np.abs(force)))
-    highest, rule = _with_unit(raw[row], column), ""
+    highest, rule = _reading_text(raw[row], column), ""
     if top > HIGHEST_PRESSURE:
         rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
     elif 0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE:
@@ -195,7 +195,7 @@ def check_pressures(
     if rule:
         raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
     if pressure[lowest] < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
-        rule = f"{_with_unit(raw[lowest], column)} is below zero by more than noise:"
+        rule = f"{_reading_text(raw[lowest], column)} is below zero by more than noise:"
         remedy = "give the transducer's reading at zero as pressure_at_rest (--zero pressure=…)."
         raise cell_error(lowest, column, f"{rule} {remedy}")
     notes = []
@@ -215,7 +215,7 @@ def check_forces(
     row = int(np.argmax(np.abs(force)))
     area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0
     if area > _MAX_AREA:
-        rule = f"{_with_unit(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
+        rule = f"{_reading_text(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
         suggestion = _suggest_unit(column, raw[row], area / _MAX_AREA)
         message = f"{rule} needs {area:.2g} m² of cross section{suggestion}"
         raise cell_error(row, column, message)
@@ -242,16 +242,18 @@ def check_strains(
     else:
         side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
         hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, unit and sign."
-    reading = _with_unit(raw[row], column)
+    reading = _reading_text(raw[row], column)
     raise cell_error(row, column, f"{reading} is a contraction of {strain[row]:.4g}: {hint}")
 
 
-def _with_unit(value: float, column: Column) -> str:
+def _reading_text(value: float, column: Column) -> str:
     return f"{value:.6g} {column.unit}".rstrip()
 
 
 def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
-    """A question for the unit in which the worst reading, too large by `excess`, makes sense."""
+    """End of an error: `: did you mean kPa?`, a unit in which `worst` makes sense, or `: check its
+    unit.` `excess`: factor by which a force is too large.
+    """
     for unit in _SUGGESTIONS[column.role]:
         factor = unit_factor(unit, column.role)
         if column.role == "pressure" and not 10e3 <= worst * factor <= HIGHEST_PRESSURE:

@@ -60,7 +60,7 @@ def report(
     unknowns = [
         f"`{entry.name}` ({entry.about}): the data alone don't determine it."
         f" {pretty(entry.value, entry.dimension)} is mostly what it began with; even so its"
-        f" interval is {_interval(entry.low, entry.high, entry.dimension)}."
+        f" interval is {_interval_text(entry.low, entry.high, entry.dimension)}."
         for entry in fit.parameters
         if not entry.identifiable
     ]
@@ -95,15 +95,15 @@ def report(
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},
         length_note=fitted_length_note(fit.muscle), alpha=ALPHA, laws=laws_of(fit),
         correlation=fit.correlation + 0.0,  # no minus before a zero
-        draws=[] if posterior is None else _draws(fit, posterior),
+        draws=[] if posterior is None else _posterior_rows(fit, posterior),
         record_lines=[origin, f"Strains refer to {reference}.", *remarks, *record.notes],
         pictures={name: picture(figure, svg.get(name)) for name, figure in figures.items()},
-        pretty=pretty, interval=_interval,
+        pretty=pretty, interval=_interval_text,
         percent=lambda share: f"{100 * share:.3g} %" if np.isfinite(share) else "-",
     )  # fmt: skip
 
 
-def _interval(low: float, high: float, dimension: str) -> str:
+def _interval_text(low: float, high: float, dimension: str) -> str:
     left, right = (
         pretty(end, dimension) if np.isfinite(end) else infinite
         for end, infinite in ((low, "−∞"), (high, "∞"))
@@ -111,11 +111,11 @@ def _interval(low: float, high: float, dimension: str) -> str:
     return f"{left} to {right}"
 
 
-def _draws(fit: Calibration, posterior: "Posterior") -> list[list[str]]:
+def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]:
     ends, medians = posterior.interval(), np.median(posterior.values, axis=0)
     return [
         [entry.name, pretty(float(medians[i]), entry.dimension),
-         _interval(float(ends[i, 0]), float(ends[i, 1]), entry.dimension),
+         _interval_text(float(ends[i, 0]), float(ends[i, 1]), entry.dimension),
          f"{posterior.r_hat[i]:.4f}", f"{posterior.ess[i]:.0f}"]
         for i, entry in enumerate(fit.parameters)
     ]  # fmt: skip

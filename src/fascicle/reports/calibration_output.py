@@ -124,7 +124,7 @@ print(f"root mean square error: {np.sqrt(np.nanmean(residual**2)):.4g} N")""",
 def summary(result: CalibrationResult) -> dict[str, Any]:
     """JSON of a calibration, in SI units."""
 
-    def fields(source: Any, *names: str) -> dict[str, Any]:
+    def pick(source: Any, *names: str) -> dict[str, Any]:
         values = {name: getattr(source, name) for name in names}
         return {
             name: value.tolist() if isinstance(value, np.ndarray | np.generic) else value
@@ -133,10 +133,9 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
 
     fit, diagnosis = result.fit, result.fit.diagnosis
     content = {
-        **fields(fit, "rmse", "relative_rmse", "points", "censored", "status"),
+        **pick(fit, "rmse", "relative_rmse", "points", "censored", "status"),
         "parameters": {
-            p.name: fields(p, "value", "low", "high", "identifiable", "bound")
-            for p in fit.parameters
+            p.name: pick(p, "value", "low", "high", "identifiable", "bound") for p in fit.parameters
         },
         "verdict": vars(judge(fit, result.choice)),
         "synthetic": fit.record.synthetic,
@@ -146,18 +145,14 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "notes": [*result.remarks, *fit.record.notes],
         "starts": fit.starts,
         "readings": fit.fit_data.counts(),
-        "trends": [
-            fields(trend, "along", "share", "chance", "found") for trend in diagnosis.trends
-        ],
+        "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],
         "runs": [vars(run) for run in diagnosis.runs],
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
         "causes": [vars(cause) for cause in diagnosis.causes],
         "untold": list(diagnosis.confounded),
         "gauge": fit.gauge.faults,
         "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
-        "loop": None
-        if fit.loop is None
-        else fields(fit.loop, "pressure", "width", "share", "half"),
+        "loop": None if fit.loop is None else pick(fit.loop, "pressure", "width", "share", "half"),
         "friction": None,
         "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
     }
@@ -165,9 +160,9 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         springs = ("stiffness", "slip_force", "slip_force_slope")
         law = friction.law
         content["friction"] = {
-            **({name: [] for name in springs} if law is None else fields(law, *springs)),
+            **({name: [] for name in springs} if law is None else pick(law, *springs)),
             "told": list(friction.resolved),
-            **fields(friction, "breakaway", "rmse", "pressures"),
+            **pick(friction, "breakaway", "rmse", "pressures"),
         }  # fmt: skip
     if (choice := result.choice) is not None:
         content["candidates"] = [
@@ -175,11 +170,11 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         ]
         content["reasons"] = list(choice.reasons)
     if result.profiles:
-        content["profiles"] = {p.name: fields(p, "low", "high") for p in result.profiles}
+        content["profiles"] = {p.name: pick(p, "low", "high") for p in result.profiles}
     if (posterior := result.posterior) is not None:
         columns = (posterior.names, posterior.interval(), posterior.r_hat, posterior.ess)
         content["posterior"] = {
-            **fields(posterior, "agrees", "divergences"),
+            **pick(posterior, "agrees", "divergences"),
             "parameters": {
                 name: {"low": float(low), "high": float(high), "r_hat": float(r_hat),
                        "ess": float(ess)}

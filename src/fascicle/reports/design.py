@@ -29,7 +29,7 @@ from .design_summary import (
     summarize_search,
     task_requirement,
 )
-from .interactive import parallel, scaled, scatter
+from .interactive import parallel_coordinates, scaled, scatter
 from .page import mark, picture, render
 
 
@@ -146,10 +146,10 @@ def _pictures(result: SearchResult) -> dict[str, Any]:
     texts = [design_text(result, index) for index in range(len(result.reported))]
     marks = result.recommended, result.compromise
 
-    def axis(name: str, rows: Any) -> Any:
+    def scaled_axis(name: str, rows: Any) -> Any:
         return scaled(result.values[name][rows], name, OBJECTIVES[name].unit)
 
-    axes = {name: axis(name, result.reported) for name in result.reported_objectives}
+    axes = {name: scaled_axis(name, result.reported) for name in result.reported_objectives}
     allowed = np.flatnonzero(result.allowed)
     allowed = allowed[:: max(1, len(allowed) // _POINTS)]
     first, *names = result.senses
@@ -157,11 +157,12 @@ def _pictures(result: SearchResult) -> dict[str, Any]:
         "scatters": [
             scatter(
                 axes[name], axes[first], texts, marks[0],
-                (axis(name, allowed).values, axis(first, allowed).values), marks[1],
+                (scaled_axis(name, allowed).values, scaled_axis(first, allowed).values), marks[1],
             )
             for name in names or ["margin"] if name != first
         ],
-        "parallel": parallel(list(axes.values()), texts, *marks) if len(axes) > 1 else None,
+        "parallel": parallel_coordinates([*axes.values()], texts, *marks)
+        if len(axes) > 1 else None,
     }  # fmt: skip
 
 

@@ -30,12 +30,12 @@ def format_objective(name: str, value: float) -> str:
 
 
 def objective_label(name: str) -> str:
-    """Label of an objective."""
+    """Name of an objective with spaces, such as "largest force"."""
     return name.replace("_", " ")
 
 
 def objective_head(name: str) -> str:
-    """Label of an objective for a column, with the unit if it isn't in the cells."""
+    """Label of an objective for a column head; `[-]` follows if it has no unit."""
     return objective_label(name) + " [-]" * (OBJECTIVES[name].unit == "-")
 
 
@@ -118,7 +118,7 @@ def _margin(summary: Summary) -> str:
     if not cases.reached.all():
         short = pretty(-float(cases.spare[cases.worst]), "force")
         return f"none: case {cases.worst + 1} misses {short}"
-    i = _closest(summary)
+    i = _closest_case(summary)
     spare = float(cases.spare[i])
     text = (
         f"{_percent(summary.relative_margin)} at case {i + 1}: {_demand_and_supply(summary, i)},"
@@ -133,8 +133,8 @@ def _margin(summary: Summary) -> str:
     return text
 
 
-def _closest(summary: Summary) -> int:
-    """Reached load case with the least force to spare, relative to its demand."""
+def _closest_case(summary: Summary) -> int:
+    """Index of the reached load case with the least force to spare, relative to its demand."""
     cases = summary.cases
     return int(np.argmin(np.where(cases.reached, cases.relative, np.inf)))
 
@@ -154,7 +154,7 @@ def margin_warning(result: SearchResult, summary: Summary) -> str:
     """Warning of a small margin of the recommended design; empty if it is large enough."""
     if Limit(least=result.least_margin).holds(summary.relative_margin):
         return ""
-    i, threshold = _closest(summary), _percent(result.least_margin)
+    i, threshold = _closest_case(summary), _percent(result.least_margin)
     text = (
         f"the margin is {_percent(summary.relative_margin)}: {_demand_and_supply(summary, i)} at"
         f" case {i + 1}. That is below {threshold} ([limits] margin). Computed forces can be off by"

@@ -77,10 +77,10 @@ def scatter(
     )  # fmt: skip
 
 
-def parallel(
+def parallel_coordinates(
     axes: Sequence[Axis], texts: Sequence[str], chosen: int | None, second: int | None = None
 ) -> Markup:
-    """Line for each mark across an axis for each quantity, as SVG.
+    """Parallel coordinates as SVG: an axis for each quantity, a line across them for each mark.
 
     **Arguments:**
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..control import control_metrics, controlled_output, reachability
-from ..plot.trajectory import MOST, Demand, display_unit, energy_balances, traces
+from ..plot.trajectory import MOST, Tracking, display_unit, energy_balances, traces
 from .page import lines, mark, picture, render
 
 
@@ -22,14 +22,14 @@ _REFERENCE = "threshold"  # the policy that energies are compared with
 
 
 class PolicyRun(NamedTuple):
-    """A policy's run: its controller in `control`, the `run`, its metrics, `worth`, its `demand`
-    [SI], and `doubts`, reasons not to trust it.
+    """A policy's run: its controller in `control`, the `run`, its metrics, `worth`, its demand and
+    output in `tracking` [SI], and `doubts`, reasons not to trust it.
     """
 
     control: "ScenarioControl"
     run: "Trajectory"
     worth: "ControlMetrics"
-    demand: Demand
+    tracking: Tracking
     doubts: list[str]
 
 
@@ -84,13 +84,13 @@ def control_worth(controlled: "ScenarioControl", run: "Trajectory") -> "ControlM
     return control_metrics(controlled.controller, run, controlled.reference)
 
 
-def run_demand(scenario: "Scenario", run: "Trajectory") -> Demand | None:
-    """Demand on a `run` [SI]; none for a run by schedule."""
+def run_demand(scenario: "Scenario", run: "Trajectory") -> Tracking | None:
+    """A run's demand, controlled output and reachable steps [SI]; none for a run by schedule."""
     if (controlled := scenario.control) is None:
         return None
     controller, reference = controlled.controller, controlled.reference
     can = reachability(controller, run.outputs, reference).can
-    return Demand(controller.of, reference, controlled_output(controller, run), can)
+    return Tracking(controller.of, reference, controlled_output(controller, run), can)
 
 
 def worth_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list[tuple[str, str]]:
@@ -179,7 +179,7 @@ def policy_report(
     - `figure`: of the policies.
     - `date`: of the day, such as "2026-05-04".
     """
-    quantity = next(iter(runs.values())).demand.quantity
+    quantity = next(iter(runs.values())).tracking.quantity
     return render(
         "policies.html",
         title=f"Policies: {scenario.name.replace('_', ' ')}",
@@ -231,7 +231,7 @@ def policy_summary(plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun])
 
 def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[str]:
     """Notes on the table of policies."""
-    quantity = next(iter(runs.values())).demand.quantity
+    quantity = next(iter(runs.values())).tracking.quantity
     notes = []
     if scenario.plant.units == 1:
         notes.append("one motor unit alone: nothing is handed over, and policies don't differ")

@@ -65,7 +65,7 @@ def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
 
     **Returns:** a table, in the order of the JSON.
     """
-    P, eps = _row(pressures, "pressures", "Pa"), _row(strains, "strain", "-")
+    P, eps = _si_array(pressures, "pressures", "Pa"), _si_array(strains, "strain", "-")
     response = muscle.response(P[:, None], eps)
     regions = "0 tension, 1 post-buckling, 2 post-collapse, 3 straight compression"
     return build_table(
@@ -91,7 +91,7 @@ def muscle_free_strain(muscle: Muscle, pressures: Values) -> Table:
 
     **Returns:** a table, a pressure a row.
     """
-    P = _row(pressures, "pressures", "Pa")
+    P = _si_array(pressures, "pressures", "Pa")
     about = "bending moment at which the bladder collapses"
     return build_table(
         ("pressure", "pressure", P, "Pa", _PRESSURE),
@@ -114,7 +114,7 @@ def bundle_force(bundle: Bundle, states: Values, strains: Values, resistance: bo
 
     **Returns:** a table, a state a row.
     """
-    P, eps = _row(states, "states", "Pa"), _row(strains, "strain", "-")
+    P, eps = _si_array(states, "states", "Pa"), _si_array(strains, "strain", "-")
     forces = bundle.unit_forces(P[:, None, :], eps, resistance)
     total = forces.sum(axis=-1)
     return build_table(
@@ -135,7 +135,7 @@ def bundle_equilibria(bundle: Bundle, states: Values, resistance: bool = True) -
 
     **Returns:** a table; `equilibria` is NaN beyond a state's last one.
     """
-    P = _row(states, "states", "Pa")
+    P = _si_array(states, "states", "Pa")
     equilibria = bundle.equilibria(P, resistance)
     size = max(int(equilibria.count.max()), 1)
     strain = equilibria.strain
@@ -184,7 +184,7 @@ def recruited(solution: recruitment.RecruitmentResult, forces: Values, strains: 
 
     **Returns:** a table; `solution_pressure` is NaN beyond a demand's last solution.
     """
-    F, eps = _row(forces, "forces", "N"), _row(strains, "strain", "-")
+    F, eps = _si_array(forces, "forces", "N"), _si_array(strains, "strain", "-")
     size = max(int(solution.count.max()), 1)
     pressure, state, stable = (
         getattr(solution.solutions, name)[..., :size] for name in ("pressure", "state", "stable")
@@ -289,7 +289,7 @@ def simulated(
         ("status", "time", outputs.status, "-", f"sum of the flags {bits}"),
     ]
     if controller is not None:
-        rows += _tracking_rows(controller, run, reference)
+        rows += _tracking_variables(controller, run, reference)
     for name, energy in zip(LEDGER, np.asarray(run.ledger).T, strict=True):
         about = f"cumulative: {_LEDGER[name]}"
         rows.append((f"account_{name}", "time", energy, "kg" if name == "mass" else "J", about))
@@ -340,14 +340,14 @@ def policy_table(
     about = "true if no other policy has a smaller drawdown at no more energy, or the reverse"
     return build_table(
         ("policy", "policy", list(controllers), "-", "order of recruitment in time"),
-        *_metric_rows(next(iter(controllers.values())), metrics, "policy"),
+        *_metric_variables(next(iter(controllers.values())), metrics, "policy"),
         ("on_front", "policy", best, "-", about),
         ("trusted", "policy", closes, "-", "true if its balances close"),
     )
 
 
-def _tracking_rows(controller: "Cascade", run: "Trajectory", reference: Any) -> list[tuple]:
-    """Demand, reachability and control metrics; the end has the last step's demand."""
+def _tracking_variables(controller: "Cascade", run: "Trajectory", reference: Any) -> list[tuple]:
+    """Demand, output, reach and metrics of a controlled run; the last step's also at the end."""
     from ..control import control_metrics, controlled_output, reachability
 
     unit, force = _units(controller)
@@ -362,11 +362,13 @@ def _tracking_rows(controller: "Cascade", run: "Trajectory", reference: Any) -> 
         ("controlled", "time", output, unit, f"controlled {controller.of}"),
         ("reachable", "time", reachable, "-", "true if the muscles can reach the demand"),
         ("short", "time", lacking, force, "part of the demand that the muscles lack"),
-        *_metric_rows(controller, [control_metrics(controller, run, reference)], ""),
+        *_metric_variables(controller, [control_metrics(controller, run, reference)], ""),
     ]
 
 
-def _metric_rows(controller: "Cascade", metrics: list["ControlMetrics"], dims: str) -> list[tuple]:
+def _metric_variables(
+    controller: "Cascade", metrics: list["ControlMetrics"], dims: str
+) -> list[tuple]:
     """Control metrics of one run, or of several along the dimension `dims`."""
     unit, force = _units(controller)
     units = {
@@ -388,6 +390,6 @@ def _units(controller: "Cascade") -> tuple[str, str]:
     return (unit if controller.of == "position" else force), force
 
 
-def _row(values: Values, name: str, unit: str) -> np.ndarray:
+def _si_array(values: Values, name: str, unit: str) -> np.ndarray:
     """An array [SI] of values [SI], or of text and quantities with units."""
     return np.asarray(to_si(values, name, unit))

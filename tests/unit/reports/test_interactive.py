@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from fascicle.reports.interactive import Axis, parallel, scaled, scatter
+from fascicle.reports.interactive import Axis, parallel_coordinates, scaled, scatter
 
 
 VALUES = np.array([1.0, 3.0, 2.0])
@@ -28,7 +28,7 @@ def test_marks_lie_in_order_and_have_their_text():
 
 def test_two_marks_are_emphasized_the_chosen_one_on_top():
     axes, texts = (Axis("a", VALUES), Axis("b", VALUES)), ["x", "y", "z"]
-    for svg in (scatter(*axes, texts, 1, None, 0), parallel(axes, texts, 1, 0)):
+    for svg in (scatter(*axes, texts, 1, None, 0), parallel_coordinates(axes, texts, 1, 0)):
         assert svg.count("mark chosen") == 1 and svg.count("mark second") == 1
         assert re.findall(r'data-index="(\d)"', svg) == ["2", "0", "1"]
     assert scatter(*axes, texts, 1, None, 1).count('class="mark chosen second"') == 1
@@ -37,7 +37,7 @@ def test_two_marks_are_emphasized_the_chosen_one_on_top():
 @pytest.mark.parametrize("value", [0.0, 2.5, -1.0])
 def test_equal_values_are_no_range(value):
     flat = Axis("a", np.array([value, value]))
-    svg = parallel([flat, Axis("b", np.array([0.0, 1.0]))], ["x", "y"], chosen=None)
+    svg = parallel_coordinates([flat, Axis("b", np.array([0.0, 1.0]))], ["x", "y"], chosen=None)
     assert len(indices(svg, "path")) == 2
     assert svg.count(f">{value:.4g}<") >= 1 and "nan" not in svg
 

@@ -37,13 +37,13 @@ def run(
         forces = bundle_force(bundle, states, strains, resistance)
         variables = {**forces, **bundle_equilibria(bundle, states, resistance)}
 
-    def draw() -> Any:
+    def figure() -> Any:
         from ...plot.curves import bundle_force_strain, smooth
 
         pressures = states[0] if len(states) == 1 else states
         return bundle_force_strain(bundle, pressures, smooth(strains), resistance)
 
-    outputs.write(variables, lambda: _print(variables), draw, title=f"Bundle {file}")
+    outputs.write(variables, lambda: _print(variables), figure, title=f"Bundle {file}")
     check_equilibria(variables)
 
 

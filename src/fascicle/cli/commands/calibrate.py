@@ -150,7 +150,7 @@ def run(
             calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
         if intervals == "bootstrap":
             calibration = uncertainty.bootstrap(calibration, seed=seed, tell=update)
-        result = _analyze(
+        result = _add_analyses(
             CalibrationResult(uncertainty.with_profiles(calibration), choice, remarks),
             record, start, priors, settings, update, profile=False if folder is None else profile,
             posterior=posterior, compare=compare,
@@ -243,7 +243,7 @@ def _read_priors(
     return priors
 
 
-def _analyze(
+def _add_analyses(
     result: "CalibrationResult",
     record: "Record",
     start: "Muscle",
@@ -255,7 +255,7 @@ def _analyze(
     posterior: bool,
     compare: bool,
 ) -> "CalibrationResult":
-    """Add the optional analyses to a result: profiles, posterior and other laws."""
+    """Add optional analyses to a result; `profile`: all if true, those of the fit if `None`."""
     fit = result.fit
     if profile is not False:
         update("profiling")

@@ -31,9 +31,9 @@ def run(
     plot: str | None = options.PLOT,
     overwrite: bool = options.OVERWRITE_ONLY,
 ) -> None:
-    """Compute the efficiency of isobaric and isotonic work.
+    """Compute the average efficiency of isobaric and isotonic work.
 
-    The average over a bundle's force-strain workspace; with --force, also each point.
+    The average is over a bundle's force-strain workspace; with --force, also that of each point.
     """
     if path is not None and path not in _PATHS:
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
@@ -53,7 +53,7 @@ def run(
         ]
         variables = tables.efficiency(maps)
 
-    def draw() -> Any:
+    def figure() -> Any:
         from ...plot.workspace import efficiency
 
         return efficiency(*maps)
@@ -61,7 +61,7 @@ def run(
     def table() -> None:
         _print(variables, forces is not None)
 
-    outputs.write(variables, table, draw, title=f"Efficiency of {file}")
+    outputs.write(variables, table, figure, title=f"Efficiency of {file}")
     fractions = variables["reached"].values
     # a map without demanded forces extends past the workspace: only an empty one is incomplete
     if not fractions.all() or (forces is not None and fractions.min() < 1):

@@ -26,7 +26,7 @@ def run(
 ) -> None:
     """Open a muscle or bundle in the explorer, in a browser."""
     require("panel")
-    _print("starting")
+    _print_at_once("starting")
     target = read_target(file)
     from ...explorer.server import serve
     from ...explorer.state import view_of
@@ -34,11 +34,11 @@ def run(
 
     with user_errors():
         view = view_of(target, Path(file).name[:60])
-        serve(view, host, port, show, _print, allow_host or [])
+        serve(view, host, port, show, _print_at_once, allow_host or [])
     if is_computing():
         os._exit(0)  # a fit whose visitor is gone: the interpreter would wait for its end
 
 
-def _print(line: str) -> None:
+def _print_at_once(line: str) -> None:
     print_line(line)
     sys.stdout.flush()

@@ -7,7 +7,7 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import is_scenario, read_scenario, read_target
 from ..options import option
-from ..outputs import check_file, print_line, status, write_file, write_text
+from ..outputs import check_file, print_line, replace_output, status, write_text
 
 
 def run(
@@ -59,22 +59,22 @@ def run(
         check_name(name)
     for flag, folder in (("--c", c), ("--table", table)):
         if folder is not None:
-            _check_folder(flag, folder, name, overwrite)
+            _check_c(flag, folder, name, overwrite)
     if c is not None:
         with status("writing the law as C"), user_errors():
             texts = export.c_code(target, name)
-        _write("--c", c, name, texts, overwrite)
+        _write_c("--c", c, name, texts, overwrite)
     if table is not None:
         with status("computing the table"), user_errors():
             tables = export.tabulate(target, precision)
             texts = tables.code(name)
-        _write("--table", table, name, texts, overwrite)
+        _write_c("--table", table, name, texts, overwrite)
         print_line(tables.errors)
     if fmu is not None:
         message = ""
         with (
             status("computing the table, building the unit"),
-            write_file("", fmu, overwrite) as draft,
+            replace_output("", fmu, overwrite) as draft,
         ):
             try:
                 export.write_fmu(target, draft, name, sample_time, platform)
@@ -100,7 +100,7 @@ def _read(file: str, law: bool) -> Any:
         return single_bundle(scenario.plant)
 
 
-def _check_folder(flag: str, folder: str, name: str, overwrite: bool) -> None:
+def _check_c(flag: str, folder: str, name: str, overwrite: bool) -> None:
     from ...io.atomic import check_writable
 
     with user_errors(f"{flag} "):
@@ -110,7 +110,7 @@ def _check_folder(flag: str, folder: str, name: str, overwrite: bool) -> None:
             check_file(flag, Path(folder) / f"{name}{suffix}", overwrite)
 
 
-def _write(flag: str, folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
+def _write_c(flag: str, folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
     with user_errors(f"{flag} "):
         Path(folder).mkdir(parents=True, exist_ok=True)
     paths = [Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c")]

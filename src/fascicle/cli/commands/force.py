@@ -38,12 +38,12 @@ def run(
         variables = muscle_force(muscle, pressures, strains)
         blocked = float(muscle.blocked_force(max(pressures)))
 
-    def draw() -> Any:
+    def figure() -> Any:
         from ...plot.curves import force_strain, smooth
 
         return force_strain(muscle, sorted(set(pressures)), smooth(strains))
 
-    outputs.write(variables, lambda: _print(variables, blocked), draw, title=f"Force of {file}")
+    outputs.write(variables, lambda: _print(variables, blocked), figure, title=f"Force of {file}")
 
 
 def _print(variables: Any, blocked: float) -> None:

@@ -48,7 +48,7 @@ def run(
         with status("finding free strains"), user_errors():
             variables = muscle_free_strain(target, pressures)
 
-    def draw() -> Any:
+    def figure() -> Any:
         import numpy as np
 
         from ...plot.curves import free_strain_states
@@ -57,7 +57,7 @@ def run(
         return free_strain_states(target, np.array(pressures), strains, not no_resistance)
 
     table = print_states if is_bundle(target) else _print
-    outputs.write(variables, lambda: table(variables), draw, title=f"Free strain of {file}")
+    outputs.write(variables, lambda: table(variables), figure, title=f"Free strain of {file}")
     check_equilibria(variables)
 
 

@@ -8,7 +8,7 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import check_grid, read_list, read_muscle, read_quantity
 from ..options import flag, option
-from ..outputs import check_file, print_line, write_file
+from ..outputs import check_file, print_line, replace_output
 
 
 def run(
@@ -77,7 +77,7 @@ def run(
 
     with user_errors():
         record = VirtualDynamometer(**settings).record(muscle, seed)
-    with write_file("--out", out, overwrite) as draft:
+    with replace_output("--out", out, overwrite) as draft:
         write(record, draft)
     summary = {
         "synthetic": True,

@@ -108,4 +108,4 @@ def _print(variables: Any, is_free: bool) -> None:
     if any(row[-1] != "-" for row in rows):
         note = "other solutions: recruitment state, and pressure of its throttled motor unit"
         caption = "; ".join(filter(None, [note, caption]))
-    print_table("Pressures for each demand", heads, rows, caption, keys=2)
+    print_table("Pressures for each demand", heads, rows, caption, key_columns=2)

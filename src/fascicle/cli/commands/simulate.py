@@ -74,7 +74,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     control = study.control
     controller = () if control is None else (control.controller, control.reference)
 
-    def draw() -> Any:
+    def figure() -> Any:
         from ...plot.trajectory import traces
         from ...reports.simulation import run_demand
 
@@ -84,7 +84,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     outputs.write(
         simulated(study.plant, result, balances, *controller),
         lambda: _print(study, result, balances, doubts),
-        draw,
+        figure,
         title=f"Simulation of {study.name}",
         notes=" ".join(notes),
     )
@@ -112,10 +112,10 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
                 variant = study.with_policy(policy)
                 result = variant.run()
             _, doubts = audit_run(variant.plant, result)
-            demand = pages.run_demand(variant, result)
-            assert demand is not None
+            tracking = pages.run_demand(variant, result)
+            assert tracking is not None
             metrics = pages.control_worth(variant.control, result)
-            runs[policy] = pages.PolicyRun(variant.control, result, metrics, demand, doubts)
+            runs[policy] = pages.PolicyRun(variant.control, result, metrics, tracking, doubts)
     metrics = [run.worth for run in runs.values()]
     controllers = {name: run.control.controller for name, run in runs.items()}
     table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
@@ -123,9 +123,9 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     quantity = study.control.controller.of
     notes = [f"{note}." for note in pages.policy_notes(study, runs)]
 
-    def draw() -> Any:
+    def figure() -> Any:
         drawdowns, energies = zip(*((m.drawdown, m.supply_energy) for m in metrics), strict=True)
-        pairs = {name: (run.run, run.demand) for name, run in runs.items()}
+        pairs = {name: (run.run, run.tracking) for name, run in runs.items()}
         return policies(study.plant, pairs, PolicyCosts([*drawdowns], [*energies], front))
 
     def print_policies() -> None:
@@ -142,9 +142,9 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         )
 
     title = f"Policies of {study.name}"
-    outputs.write(table, print_policies, draw, title=title, notes=" ".join(notes))
+    outputs.write(table, print_policies, figure, title=title, notes=" ".join(notes))
     if report is not None:
-        _write_report(report, outputs, pages.policy_report(study, runs, front, draw(), _today()))
+        _write_report(report, outputs, pages.policy_report(study, runs, front, figure(), _today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
 
 

@@ -48,12 +48,12 @@ def run(
         )
         variables = tables.space(space)
 
-    def draw() -> Any:
+    def figure() -> Any:
         from ...plot.workspace import workspace
 
         return workspace(space, recruitment.overlap(space))
 
-    outputs.write(variables, lambda: _print(variables, units), draw, title=f"Space of {file}")
+    outputs.write(variables, lambda: _print(variables, units), figure, title=f"Space of {file}")
 
 
 def _print(variables: Any, units: int) -> None:

@@ -11,7 +11,7 @@ from .. import options
 from ..errors import StoppedError, UserError, user_errors
 from ..inputs import load_laws
 from ..options import argument, flag, option
-from ..outputs import SOURCE, check_file, print_line, status, write_file
+from ..outputs import SOURCE, check_file, print_line, replace_output, status
 from .design import print_answer
 
 
@@ -105,7 +105,7 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
             variables = front_variables(result) | case_variables(answer)
             attributes = {"title": f"Front of designs for {task.task.name}", "source": SOURCE}
             attributes |= {"notes": " ".join(task.notes)} if task.notes else {}
-            with write_file("", path, overwrite) as draft:
+            with replace_output("", path, overwrite) as draft:
                 write(variables, draft, **attributes)
     return print_answer(result, answer, task.notes)
 
