@@ -181,8 +181,10 @@ class Calibration(Fit):
         if self.loop is None or self.half_way is None:
             return float("nan")
         both = np.isfinite(self.half_way.width) & ~self.half_way.record.censored
-        readings, rest = self.half_way.record.only(both), self.record.rest_length
-        strain = readings.strain * (1.0 if rest is None else rest / float(self.muscle.length))
+        readings, rest_length = self.half_way.record.only(both), self.record.rest_length
+        strain = readings.strain * (
+            1.0 if rest_length is None else rest_length / float(self.muscle.length)
+        )
         force = np.asarray(self.muscle.force(np.maximum(readings.pressure, 0.0), strain))
         return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 

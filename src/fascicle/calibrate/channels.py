@@ -129,9 +129,9 @@ def _lag(cause: np.ndarray, response: np.ndarray) -> int:
     scale = float(np.linalg.norm(cause) * np.linalg.norm(response))
     if scale == 0:
         return 0
-    whole = np.correlate(response, cause, "full") / scale
+    correlations = np.correlate(response, cause, "full") / scale
     lags = np.arange(-reach, reach + 1)
-    correlation = whole[size - 1 + lags]
+    correlation = correlations[size - 1 + lags]
     best = int(np.argmax(correlation))
     unexplained = (1 - correlation[best] ** 2) / (1 - correlation[reach] ** 2)
     clear = correlation[best] > _CLEAR / np.sqrt(size) and unexplained < _HALF

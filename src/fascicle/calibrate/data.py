@@ -245,8 +245,8 @@ def pulling_only(data: FitData) -> FitData:
     if not np.any(below | noise):
         return data
     clipped = record.censored | below | noise
-    above = False if data.at_ceiling is None else data.at_ceiling
-    force = np.where(clipped & ~np.asarray(above), 0.0, record.force)
+    at_ceiling = False if data.at_ceiling is None else data.at_ceiling
+    force = np.where(clipped & ~np.asarray(at_ceiling), 0.0, record.force)
     record = replace(record, force=force, censored=clipped)
     return tabulate(
         record, read=data.read, left_out=data.left_out,

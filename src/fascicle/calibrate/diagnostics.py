@@ -477,9 +477,13 @@ def _means_at_least_strain(readings: Residuals) -> tuple[tuple[float, float], ..
     count = np.bincount(level, weight**2)
     force = np.bincount(level, readings.residual[first] * weight)
     P = np.bincount(level, readings.pressure[first] * weight**2)
-    some = count > 0
+    filled = count > 0
     return tuple(
-        zip((P[some] / count[some]).tolist(), (force[some] / count[some]).tolist(), strict=True)
+        zip(
+            (P[filled] / count[filled]).tolist(),
+            (force[filled] / count[filled]).tolist(),
+            strict=True,
+        )
     )
 
 

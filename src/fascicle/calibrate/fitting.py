@@ -223,10 +223,10 @@ def gauge_priors(data: FitData, length: float, pulls: bool) -> dict[str, Prior]:
     knowledge beside these; the pressures always are. Else they would count twice.
     """
     grid, names = data.grid, GAUGE_NAMES if pulls else ("pressure_zero",)
-    known = {name: d for name, d in data.gauge_deviations.items() if name in names}
+    vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     return {
-        name: Prior(float(getattr(data.gauge, name)), min(deviation, known.get(name, np.inf)))
+        name: Prior(float(getattr(data.gauge, name)), min(deviation, vented.get(name, np.inf)))
         for name, deviation in usual.items()
     }
 
@@ -370,8 +370,8 @@ def _coordinate_of(parameter: Parameter, muscle: Muscle, value: float) -> float:
         root: Any = brentq(excess, -60.0, 60.0, xtol=1e-14)
         return float(root)
     except ValueError:
-        rule, shown = f"of {parameter.name} is out of its range in this muscle", f"{value:g} (SI)"
-        raise InvalidInputError("priors", rule, value, "check its unit", shown=shown) from None
+        rule, text = f"of {parameter.name} is out of its range in this muscle", f"{value:g} (SI)"
+        raise InvalidInputError("priors", rule, value, "check its unit", shown=text) from None
 
 
 def _prior_deviation(parameter: Parameter, muscle: Muscle, prior: Prior | None) -> float:

@@ -179,13 +179,13 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     count = int(np.sum(vented))
     if count < _MIN_VENTED or top <= 0:
         return VentedReadings(replace(PERFECT, start=start), {}, count)
-    found: dict[str, float] = {}
+    zeros: dict[str, float] = {}
     P, F, strain = record.pressure[vented], record.force[vented], record.strain[vented]
     # a transducer that writes its noise without the negative half has a mean below its deviation
     zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
     deviations = {"pressure_zero": max(scatter / np.sqrt(count), 1e-5 * top)}
     if abs(zero) > max(scatter, _CLEAR * deviations["pressure_zero"]):
-        found["pressure_zero"] = zero
+        zeros["pressure_zero"] = zero
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
     strain = np.clip(strain * scale, 0.0, LARGEST_STRAIN)
     push = np.asarray(to_numpy(muscle).force(0.0, strain))
@@ -205,7 +205,7 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     if drifts:
         deviations["force_drift"] = float(deviation[2])
         if abs(best[2]) > _CLEAR * deviation[2]:
-            found["force_drift"] = float(best[2])
-    if abs(best[0]) > _CLEAR * deviation[0] or "force_drift" in found:
-        found["force_zero"] = float(best[0])
-    return VentedReadings(Gauge(**found, start=start), deviations, count)
+            zeros["force_drift"] = float(best[2])
+    if abs(best[0]) > _CLEAR * deviation[0] or "force_drift" in zeros:
+        zeros["force_zero"] = float(best[0])
+    return VentedReadings(Gauge(**zeros, start=start), deviations, count)

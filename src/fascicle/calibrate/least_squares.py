@@ -277,12 +277,12 @@ def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> T
     what the static force leaves; readings of no `weight` have no say.
     """
     xp = array_namespace(force)
-    shares = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
-    shares.append(force / np.max(np.abs(grid.force)))
-    columns, scale = branch * xp.stack(shares, axis=-3), weight * np.sqrt(grid.count)
-    known = grid.measured & (weight > 0) & xp.isfinite(force)
-    missed = xp.where(known, (grid.force - force) * scale, 0.0)
-    basis = xp.where(known[..., None, :, :], columns * scale, 0.0)
+    terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
+    terms.append(force / np.max(np.abs(grid.force)))
+    columns, scale = branch * xp.stack(terms, axis=-3), weight * np.sqrt(grid.count)
+    usable = grid.measured & (weight > 0) & xp.isfinite(force)
+    missed = xp.where(usable, (grid.force - force) * scale, 0.0)
+    basis = xp.where(usable[..., None, :, :], columns * scale, 0.0)
     gram = xp.einsum("...ilr,...jlr->...ij", basis, basis)
     # a small diagonal for a record with a single pressure
     gram = gram + 1e-9 * float(np.sum(grid.count)) * np.eye(3)

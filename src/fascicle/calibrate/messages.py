@@ -37,10 +37,10 @@ def hysteresis_message(calibration: Calibration) -> str:
             "No hysteresis loop above the noise: mean width"
             f" {float(np.mean(loop.width)):.2g} N at {count} pressure{'s' * (count > 1)}."
         )
-    place = f"at {count} pressures" if count > 1 else "there"
+    pressures = f"at {count} pressures" if count > 1 else "there"
     message = (
         f"Hysteresis loop: its width is {range_text(100 * loop.share)} % of the pull at a"
-        f" pressure, {range_text(loop.width)} N {place}. The error of a muscle in use,"
+        f" pressure, {range_text(loop.width)} N {pressures}. The error of a muscle in use,"
         f" {calibration.rmse:.4g} N, contains half of it; against the half-way curve the error is"
         f" {calibration.half_way_rmse:.4g} N."
     )
@@ -52,9 +52,9 @@ def friction_message(friction: Friction) -> str:
     if friction.law is None:
         return "No friction above the noise: both branches coincide."
     count, constant = len(friction.resolved), friction.half_width(0.0)
-    rise, least = friction.half_width(1e5) - constant, _NO_FRICTION * float(np.mean(friction.width))
+    rise, limit = friction.half_width(1e5) - constant, _NO_FRICTION * float(np.mean(friction.width))
     # at 10 bar, more than any record holds, a rise may matter that doesn't at one
-    terms = [f"{constant:.3g} N"] * (constant > least) + [f"{rise:.3g} N/bar"] * (10 * rise > least)
+    terms = [f"{constant:.3g} N"] * (constant > limit) + [f"{rise:.3g} N/bar"] * (10 * rise > limit)
     message = (
         f"Friction: {count} sliding spring{'s' if count > 1 else ''}, together ±"
         f"{' + '.join(terms)}; the error of their loops' widths is {friction.rmse:.3g} N."
@@ -71,14 +71,14 @@ def fit_data_lines(data: FitData) -> list[str]:
     if not data.left_out:
         lines[0] += ", none left out"
     if data.clipped:
-        above = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
-        if data.clipped > above:
+        ceiling = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
+        if data.clipped > ceiling:
             lines.append(
-                f"{data.clipped - above} clipped: they only say that the force was not above"
+                f"{data.clipped - ceiling} clipped: they only say that the force was not above"
                 f" {data.floor}"
             )
-        if above:
-            lines.append(f"{above} at the load cell's ceiling: the force was not below it")
+        if ceiling:
+            lines.append(f"{ceiling} at the load cell's ceiling: the force was not below it")
     if data.noise_clipped:
         lines.append(
             f"{data.noise_clipped} of these are small forces at strains where the pressure's other"
@@ -198,10 +198,10 @@ def selection_reasons(trials: Sequence[Trial], best: Trial, by_strain: bool = Fa
         for candidate in valid
         if candidate.label == TUNING and candidate is not selected
     ]
-    part = "stretch-of-strain" if by_strain else "pressure"
+    fold = "stretch-of-strain" if by_strain else "pressure"
     return [
         *lines,
-        f"Model selected by leave-one-{part}-out cross-validation (one-standard-error rule): the"
+        f"Model selected by leave-one-{fold}-out cross-validation (one-standard-error rule): the"
         " fewest parameters within one standard error, 2 %, or one reading's share of the best.",
     ]
 
@@ -248,14 +248,15 @@ def marginal_gains(trials: Sequence[Trial], best: Trial) -> Iterator[str]:
             )
 
 
-def length_violation(active: float, rest: float, tolerance: float) -> str:
-    """Message for an `active` length [m] above the distance of the fittings, `rest` [m].
+def length_violation(active: float, rest_length: float, tolerance: float) -> str:
+    """Message for an `active` length [m] above the distance of the fittings, `rest_length` [m].
 
     Empty for one that isn't longer by more than a `tolerance` [-].
     """
-    if active <= (1 + tolerance) * rest:
+    if active <= (1 + tolerance) * rest_length:
         return ""
-    return f"an active length of {pretty(active, 'length')} in a muscle of {pretty(rest, 'length')}"
+    lengths = pretty(active, "length"), pretty(rest_length, "length")
+    return "an active length of {} in a muscle of {}".format(*lengths)
 
 
 def _error(candidate: Candidate) -> str:

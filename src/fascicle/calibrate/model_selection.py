@@ -333,9 +333,9 @@ def _pulling_trials(
     measured = int(np.sum(data.grid.measured))
     if not measured:
         return [], 0.0
-    known = [name for name in priors if name not in FACTOR_NAMES]
+    constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # zeros that readings without pressure tell are fitted with every candidate
-    required = list(dict.fromkeys([*known, *data.gauge.faults]))
+    required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
     trials: dict[frozenset[str], Trial] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
 
@@ -372,7 +372,7 @@ def _pulling_trials(
     tried = [*trials.values()]
     # a tuning can't take prior knowledge of constants into account
     loop = fits_loop(data, required)
-    tuning = [] if known else _try_tuning(data, muscle, options.loss, loop)
+    tuning = [] if constants_with_priors else _try_tuning(data, muscle, options.loss, loop)
     return [*tried[:1], *tuning, *tried[1:]], noise
 
 
@@ -409,8 +409,8 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Tr
     curves = SmoothCurves(muscle, grid.pressure[:, 0], top_pressure(grid))
     untuned = pulling_force(curves.law, grid.pressure, grid.strain)
 
-    def tuned_force(part: Grid) -> tuple[np.ndarray, int] | None:
-        readings = read(muscle, part)
+    def tuned_force(grid_part: Grid) -> tuple[np.ndarray, int] | None:
+        readings = read(muscle, grid_part)
         if not np.any(readings.valid):
             return None
         c1, c2 = curves.tables(readings.coefficients)
@@ -518,5 +518,5 @@ def _priors_of(priors: Priors, names: Collection[str]) -> dict[str, Prior]:
     return {name: prior for name, prior in priors.items() if name in names}
 
 
-def _union(names: Names, more: Collection[str]) -> Names:
-    return (*names, *(name for name in more if name not in names))
+def _union(names: Names, additions: Collection[str]) -> Names:
+    return (*names, *(name for name in additions if name not in names))

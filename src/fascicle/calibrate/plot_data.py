@@ -155,13 +155,13 @@ def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
     without two strokes at a level.
     """
     record, loop = calibration.record, calibration.loop
-    known = [run for run in runs(record) if run.kind != "mixed" and run.branch != UNKNOWN]
-    if loop is None or not known:
+    stroke_runs = [run for run in runs(record) if run.kind != "mixed" and run.branch != UNKNOWN]
+    if loop is None or not stroke_runs:
         return None
-    kinds = [run.kind for run in known]
+    kinds = [run.kind for run in stroke_runs]
     kind = max(set(kinds), key=kinds.count)
-    known = [run for run in known if run.kind == kind]
-    levels = np.unique([run.level for run in known])
+    stroke_runs = [run for run in stroke_runs if run.kind == kind]
+    levels = np.unique([run.level for run in stroke_runs])
     gap = _SAME_LEVEL * max(float(np.ptp(levels)), 1e-12)
     groups = np.split(levels, np.flatnonzero(np.diff(levels) > gap) + 1)
     # loops at the ends and evenly between them
@@ -173,7 +173,7 @@ def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
             record.force[run.points],
         )
         for i in index
-        for run in known
+        for run in stroke_runs
         if run.level in groups[i]
     ]  # fmt: skip
     friction, curve = calibration.friction, None

@@ -107,7 +107,7 @@ def judge(calibration: Calibration, selection: Selection | None = None) -> Verdi
     past &= not calibration.fit_data.pulls
     parts = [errors[mask & np.isfinite(errors)] for mask in (~past, past)]
     pulling, resisting = (
-        float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for part in parts
+        float(np.sqrt(np.mean(group**2))) if group.size else float("nan") for group in parts
     )
     undetermined = tuple(e.name for e in calibration.parameters if not (e.identifiable or e.bound))
     limits = tuple(e.name for e in calibration.parameters if e.bound)
@@ -149,13 +149,13 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             cause = f"{best.name} ({100 * best.share:.2g} % of squares)"
         names = list_text(list(dict.fromkeys(along)))
         last.append(f"Not noise: errors follow {names}. Likely cause: {cause}.")
-    unknown = {
+    undetermined = {
         "not determined": verdict.undetermined,
         "only a limit": verdict.limits,
         "not measured": ("forces past the free strain",)
         * (not np.isfinite(verdict.resisting_rmse)),
     }
-    pieces = [f"{title}: {', '.join(names)}" for title, names in unknown.items() if names]
+    pieces = [f"{title}: {', '.join(names)}" for title, names in undetermined.items() if names]
     if pieces:
         text = "; ".join(pieces)
         last.append(f"{text[0].upper()}{text[1:]}.")
@@ -267,9 +267,9 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
     if not diagnosis.is_white_noise:
         pieces = []
         if diagnosis.significant:
-            shares = [f"{t.along} ({100 * t.share:.2g} %)" for t in diagnosis.significant]
+            trends = [f"{t.along} ({100 * t.share:.2g} %)" for t in diagnosis.significant]
             pieces.append(
-                f"Residuals follow {list_text(shares)}, in brackets the share of their squares: an"
+                f"Residuals follow {list_text(trends)}, in brackets the share of their squares: an"
                 " error of the model or of the gauge, not noise."
             )
         if diagnosis.autocorrelated:
@@ -475,11 +475,13 @@ def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
         smaller = estimate.high < (1 - _CALIPERS) * size
         # an active length may be shorter than the distance of the fittings, never longer
         if larger or (smaller and name != "active_length"):
-            value, given = (pretty(x, estimate.dimension, 3) for x in (estimate.value, float(size)))
+            value, nominal = (
+                pretty(x, estimate.dimension, 3) for x in (estimate.value, float(size))
+            )
             text = (
-                f"{name} is {value}, given as {given}, and its whole interval is more than"
+                f"{name} is {value}, given as {nominal}, and its whole interval is more than"
                 f" {100 * _CALIPERS:g} % off: it compensates for an error of the law or of the"
                 " gauge and is no measured size."
             )
-            action = f"check the muscle's {name}: fitted {value}, given {given}"
+            action = f"check the muscle's {name}: fitted {value}, given {nominal}"
             yield Notice(IN_USE, _SIZE, text, action)
