@@ -63,7 +63,7 @@ class Gauge:
 
     @property
     def faults(self) -> dict[str, float]:
-        """Values [SI unit of each] that differ from those of a perfect gauge, by name."""
+        """Values [SI] that differ from those of a perfect gauge, by name."""
         values = {name: float(getattr(self, name)) for name in GAUGE_NAMES}
         return {name: value for name, value in values.items() if value != getattr(PERFECT, name)}
 
@@ -90,7 +90,7 @@ class Gauge:
     def correct_further(
         self, record: Record, previous: "Gauge", length: float | None = None
     ) -> Record:
-        """Correct a `record` that a `previous` gauge has corrected; arguments as of `correct`."""
+        """Correct a `record` that a `previous` gauge has corrected; `length` [m] as of `correct`."""
         length = record.rest_length if length is None else length
         elapsed = 0.0 if record.time is None else record.time - self.start
         shift = self.displacement_zero - previous.displacement_zero
