@@ -116,7 +116,7 @@ def test_a_new_objective_is_one_function(answers, folder):
     page = unescape((folder / "found" / "report.html").read_text(encoding="utf-8"))
     assert "work_done" in page and "Work of the task's points that are reached" in page
     assert "pairs recruitment" in page
-    assert "work done" in answers["designed"]
+    assert {"work", "done"} <= set(answers["designed"].split())  # a narrow head is broken
 
 
 def test_no_other_module_compares_a_scheme_with_a_name():

@@ -90,7 +90,7 @@ class Gauge:
     def correct_further(
         self, record: Record, previous: "Gauge", length: float | None = None
     ) -> Record:
-        """Correct a `record` that a `previous` gauge has corrected; `length` [m] as of `correct`."""
+        """Correct a `record` that a `previous` gauge has corrected; `length` [m]."""
         length = record.rest_length if length is None else length
         elapsed = 0.0 if record.time is None else record.time - self.start
         shift = self.displacement_zero - previous.displacement_zero
