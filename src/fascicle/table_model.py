@@ -106,8 +106,8 @@ def validation_message(
         remedy = f", write {example}" if examples[0] else ""
         return location_message(source, keys, f"missing{remedy}.")
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
-    for words, plain in _PLAIN_WORDS.items():
-        rule = rule.replace(words, plain)
+    for technical, plain in _PLAIN_WORDS.items():
+        rule = rule.replace(technical, plain)
     count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
     rule = rule if rule.endswith("?") else f"{rule.rstrip('.')}."
     return location_message(source, keys, f"{rule}{count}", value_at(data, path))

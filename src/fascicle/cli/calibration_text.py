@@ -36,8 +36,8 @@ def print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     gauges = [f"{text[0].lower()}{text[1:]}" for text in gauge_errors(fit).values()]
     doubts = [*gauges, *result.remarks, *doubts]
     if doubts:
-        more = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
-        last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{more}.")
+        remainder = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
+        last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{remainder}.")
     for line in first:
         print_line(line)
     rows = constant_rows(fit.parameters)

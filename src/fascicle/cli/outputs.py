@@ -197,8 +197,8 @@ def print_written(folder: Path, names: Sequence[str], verbose: bool) -> None:
         return
     kinds = Counter(Path(name).suffix for name in names)
     pages = [name for name in names if kinds[Path(name).suffix] <= _MAX_NAMES]
-    others = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
-    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *others])}; --verbose prints details")
+    groups = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
+    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *groups])}; --verbose prints details")
 
 
 def result_folder(out: str | None, default: str, as_json: bool, overwrite: bool) -> Path | None:

@@ -54,15 +54,15 @@ def local_client(workers: int | None = None) -> Iterator[Any]:
                     silence_logs=logging.CRITICAL,
                     security=Security.temporary(),
                 )
-            stack.callback(_close, cluster)
+            stack.callback(_close_resource, cluster)
             client = Client(cluster, timeout=_CONNECTION_TIME, set_as_default=False)
         except (RuntimeError, OSError, TimeoutError) as error:
             raise ConnectionError(f"no worker can be started ({short_reason(error)})") from None
-        stack.callback(_close, client)
+        stack.callback(_close_resource, client)
         yield client
 
 
-def _close(resource: Any) -> None:
+def _close_resource(resource: Any) -> None:
     """Close a client or a cluster; errors are ignored: its processes may be dead already."""
     with contextlib.suppress(Exception):
         resource.close(timeout=_CLOSING_TIME)

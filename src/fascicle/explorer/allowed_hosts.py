@@ -49,10 +49,10 @@ class AllowedHosts:
     @classmethod
     def of(cls, host: str, allowed: Iterable[str] = ()) -> "AllowedHosts":
         """Names of a server that listens on `host`, and `allowed` ones."""
-        own, local = {"localhost", "127.0.0.1", "::1"}, host in LOOPBACK
+        own_names, local = {"localhost", "127.0.0.1", "::1"}, host in LOOPBACK
         if not local:
-            own |= {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
-        return cls(frozenset(own), frozenset(map(_host_name, allowed)), addresses=not local)
+            own_names |= {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
+        return cls(frozenset(own_names), frozenset(map(_host_name, allowed)), addresses=not local)
 
     def matches(self, host: str) -> bool:
         """True for a `Host` header with a name of this server, and any port, as one forwarded."""
@@ -63,10 +63,11 @@ class AllowedHosts:
 def reject_reason(request: Any, hosts: AllowedHosts) -> Reason | None:
     """Reason to reject a tornado `request` (host, page, path or link), or `None`."""
     if not hosts.matches(request.host):
-        shown = sanitize_line(request.host, 80)
+        sent_host = sanitize_line(request.host, 80)
         return 403, (
-            f"This explorer isn't called `{shown}`: this request may come from the page of a"
-            f" stranger. If the name is yours, start it with `--allow-host {_host_name(shown)}`."
+            f"This explorer isn't called `{sent_host}`: this request may come from the page of a"
+            " stranger. If the name is yours, start it with"
+            f" `--allow-host {_host_name(sent_host)}`."
         )
     if reason := _reject_other_page(request.host, request.headers, hosts):
         return reason

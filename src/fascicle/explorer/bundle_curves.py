@@ -100,10 +100,10 @@ def solutions(
     nearest = solution(result.state, np.asarray(result.pressures), result.stable)
     if status := int(result.status):
         side = "above" if status == 1 else "below"
-        reached = float(result.force) / unit_factor(unit, "force")
+        nearest_force = float(result.force) / unit_factor(unit, "force")
         return [nearest], (
             f"The point is {side} what is reachable at this strain: the nearest force is"
-            f" {reached:.4g} {unit}."
+            f" {nearest_force:.4g} {unit}."
         )
     if bundle.scheme.independent:  # one of a continuum: the cheapest
         return [nearest], ""

@@ -114,12 +114,12 @@ class UnitRows:
         size = radius / float(base.outer_radius)
         if not SIZES[0] <= size <= SIZES[1]:
             limits = [ratio * float(base.outer_radius) for ratio in SIZES]
-            low, high, shown = (
+            low, high, radius_text = (
                 format_quantity(x, view.display_units["length"], "length")
                 for x in (*limits, radius)
             )
             rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
-            raise InvalidInputError("radius", rule, radius, shown=shown)
+            raise InvalidInputError("radius", rule, radius, shown=radius_text)
         if unit.own is None:
             self._set_unit(i, replace(unit, size=size))
         else:
@@ -179,9 +179,9 @@ class BundleView(Tab):
         self._space = LatestResult(self._show_space, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
         self._solutions = LatestResult(self._offer_solutions, self.fail)
-        words = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
+        explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
-            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, words,
+            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, explanations,
             width=318,
         )  # fmt: skip
         space = column(self.chart.new_pane(), self.message.pane, kind="equal")

@@ -98,8 +98,10 @@ class EfficiencyView(Tab):
         ]
         columns = row(*self.figures)
         choices = row(self._path, self._kind, self._numbers, kind="wrapped", sizing_mode=None)
-        words = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
-        self.panel = column(choices, self.message.pane, self.notes, self.status, columns, words)
+        explanations = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
+        self.panel = column(
+            choices, self.message.pane, self.notes, self.status, columns, explanations
+        )
 
     def draw(self, view: View) -> None:
         """Show a `view`."""

@@ -93,12 +93,12 @@ def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
     P = curves[0].pressure
     strains = {curve.name: curve.resisted for curve in curves}
     strains |= {f"{curve.name}, without resistance": curve.free for curve in curves}
-    turns = {curve.name: curve.turn for curve in curves}
+    reversals = {curve.name: curve.turn for curve in curves}
     variables = Table(pressure=Variable(("pressure",), P, "Pa"))
     variables |= {name: Variable(("pressure",), values, "-") for name, values in strains.items()}
     options = {"supply": view.supply, "points": POINTS, "splits": view.splits}
     script = _script("reversal", stem, view.muscle, **options)
-    return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", turns), script)
+    return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", reversals), script)
 
 
 def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
@@ -187,7 +187,7 @@ def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
     base = re.sub(r"\.(toml|csv|txt|tsv)$", "", base, flags=re.IGNORECASE)
     safe = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
     stem = f"{safe}_{kind}"
-    stems = {Path(other).stem.lower() for other in input_names}
+    stems = {Path(input_name).stem.lower() for input_name in input_names}
     while stem.lower() in stems:
         stem = f"{stem}_{kind}"
     return stem

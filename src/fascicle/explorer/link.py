@@ -193,12 +193,12 @@ def _parse_strain(text: str) -> float:
 
 def _parse_display_units(text: str) -> dict[str, str]:
     units = text.split(",")
-    shown = dict(zip(DISPLAY_UNITS, units, strict=False))
+    display_units = dict(zip(DISPLAY_UNITS, units, strict=False))
     if len(units) != len(DISPLAY_UNITS) or any(
-        unit not in DISPLAY_UNITS[kind] for kind, unit in shown.items()
+        unit not in DISPLAY_UNITS[kind] for kind, unit in display_units.items()
     ):
         raise InvalidInputError("show", "must be units such as kPa,mm,N", text[:40])
-    return shown
+    return display_units
 
 
 # field of the view, and parser of its text, by key

@@ -75,8 +75,12 @@ class MuscleView(Tab):
         self.compare = widget(pn.widgets.MultiSelect, label, size=4)
         self.compare.param.watch(self._choose_alternatives, "value")
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
-        words = pane(words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse"))
-        left = side_column(self.inputs.panel, self.compare, self.message.pane, words, width=284)
+        explanations = pane(
+            words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse")
+        )
+        left = side_column(
+            self.inputs.panel, self.compare, self.message.pane, explanations, width=284
+        )
         curves = column(self.chart.new_pane(), kind="equal")
         scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
         sliders = row(self._pressure.panel, self._strain.panel)
@@ -143,9 +147,9 @@ class MuscleView(Tab):
         self._family_names = chart.source("x y label")
         chart.add_labels(self._family_names)
         self.curve = chart.source(f"strain {' '.join(PARTS)}", "curve")
-        for (part, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
-            chart.figure.line("strain", part, source=self.curve, line_color=color, line_dash=dash,
-                              line_width=1.8, legend_label=part)  # fmt: skip
+        for (component, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
+            chart.figure.line("strain", component, source=self.curve, line_color=color,
+                              line_dash=dash, line_width=1.8, legend_label=component)  # fmt: skip
         chart.figure.line("strain", "force", source=self.curve, line_color=colors.ink,
                           line_width=3, legend_label="force")  # fmt: skip
         self._hover = chart.add_force_hover()

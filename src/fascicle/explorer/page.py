@@ -74,8 +74,8 @@ class Header:
         for kind, select in self._units.items():
             select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
         self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
-        other, theme = ("light", "default") if colors.dark else ("dark", "dark")
-        switch = button(f"Use {other} page", None, width=120, margin=(22, 8, 4, 4))
+        other_mode, theme = ("light", "default") if colors.dark else ("dark", "dark")
+        switch = button(f"Use {other_mode} page", None, width=120, margin=(22, 8, 4, 4))
         switch.js_on_click(code=_SET_THEME % theme)
         widgets = (self._example, self.file, self.save, *self._units.values(), switch)
         inputs = row(*widgets, kind="header", margin=(0, 8))

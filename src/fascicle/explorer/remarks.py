@@ -62,10 +62,10 @@ def notes(view: View, tab: str) -> list[str]:
     sized = any(unit.size != 1 for unit in view.units)
     lines = []
     if tab == "muscle" and several:
-        others = "Another unit has a different muscle"
+        subject = "Another unit has a different muscle"
         if several > 1:
-            others = f"{several} other units have different muscles"
-        lines.append(f"This is the muscle of unit 1. {others}.")
+            subject = f"{several} other units have different muscles"
+        lines.append(f"This is the muscle of unit 1. {subject}.")
     if tab == "reversal" and (several or sized):
         lines.append("This tab takes unit 1's muscle for all units.")
     if tab == "reversal" and len({sum(split) for split in view.splits}) > 1:

@@ -142,12 +142,12 @@ class ReversalView(Tab):
                 "color": colors,
                 "label": [curve.name + suffix for curve in curves],
             }
-        turns = [
+        reversals = [
             (curve.turn.pressure / scale, curve.turn.free_strain, color, f"−{curve.turn.depth:.4f}")
             for curve, color in zip(curves, colors, strict=True)
             if curve.turn.depth > 0
         ]
-        columns = map(list, zip(*turns, strict=True)) if turns else ([],) * 4
+        columns = map(list, zip(*reversals, strict=True)) if reversals else ([],) * 4
         self._turns.data = dict(zip(("x", "y", "color", "label"), columns, strict=True))
         self._legend.object = _html_legend([
             *((curve.name, color, "solid") for curve, color in zip(curves, colors, strict=True)),

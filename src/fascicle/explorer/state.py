@@ -93,8 +93,8 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        kept = ("display_units", "tab", "resistance", "path", "splits")
-        view = replace(view, **{name: getattr(before, name) for name in kept})
+        names = ("display_units", "tab", "resistance", "path", "splits")
+        view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
         return replace(view, units=(Unit(), Unit()), pressures=(SUPPLY, SUPPLY))
     counts = [int(unit.count) for unit in target.motor_units]
@@ -119,11 +119,11 @@ def check_units(units: tuple[Unit, ...]) -> None:
     """Raise `InvalidInputError` for `units` that are too many to show, or impossible."""
     if not 1 <= len(units) <= MOST_UNITS:
         raise InvalidInputError("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
-    total, least = sum(unit.count for unit in units), min(unit.count for unit in units)
-    if least < 1 or total > MOST_MUSCLES:
+    total, fewest = sum(unit.count for unit in units), min(unit.count for unit in units)
+    if fewest < 1 or total > MOST_MUSCLES:
         rule = f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all"
-        shown = f"{least}" if least < 1 else f"{total} in all"
-        raise InvalidInputError("count", rule, total, shown=shown)
+        count_text = f"{fewest}" if fewest < 1 else f"{total} in all"
+        raise InvalidInputError("count", rule, total, shown=count_text)
     for unit in units:
         if not (math.isfinite(unit.size) and SIZES[0] <= unit.size <= SIZES[1]):
             rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the shared muscle's"

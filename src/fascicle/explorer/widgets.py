@@ -210,8 +210,8 @@ class QuantitySlider:
         scale = unit_factor(self._unit, self._dimension)
         if not 0 <= value <= self._top * (1 + 1e-6):  # typed with six digits, it may round up
             rule = f"must lie in [0, {self._top / scale:.6g}] {self._unit or '-'}"
-            shown = f"{value / scale:.6g} {self._unit}".strip()
-            raise InvalidInputError(self.field.name, rule, value, shown=shown)
+            value_text = f"{value / scale:.6g} {self._unit}".strip()
+            raise InvalidInputError(self.field.name, rule, value, shown=value_text)
         self._set(min(value, self._top))
 
 

@@ -314,10 +314,10 @@ def free_strain_states(
         for jump in jumps:
             ax.plot(jump[0] / 1e3, jump[1], color=color, **_DOTTED)
         jump_count += len(jumps)
-        least = int(np.nanargmin(line[1]))
+        lowest = int(np.nanargmin(line[1]))
         # an invisible fall is no reversal
-        if min(line[1][0], np.nanmax(line[1][least:])) - line[1][least] > _VISIBLE:
-            turns.append((line[0][least] / 1e3, line[1][least]))
+        if min(line[1][0], np.nanmax(line[1][lowest:])) - line[1][lowest] > _VISIBLE:
+            turns.append((line[0][lowest] / 1e3, line[1][lowest]))
     dot: dict[str, Any] = {"linestyle": "", "marker": "o"}
     signs = [Line2D([], [], color=GRAY, markersize=2.4, label="computed", **dot)]
     if jump_count:

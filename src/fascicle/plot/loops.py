@@ -109,10 +109,10 @@ def loops(data: LoopsPlot) -> Figure:
     width.legend(loc="best")
     letters(axes, ("loops at one length each" if isometric else "loops at one pressure each",
                    "width of the loops"))  # fmt: skip
-    ways = ("inflating", "deflating") if isometric else ("contracting", "extending")
+    stroke_names = ("inflating", "deflating") if isometric else ("contracting", "extending")
     handles = [
-        Line2D([], [], color=GRAY, linewidth=0.9, marker="o", markersize=3, label=ways[0]),
-        Line2D([], [], color=GRAY, linewidth=0.9, marker="o", markersize=3, label=ways[1],
+        Line2D([], [], color=GRAY, linewidth=0.9, marker="o", markersize=3, label=stroke_names[0]),
+        Line2D([], [], color=GRAY, linewidth=0.9, marker="o", markersize=3, label=stroke_names[1],
                linestyle=(0, (4, 2)), markerfacecolor=WHITE),
         *(Line2D([], [], color=color, linewidth=2,
                  label=f"ε = {level:.3g}" if isometric else in_kilopascals(level))
@@ -141,8 +141,8 @@ def laws(data: LawsPlot) -> Figure:
             ax.plot(data.curve_strain[i], force[i], color=CYCLE[rank], linewidth=1.1,
                     linestyle=_DASHES[rank % len(_DASHES)])  # fmt: skip
         for clipped, marker in ((False, "o"), (True, "v")):
-            shown = np.isfinite(data.force[i]) & (data.censored[i] == clipped)
-            ax.plot(data.strain[i][shown], data.force[i][shown], linestyle="", marker=marker,
+            mask = np.isfinite(data.force[i]) & (data.censored[i] == clipped)
+            ax.plot(data.strain[i][mask], data.force[i][mask], linestyle="", marker=marker,
                     color=BLACK, markersize=2.6, zorder=3,
                     markerfacecolor="none" if clipped else BLACK)  # fmt: skip
         # a law that is far off must not flatten the others
@@ -161,7 +161,7 @@ def laws(data: LawsPlot) -> Figure:
                label=fill(f"{label}: {rmse:.3g} N", _LABEL))
         for rank, (label, rmse, _) in enumerate(best)
     ]  # fmt: skip
-    if others := len(data.laws) - len(best):
-        handles.append(Line2D([], [], color=GRAY, linewidth=0.5, label=f"{others} other laws"))
+    if other_count := len(data.laws) - len(best):
+        handles.append(Line2D([], [], color=GRAY, linewidth=0.5, label=f"{other_count} other laws"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure

@@ -97,12 +97,12 @@ def score(header: str, unit: str, role: str) -> int:
                 continue
         elif role == "displacement" and name in {"contraction", "shortening", *LONGER, "x"}:
             continue  # without a unit these are strains, and x is anything
-        words = set(name.split())
+        terms = set(name.split())
         if name in TERMS[role]:
             best = max(best, 4 + fits)
-        elif words & _QUALIFIERS:
+        elif terms & _QUALIFIERS:
             continue
-        elif words & {term for term in TERMS[role] if len(term) > 1}:
+        elif terms & {term for term in TERMS[role] if len(term) > 1}:
             best = max(best, 2 + fits)
         elif role in {"pressure", "force"} and fits:
             best = max(best, 1)

@@ -378,7 +378,7 @@ def _rest_length(
 
 
 def _strain(
-    column: Column, raw: np.ndarray, rest: float, info: Sidecar, cell_error: CellError
+    column: Column, raw: np.ndarray, rest_length: float, info: Sidecar, cell_error: CellError
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     """Contraction, from a column of strains, displacements or lengths."""
     values = to_si_units(raw, column.factor)
@@ -386,7 +386,7 @@ def _strain(
     if column.role == "strain":
         strain = values * sign
     elif column.role == "displacement":
-        strain = (values - (info.displacement_at_rest or 0.0)) * sign / rest
+        strain = (values - (info.displacement_at_rest or 0.0)) * sign / rest_length
         is_known = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign < 0
         if not is_known and np.min(strain) < _STRETCHED and np.max(strain) < -_STRETCHED:
             message = str(cell_error(int(np.argmin(strain)), column, ""))
@@ -403,7 +403,7 @@ def _strain(
                 choice = ("columns", "displacement", column.header, "")
                 raise MissingMetadataError(str(before), choice)
             raise cell_error(int(wrong[0]), column, f"{rule}.")
-        strain = (rest - values) / rest
+        strain = (rest_length - values) / rest_length
     check_strains(column, raw, strain, cell_error)
     notes, longest = (), float(np.min(strain))
     if longest < _STRETCHED:

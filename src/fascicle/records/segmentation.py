@@ -179,11 +179,11 @@ def _runs_of(
     kind: Kind, groups: list[np.ndarray], values: np.ndarray, free: np.ndarray, motion: float
 ) -> list[Run]:
     """Runs of the groups of indices in which `free` moves by `motion` times its span."""
-    least = motion * np.ptp(free)
+    min_motion = motion * np.ptp(free)
     return [
         Run(kind, float(np.median(values[points])), points, UNKNOWN)
         for points in groups
-        if points.size >= _MIN_READINGS and np.ptp(free[points]) >= least > 0
+        if points.size >= _MIN_READINGS and np.ptp(free[points]) >= min_motion > 0
     ]
 
 

@@ -218,9 +218,9 @@ def efficiency(maps: Sequence[EfficiencyMap]) -> Table:
     **Returns:** a table, with the average over the points that are reached.
     """
     grids = np.stack([path.efficiency for path in maps])
-    reached = np.isfinite(grids)
-    counts = reached.sum(axis=(1, 2))
-    sums = np.where(reached, grids, 0.0).sum(axis=(1, 2))
+    is_reached = np.isfinite(grids)
+    counts = is_reached.sum(axis=(1, 2))
+    sums = np.where(is_reached, grids, 0.0).sum(axis=(1, 2))
     averages = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
     states = np.stack([path.state for path in maps])
     return build_table(
@@ -296,15 +296,15 @@ def simulated(
     for name, energy in zip(STORES, np.asarray(outputs.store).T, strict=True):
         rows.append((f"stored_{name}", "time", energy, "J", f"stored: {_STORES[name]}"))
     if audit is not None:
-        names, left, share, within, closes = (
+        names, left, imbalance, tolerance, closes = (
             [getattr(balance, name) for balance in audit.balances]
             for name in ("name", "left", "share", "closes_within", "closes")
         )
         rows += [
             ("balance", "balance", names, "-", "balanced quantity"),
             ("left_over", "balance", left, "J", "in kg of the fluid's mass"),
-            ("left_over_share", "balance", share, "-", "of the largest term"),
-            ("closes_within", "balance", within, "-", "largest share of a balance that closes"),
+            ("left_over_share", "balance", imbalance, "-", "of the largest term"),
+            ("closes_within", "balance", tolerance, "-", "largest share of a balance that closes"),
             ("closes", "balance", closes, "-", "true if the balance closes"),
         ]
     names, first, last, trusted = (

@@ -77,8 +77,8 @@ def _print(variables: Any, points: bool) -> None:
     for path, average, fraction in zip(
         values["path"], values["average"], values["reached"], strict=True
     ):
-        share = f"the {100 * fraction:.0f} % of points that the bundle reaches"
-        print_text(f"{path}: average efficiency {number(average, 4)} over {share}")
+        coverage = f"the {100 * fraction:.0f} % of points that the bundle reaches"
+        print_text(f"{path}: average efficiency {number(average, 4)} over {coverage}")
     if not points:
         return
     forces = [f"{force:.6g}" for force in values["force"]]
