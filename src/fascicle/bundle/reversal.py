@@ -106,7 +106,7 @@ def reversal(
 def onset_pressure(
     bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> float:
-    """Pressure from which a unit makes the bundle's force larger than it is without it.
+    """Pressure [Pa] above which, at one strain, a unit only adds force; 0 if always, inf if never.
 
     **Arguments:**
 

@@ -123,7 +123,9 @@ def _lags(record: Record) -> list[ChannelFault]:
 
 
 def _lag(cause: np.ndarray, response: np.ndarray) -> int:
-    """Number of intervals by which a `response` follows its `cause`; 0 unless it is clear."""
+    """Number of intervals by which a `response` follows its `cause`, negative if it leads; 0 unless
+    it is clear.
+    """
     size = cause.size
     reach = max(int(_MAX_LAG * size), 1)
     scale = float(np.linalg.norm(cause) * np.linalg.norm(response))

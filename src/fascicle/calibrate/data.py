@@ -235,7 +235,7 @@ def thin(data: FitData) -> FitData:
 
 
 def pulling_only(data: FitData) -> FitData:
-    """Data as of a gauge that only pulls, for the tension law alone.
+    """Data with pushes, and noise past the free strain, censored at 0 N, for the tension law alone.
 
     Pushes count as clipped at zero, and so does noise past a free strain.
     """

@@ -623,7 +623,8 @@ def _likely_causes(
 
 
 def _better_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
-    """Buckling law that explains much of the residuals past the free strain.
+    """Buckling law that explains much of the residuals past the free strain better than the fitted
+    one.
 
     `None` where residuals are compatible with noise, lie elsewhere, or no other law is better.
     """

@@ -63,7 +63,7 @@ def profiles(
     reach: float = _REACH,
     names: Collection[str] | None = None,
 ) -> tuple[Profile, ...]:
-    """Profile the parameters of a calibration.
+    """Profile likelihoods of a calibration's parameters, over at most `points` held values of each.
 
     A profile ends on either side where it passes the critical rise.
 

@@ -355,7 +355,7 @@ def solve(
     free_columns: np.ndarray | None = None,
     tolerance: float = FINE,
 ) -> Solutions:
-    """Minimize a problem by Levenberg-Marquardt.
+    """Minimize a problem by Levenberg-Marquardt from each row of `starts`.
 
     **Arguments:**
 

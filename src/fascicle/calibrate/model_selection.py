@@ -329,7 +329,9 @@ def identifiable_constants(
 def _pulling_trials(
     data: FitData, muscle: Muscle, priors: Priors, options: FitOptions, steps: _Steps
 ) -> tuple[list[Trial], float]:
-    """Candidates for the pull, and the noise of a reading [N], 0 where it can't be seen."""
+    """Fits of candidate sets of constants, and of the tuning, to readings that pull, and the noise
+    of a reading [N], 0 where it can't be seen.
+    """
     measured = int(np.sum(data.grid.measured))
     if not measured:
         return [], 0.0

@@ -81,7 +81,9 @@ class Verdict:
 
 
 def judge(calibration: Calibration, selection: Selection | None = None) -> Verdict:
-    """Judge a `calibration`; its `selection`, if any, tells the error at readings left out."""
+    """Verdict: one word of `FITS`, errors, undetermined constants and next actions; the
+    `selection`, if any, gives the error at left-out readings.
+    """
     record, diagnosis = calibration.record, calibration.diagnosis
     chosen = [c for c in selection.candidates if c.chosen] if selection else []
     left_out = chosen[-1].relative_left_out_rmse if chosen else float("nan")

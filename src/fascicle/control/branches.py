@@ -95,13 +95,15 @@ class Branches(Module):
         return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of one muscle of each unit [N], on and off its branch, at a `pressure` [Pa]
-        and `strain` [-].
+        """Force of one muscle of each unit [N] at any `pressure` [Pa] and `strain` [-], on the
+        rising branch or below it.
         """
         return self.muscles.at(pressure, strain).force
 
     def onset(self, strain: Numbers) -> Numbers:
-        """Onset $p_{on}$ [Pa] of each unit at `strain` [-]: the top where no pressure gains."""
+        """Pressure $p_{on}$ [Pa] above which each unit pulls more at `strain` [-] than empty; the
+        top if none does.
+        """
         j, w, indices = self._column(strain)
         onsets = array_namespace(strain).asarray(self.onsets)
         between = (1 - w) * onsets[indices, j] + w * onsets[indices, j + 1]

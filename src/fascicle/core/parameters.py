@@ -64,7 +64,8 @@ SHARE = Transform(
 
 @dataclass(frozen=True)
 class Constant:
-    """A number of a law.
+    """Declaration of a law's constant: name, dimension, bounds, default and scale in fits; no
+    value.
 
     - `name`: of the argument and of the key in files.
     - `symbol`: in TeX.

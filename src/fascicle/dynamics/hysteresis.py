@@ -223,7 +223,7 @@ class Dahl(AbstractHysteresis):
 
 
 class Coulomb(AbstractHysteresis):
-    """Dry friction that depends on speed alone, equation (H3): without memory.
+    """Dry friction of a width in pressure, with the sign of the speed, (H3): no memory.
 
     `width`: $w$, by which the pressure seems lower in contraction, higher in extension [Pa].
     `velocity`: $v_0$, at which friction is three quarters of its limit [m/s].

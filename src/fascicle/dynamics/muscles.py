@@ -216,5 +216,5 @@ class Geometric(AbstractMuscles):
 
     @property
     def highest_pressure(self) -> Numbers:
-        """Highest pressure of its muscles [Pa]."""
+        """End of its `muscles`' tables or laws [Pa], of each unit."""
         return self.muscles.highest_pressure

@@ -49,7 +49,9 @@ class Openings(NamedTuple):
 
 
 class AbstractSpool(Module):
-    """Law from commands to openings; `overlap`: $o$ at a port [-], in [0, 1)."""
+    """Motion of spools by commands, and openings of ports by spools; `overlap`: closed share of
+    the travel [-], in [0, 1).
+    """
 
     overlap: ClassVar[Batch]
 
@@ -160,7 +162,9 @@ class OrderlyValve(AbstractSpool):
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Openings [-], (F11) and (F9), at the `spool` [-]; the `command` [-] doesn't count."""
+        """Openings [-] of all units, on the last axis, at the one `spool`'s position [-], (F11) and
+        (F9); `command` doesn't count.
+        """
         del command
         return self._port_openings(self.units * (1 + spool) - 2 * np.arange(self.units) - 1)
 

@@ -148,7 +148,9 @@ def _group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
 def _half_way(
     record: Record, branches: dict[int, list[Run]], points: int
 ) -> tuple[Record, np.ndarray] | None:
-    """The half-way curve of one level, and its width; `None` if the branches don't overlap."""
+    """Mean of both branches of one level, at up to `points` strains or pressures, and force DOWN
+    less UP [N] there; `None` if they don't overlap.
+    """
     by_pressure = branches[UP][0].kind == "pressure"
     free, level = ("strain", "pressure") if by_pressure else ("pressure", "strain")
     indices = {side: np.concatenate([run.points for run in branches[side]]) for side in branches}

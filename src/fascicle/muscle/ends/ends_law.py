@@ -70,7 +70,9 @@ class AbstractEnds(AbstractLaw):
         return 0.0
 
     def strain_ratio(self, length: BatchLike) -> Batch:
-        """Ratio of the bladder's strain to the muscle's [-] without a force; `length` $L_0$ [m]."""
+        """Bladder strain over muscle strain [-] with unloaded ends: 1, or more where fittings hold
+        part of the `length` $L_0$ [m].
+        """
         del length
         return 1.0
 
@@ -81,8 +83,8 @@ class AbstractEnds(AbstractLaw):
         return tension.bladder_pull(pressure, strain)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
-        """Co-energy [J] besides $P V(0)$ of a muscle at rest length and `pressure` [Pa]: zero where
-        the bladder is at rest, too.
+        """Co-energy [J] at muscle strain 0 and `pressure` [Pa] beyond $P V(0)$: zero for rigid
+        ends, else that of a bladder which contracts as its ends yield.
         """
         del tension
         return 0.0 * pressure

@@ -150,7 +150,7 @@ class Sarosi(AbstractSarosi):
 
 
 class Sarosi10(AbstractSarosi):
-    """(S) with the constants published for a Festo DMSP-10 as defaults."""
+    """(S) with constants published in 2012 for a 10 mm Festo DMSP-10, as defaults."""
 
     name: ClassVar[str] = "sarosi_10"
     title: ClassVar[str] = "Sárosi, DMSP-10"
