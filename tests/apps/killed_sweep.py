@@ -110,7 +110,7 @@ def fault(task, left, whole):
         elif way == "resumed":
             continue
         code, said = run(*options, *(["--resume"] if way == "resumed" else []))
-        if "--resume goes on" in said:
+        if "continue with --resume" in said:
             code, said = run(*options, "--resume")
         if code:
             faults.append(f"{way}: {said}")

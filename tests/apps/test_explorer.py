@@ -745,7 +745,7 @@ def test_a_page_follows_the_systems_preference_unless_its_address_has_a_theme(br
 
 def test_the_example_record_and_an_error_of_its_rest_length(visit):
     page = visit("?tab=data")
-    page.get_by_text("What fluidic muscles of given sizes pull").wait_for()
+    page.get_by_text("Forces of fluidic artificial muscles").first.wait_for()
     empty_state = page.get_by_text("Your own muscle, as it was measured")
     empty_state.wait_for()
     page.get_by_role("button", name="Try an example record").click()

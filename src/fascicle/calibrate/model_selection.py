@@ -135,7 +135,7 @@ def select_model(
     full_trials, searches = _full_trials(compared, muscle, priors, options, names, steps)
     final = select(full_trials, noise, loss)
     free = final.candidate.names
-    options = replace(searches[full_trials.index(final)], thorough=True)
+    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
     steps.begin("fitting all readings")
     fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
     reasons = (

@@ -53,5 +53,5 @@ def test_hypervolume_against_counting(objectives):
 def test_maximized_objectives_change_sign():
     values = {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 4.0]), "c": np.zeros(2)}
     assert as_minimization(values, {"b": "max", "a": "min"}).tolist() == [[-3.0, 1.0], [-4.0, 2.0]]
-    with pytest.raises(ValueError, match="`a` must be 'min' or 'max'"):
+    with pytest.raises(ValueError, match="`a` 'less' is unknown"):
         as_minimization(values, {"a": "less"})

@@ -229,7 +229,7 @@ def test_missing_packages_are_reported_with_a_command():
     with pytest.raises(
         ModuleNotFoundError, match=r"Mu is missing: `pip install 'fascicle\[robots]'`"
     ):
-        optional_imports._import("mujoco_that_is_not", "Mu")
+        optional_imports._import_or_explain("mujoco_that_is_not", "Mu")
 
 
 @pytest.mark.parametrize("stretch", [-0.5, 0.2, np.nan])
