@@ -295,7 +295,7 @@ class Trial:
 
     @property
     def valid(self) -> bool:
-        """It can be selected: the muscle is possible, and its left-out error is finite."""
+        """True if it can be selected: a possible muscle with a finite left-out error."""
         return bool(np.isfinite(self.candidate.left_out_rmse)) and not self.violation
 
 
@@ -337,7 +337,7 @@ def estimates(
 
 
 def _default_deviations(problem: Problem) -> np.ndarray:
-    """Deviations of the priors, of gauges' errors without what readings without pressure tell."""
+    """Deviations of the priors; of gauge errors the defaults, before readings without pressure."""
     grid, length = problem.grid, float(problem.muscle.length)
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     pairs = zip(problem.parameters, problem.deviation, strict=True)
@@ -367,7 +367,7 @@ def is_identifiable(parameter: Parameter, deviation: float, prior: float) -> boo
     `deviation`, `prior`: standard deviations of the coordinate and of its prior [-].
     """
     information = 1 / deviation**2 - 1 / prior**2
-    # an error of a gauge is known where the data tell three times more of it than is usual
+    # of a gauge: the data alone determine it to a third of its usual deviation
     limit = KNOWN * (prior if parameter.name in GAUGE_NAMES else parameter.deviation) / WEAK
     return bool(information > 1 / limit**2)
 

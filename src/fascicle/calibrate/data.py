@@ -16,7 +16,7 @@ from ..muscle import Muscle
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import pretty
-from .channels import ChannelFault, channel_faults, readings_at_end
+from .channels import ChannelFault, channel_faults
 from .gauges import PERFECT, Gauge, read_vented
 
 
@@ -183,15 +183,20 @@ class FitData:
 def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     """Select the readings to fit: those of sweeps, without the ramps between them.
 
-    `muscle`: predicts the push of readings without pressure, which then tell the gauges' zeros.
+    `muscle`: predicts its push without pressure; the difference gives the gauges' zeros.
     """
     # a clipped reading counts as zero, whatever number the file has for it
     force = np.where(record.censored, 0.0, record.force)
     record = replace(record, force=force)
     faults, measured = channel_faults(record), ~record.censored
-    at_ceiling = readings_at_end(force, True, measured)
-    at_floor = readings_at_end(force, False, measured)
-    record = replace(record, censored=record.censored | at_floor | at_ceiling)
+    ends = {
+        fault.kind: measured & (force == fault.value)
+        for fault in faults
+        if fault.kind in ("floor", "ceiling")
+    }
+    at_ceiling = ends.get("ceiling", np.zeros(len(record), dtype=bool))
+    censored = record.censored | ends.get("floor", False) | at_ceiling
+    record = replace(record, censored=censored)
     branch, ramp = record.branch.copy(), np.zeros(len(record), dtype=bool)
     has_branches = bool(np.any(branch != UNKNOWN))
     for run in runs(record):

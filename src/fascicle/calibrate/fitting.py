@@ -209,8 +209,7 @@ def set_up_problem(
 def fits_loop(data: FitData, names: Collection[str]) -> bool:
     """The hysteresis loop is fitted beside the constants `names`.
 
-    It is where they have errors of gauges, which are smaller than a loop: without their readings'
-    branches they would drown in it.
+    It is if they contain errors of gauges: these are smaller than a loop, which would hide them.
     """
     both = {UP, DOWN} <= set(np.unique(data.branch).tolist())
     return both and not set(names).isdisjoint(GAUGE_NAMES)
@@ -219,8 +218,8 @@ def fits_loop(data: FitData, names: Collection[str]) -> bool:
 def gauge_priors(data: FitData, length: float, pulls: bool) -> dict[str, Prior]:
     """Priors of the gauges' errors, by name; `length`: of the muscle [m].
 
-    `pulls`: forces without pressure aren't among the fitted readings, so that what they tell is
-    knowledge beside these; the pressures always are. Else they would count twice.
+    `pulls`: readings without pressure are not fitted, so their forces give priors. If they are
+    fitted, only their pressures do: otherwise their forces would count twice.
     """
     grid, names = data.grid, GAUGE_NAMES if pulls else ("pressure_zero",)
     vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
@@ -296,7 +295,7 @@ def _fields_of_fit(
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
-    # without what rides beside its fields: the gauge is the bench's
+    # a copy of the fields alone: an attached gauge belongs to the bench
     muscle, grid = with_fields(put(problem.parameters, problem.muscle, point)), problem.grid
     P, tuning = grid.pressure[:, 0], muscle.tuning
     if readings is None:

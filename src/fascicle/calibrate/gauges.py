@@ -1,4 +1,4 @@
-r"""Errors of a bench's gauges, and what readings without pressure tell of them.
+r"""Errors of a bench's gauges, and their estimates from readings without pressure.
 
 A load cell with a zero $F_0$, a scale $s$ and a drift $d$, a transducer with a zero $P_0$ and a
 ruler with a zero $x_0$ read of a muscle that pulls with $F(P, x)$, at the time $t$,
@@ -7,8 +7,8 @@ $$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_
 
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
-then is their zero. Such readings are looked at first, and correct the record before the fit where
-the zero is beyond their scatter and beyond half of the push that the muscle's law predicts.
+then is their zero. These readings come first: they correct the record before the fit if the zero
+exceeds their scatter and half of the push that the muscle's law predicts.
 
 **Assumes** that the lowest pressure of a record is a vented muscle if it is below 1 % of the
 highest. **Not resolved:** a scale of the force beside a free radius, and a zero of the pressure
@@ -121,13 +121,13 @@ def fault_text(gauge: Gauge) -> str:
 
 
 def gauge_of(muscle: Muscle) -> Gauge:
-    """Gauge that a fit stores beside the fields of a `muscle`; a perfect one by default."""
+    """Gauge that a fit attached to a `muscle`; a perfect one by default."""
     gauge: Gauge = vars(muscle).get(_KEY, PERFECT)
     return gauge
 
 
 def with_gauge(muscle: Muscle, gauge: Gauge) -> Muscle:
-    """A copy of the `muscle` with a `gauge` beside its fields: laws and files don't see it."""
+    """A copy of the `muscle` with a `gauge` attached, which laws and files ignore."""
     copy = with_fields(muscle)
     vars(copy)[_KEY] = gauge
     return copy
@@ -153,9 +153,9 @@ def default_deviations(
 
 @dataclass(frozen=True)
 class VentedReadings:
-    """What the readings without pressure tell of the gauges.
+    """Errors of the gauges from readings without pressure.
 
-    - `gauge`: zeros and drift that are beyond doubt; others are those of a perfect gauge.
+    - `gauge`: significant zeros and drift; all other errors are zero.
     - `deviations`: standard deviations of what the readings determine [SI unit of each].
     - `count`: number of the readings.
     """

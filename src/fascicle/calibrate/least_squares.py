@@ -57,7 +57,7 @@ _CERTAIN = 30.0  # deviations below the limit, where a censored reading says not
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
 _BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
 _MAX_STEPS = 200  # of the last search; some dozens are usual
-_MAX_ROUGH_STEPS = 60  # of a search to `ROUGH`: what is left creeps, far below a trial's error
+_MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
 FINE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
@@ -124,7 +124,7 @@ class Problem:
     branch: np.ndarray | None = None
 
     def gauge_at(self, muscle: Muscle) -> Gauge:
-        """Gauge with the free errors that ride beside a `muscle`; others are corrected for."""
+        """Gauge with the free errors attached to a `muscle`; others as the data are corrected."""
         free = [p.name for p in self.parameters if p.name in GAUGE_NAMES]
         values = {name: getattr(gauge_of(muscle), name) for name in free}
         return replace(self.gauge, **values) if values else self.gauge
@@ -273,8 +273,8 @@ class Problem:
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
     """Friction [N] in the readings of a `grid` beside a static `force` [N].
 
-    By `branch`, a constant, a share of the pressure and a share of the force that explain most of
-    what the static force leaves; readings of no `weight` have no say.
+    Least-squares fit to the residuals of a constant, a term in pressure and a term in force, with
+    the sign of the `branch`; readings without `weight` don't count.
     """
     xp = array_namespace(force)
     terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]

@@ -37,10 +37,10 @@ def hysteresis_message(calibration: Calibration) -> str:
             "No hysteresis loop above the noise: mean width"
             f" {float(np.mean(loop.width)):.2g} N at {count} pressure{'s' * (count > 1)}."
         )
-    pressures = f"at {count} pressures" if count > 1 else "there"
+    scope = f"at {count} pressures" if count > 1 else "there"
     message = (
         f"Hysteresis loop: its width is {range_text(100 * loop.share)} % of the pull at a"
-        f" pressure, {range_text(loop.width)} N {pressures}. The error of a muscle in use,"
+        f" pressure, {range_text(loop.width)} N {scope}. The error of a muscle in use,"
         f" {calibration.rmse:.4g} N, contains half of it; against the half-way curve the error is"
         f" {calibration.half_way_rmse:.4g} N."
     )

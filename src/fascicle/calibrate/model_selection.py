@@ -336,7 +336,7 @@ def _pulling_trials(
     if not measured:
         return [], 0.0
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
-    # zeros that readings without pressure tell are fitted with every candidate
+    # errors that readings without pressure show are fitted with every candidate
     required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
     trials: dict[frozenset[str], Trial] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search

@@ -193,7 +193,7 @@ _ABOUT = {
 
 
 def _of_gauge(name: str) -> Parameter:
-    """An error of a gauge: it rides beside the muscle, whose laws don't see it."""
+    """An error of a gauge, attached to the muscle; the muscle's laws ignore it."""
     unit, scale = GAUGE_UNITS[name], name == "force_gain"
 
     def coordinate(muscle: Muscle) -> Batch:
@@ -211,7 +211,7 @@ def _of_gauge(name: str) -> Parameter:
     )  # fmt: skip
 
 
-# last, as changes of the muscle's fields drop what rides beside them
+# last: a change of the muscle's fields drops an attached gauge
 GAUGES: tuple[Parameter, ...] = tuple(map(_of_gauge, GAUGE_NAMES))
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(

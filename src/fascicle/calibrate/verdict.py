@@ -20,7 +20,7 @@ from .parameters import FACTOR_NAMES
 
 # of the largest force: the errors of a good bench, and those that friction of the braid causes
 _WELL, _ROUGHLY = 0.02, 0.05
-_OVERFIT = 1.5  # of the error of the fit: readings left out are predicted worse than by chance
+_OVERFIT = 1.5  # of the error of the fit: a larger error at readings left out shows an overfit
 _ACTIONS = 2  # in a verdict: more are not done
 _TIED = 0.95  # correlation from which two parameters can't be interpreted one by one
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
@@ -151,13 +151,13 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             cause = f"{best.name} ({100 * best.share:.2g} % of squares)"
         names = list_text(list(dict.fromkeys(along)))
         last.append(f"Not noise: errors follow {names}. Likely cause: {cause}.")
-    undetermined = {
+    gaps = {
         "not determined": verdict.undetermined,
         "only a limit": verdict.limits,
         "not measured": ("forces past the free strain",)
         * (not np.isfinite(verdict.resisting_rmse)),
     }
-    pieces = [f"{title}: {', '.join(names)}" for title, names in undetermined.items() if names]
+    pieces = [f"{title}: {', '.join(names)}" for title, names in gaps.items() if names]
     if pieces:
         text = "; ".join(pieces)
         last.append(f"{text[0].upper()}{text[1:]}.")

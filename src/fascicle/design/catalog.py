@@ -94,7 +94,7 @@ class Catalog:
         return {name: reason for name, reason in reasons.items() if reason}
 
     def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """Whether all muscle prices are known [-]; whether all those and the valve's are [-]."""
+        """True if all muscle prices are known; true if these and the valve's price are."""
         muscles = not np.any(np.isnan([self._price_of_one(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 

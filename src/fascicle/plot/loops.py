@@ -1,4 +1,4 @@
-"""Figures beside a fit: hysteresis loops with their strokes told apart, and laws compared."""
+"""Figures of a fit: strokes of its hysteresis loops, and a comparison of laws."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ from .theme import (
 )
 
 
-_LAWS = 6  # with a color of their own: more can't be told apart
+_LAWS = 6  # with a color of their own: more would look alike
 _LABEL = 48  # characters of a law's name in a line of the legend
 _MARKS = 25  # of a stroke: more touch one another
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)))
@@ -33,8 +33,10 @@ _DOTS: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.8}
 
 
 class Stroke(NamedTuple):
-    """One way of a loop at a constant `level` [Pa] or [-]; `branch`: 1 contracting or inflating, −1
-    back; `x`: strains [-] or pressures [Pa], `force` [N].
+    """One stroke of a loop at a constant `level` [Pa] or [-].
+
+    - `branch`: 1 contracting or inflating, −1 back.
+    - `x`, `force`: strains [-] or pressures [Pa], and forces [N].
     """
 
     level: float

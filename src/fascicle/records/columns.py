@@ -92,7 +92,7 @@ def _infer(
     constants: set[str],
     roles: Sequence[str],
 ) -> None:
-    """Add the columns of `roles` that the header tells to the `chosen` ones."""
+    """Add the columns of `roles` found in the header to the `chosen` ones."""
     used = {column.index for column in chosen.values()}
     for role in roles:
         supplied = constants | set(chosen)
