@@ -11,6 +11,8 @@ from .attach import Attached as Attached
 from .attach import attach as attach
 from .drive import Drive as Drive
 from .drive import Fluid as Fluid
+from .tables import TableStatus as TableStatus
+from .tables import TableWarning as TableWarning
 
 
 _PROCESS = os.getpid()  # of the first import: a forked process has another one

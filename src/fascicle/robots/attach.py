@@ -4,6 +4,7 @@
 """
 
 import difflib
+from collections.abc import Iterable
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -11,45 +12,100 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
-from ..core.validation import check_finite
+from ..core.validation import check_finite, check_positive
 from ..dynamics.loads import AbstractLoad
 from ..muscle import Muscle
 from .optional_imports import mujoco
 
 
+_PULL = -1.0  # gain of a pull: a positive force in MuJoCo would lengthen the tendon
+
+
 class Attached(NamedTuple):
-    """A `bundle` on a tendon: names of the `actuator` and the `tendon`, and the tendon's
-    `rest_length` with the bundle at rest [m].
+    """A `bundle` on a tendon: names of the `actuator` and the `tendon`, the tendon's `rest_length`
+    with the bundle at rest [m], the `compliance` of its cords and brackets [m/N], and whether a
+    cord goes `slack` instead of letting the bundle push.
     """
 
     actuator: str
     tendon: str
     bundle: Bundle
     rest_length: float
+    compliance: float = 0.0
+    slack: bool = False
+
+    def with_prefix(self, prefix: str, suffix: str = "") -> "Attached":
+        """Copy for the sub-model that MuJoCo's `attach_body` put under a `prefix` and `suffix`."""
+        actuator, tendon = (f"{prefix}{name}{suffix}" for name in (self.actuator, self.tendon))
+        return self._replace(actuator=actuator, tendon=tendon)
+
+    def actuator_in(self, model: Any) -> tuple[int, str]:
+        """Return the index of the actuator in a compiled MuJoCo `model`, and its tendon's name.
+
+        An actuator of a sub-model under a prefix or a suffix is found if it is the only one.
+
+        **Raises:** `InvalidInputError` if the model has no such actuator, or several.
+        """
+        names = [model.actuator(i).name for i in range(model.nu)]
+        matches = [name for name in names if name == self.actuator] or [
+            name for name in names if name.endswith(self.actuator)
+        ] or [name for name in names if self.actuator in name]  # fmt: skip
+        if len(matches) == 1:
+            index = names.index(matches[0])
+            return index, model.tendon(int(model.actuator_trnid[index, 0])).name
+        if matches:
+            prefix = matches[0].partition(self.actuator)[0]
+            rule = f"names the actuator {self.actuator!r}, which could be {' or '.join(matches)}"
+            remedy = f"pass `attached.with_prefix({prefix!r})` for each one that you mean"
+        else:
+            rule = f"names the actuator {self.actuator!r}, which isn't in the model"
+            similar = difflib.get_close_matches(self.actuator, names, n=1, cutoff=0.4)
+            remedy = f"it has {', '.join(names) or 'none'}; compile the MjSpec after `attach`"
+            if similar:
+                remedy = f"write `attached._replace(actuator={similar[0]!r})`"
+        raise InvalidInputError("attached", rule, self.actuator, remedy, shown="")
 
 
 def attach(
-    spec: Any, tendon: str, bundle: Bundle | Muscle, rest_length: Values, name: str | None = None
+    spec: Any,
+    tendon: str,
+    bundle: Bundle | Muscle,
+    rest_length: Values,
+    name: str | None = None,
+    stiffness: Values | Iterable[Values] = None,
+    slack: bool = False,
 ) -> Attached:
     """Put a bundle in line with a tendon.
 
-    The rest of the tendon is a cord that doesn't stretch: a tendon shorter than its `rest_length`
-    contracts the bundle by the difference. A bundle past its free strain pushes.
+    The rest of the tendon is a cord: a tendon shorter than its `rest_length` contracts the bundle
+    by the difference, less the stretch of the cord. A bundle past its free strain pushes, unless
+    the cord can go slack.
 
     **Arguments:**
 
-    - `spec`: MuJoCo's `MjSpec`, to which an actuator is added.
+    - `spec`: MuJoCo's `MjSpec`, to which an actuator is added: before it is compiled, or compiled
+      once more, and before or after MuJoCo attaches it to another one. Or a compiled `MjModel`
+      that has one actuator on the tendon, which the bundle replaces.
     - `tendon`: name of a fixed or a spatial tendon.
     - `bundle`: the bundle, or one muscle.
     - `rest_length`: of the tendon with the bundle at rest [m]; in a fixed tendon's own coordinate,
       which may be below zero.
     - `name`: of the actuator; left out, the tendon's with `_bundle`.
+    - `stiffness`: of cord and brackets in series [N/m], one or several; left out, they are rigid.
+    - `slack`: true for a cord, which pulls and doesn't push; false for a rod.
 
     **Returns:** an `Attached`, for `Drive.of` with the compiled model.
 
-    **Raises:** `InvalidInputError` for a tendon that doesn't exist.
+    **Raises:** `InvalidInputError` for a tendon that doesn't exist, and a model without an actuator
+    to replace.
     """
-    names = [entry.name for entry in spec.tendons]
+    # MjSpec is younger than MjModel, which MuJoCo 2.3 has, too
+    compiled = isinstance(spec, mujoco.MjModel)
+    names = (
+        [spec.tendon(i).name for i in range(spec.ntendon)]
+        if compiled
+        else [entry.name for entry in spec.tendons]
+    )
     if tendon not in names:
         suggestions = difflib.get_close_matches(str(tendon), names, n=1, cutoff=0.4)
         remedy = f"it has {', '.join(names) or 'none'}"
@@ -64,12 +120,57 @@ def attach(
             "bundle", "must be a Bundle or a Muscle", bundle, shown=type(bundle).__name__
         )
     length = float(check_finite(rest_length, "rest_length", "m"))
-    name = f"{tendon}_bundle" if name is None else name
+    compliance = _series_compliance(stiffness)
+    if compiled:
+        name = _replace_actuator(spec, tendon)
+    else:
+        name = f"{tendon}_bundle" if name is None else name
+        _add_actuator(spec, tendon, name)
+    return Attached(name, tendon, bundle, length, compliance, bool(slack))
+
+
+def _series_compliance(stiffness: Any) -> float:
+    """Compliance [m/N] of springs in series, of one or several `stiffness` [N/m]."""
+    if stiffness is None:
+        return 0.0
+    single = isinstance(stiffness, str) or not isinstance(stiffness, Iterable)
+    values = [stiffness] if single else list(stiffness)
+    return sum(1 / float(check_positive(value, "stiffness", "N/m")) for value in values)
+
+
+def _add_actuator(spec: Any, tendon: str, name: str) -> None:
+    """Add an actuator on a `tendon` to `spec`, whose control is a pull [N]."""
     actuator = spec.add_actuator(name=name, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON)
-    gain = np.zeros_like(actuator.gainprm)
-    gain[0] = -1.0  # a positive force in MuJoCo would lengthen the tendon
-    actuator.gainprm = gain
-    return Attached(name, tendon, bundle, length)
+    # what the model's defaults set for its own actuators would change or limit the force
+    actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    actuator.biastype = mujoco.mjtBias.mjBIAS_NONE
+    actuator.dyntype = mujoco.mjtDyn.mjDYN_NONE
+    actuator.ctrllimited = actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    actuator.gainprm = np.eye(1, len(actuator.gainprm))[0] * _PULL
+    actuator.gear = np.eye(1, len(actuator.gear))[0]
+
+
+def _replace_actuator(model: Any, tendon: str) -> str:
+    """Make the actuator on a `tendon` of a compiled `model` one of pulls [N]; return its name."""
+    on_tendon = (model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON) & (
+        model.actuator_trnid[:, 0] == model.tendon(tendon).id
+    )
+    found = np.flatnonzero(on_tendon & (model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE))
+    if len(found) != 1 or not model.actuator(int(found[0])).name:
+        raise InvalidInputError(
+            "spec",
+            "must be an MjSpec, or an MjModel with one named `motor` on the tendon",
+            len(found),
+            f'add <motor name="{tendon}_bundle" tendon="{tendon}"/> to the XML',
+            shown=f"{len(found)} of them",
+        )
+    index = int(found[0])
+    model.actuator_gaintype[index] = mujoco.mjtGain.mjGAIN_FIXED
+    model.actuator_biastype[index] = mujoco.mjtBias.mjBIAS_NONE
+    model.actuator_gainprm[index] = np.eye(1, model.actuator_gainprm.shape[1])[0] * _PULL
+    model.actuator_gear[index] = np.eye(1, 6)[0]
+    model.actuator_ctrllimited[index] = model.actuator_forcelimited[index] = 0
+    return model.actuator(index).name
 
 
 class Tendons(AbstractLoad):

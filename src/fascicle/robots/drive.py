@@ -10,13 +10,13 @@ Fluid flows between steps: at the pressures $P$ of this step a chamber's mass be
 $$m \leftarrow m + \Delta t\, \dot m(P),$$
 
 and the next step's pressures are the roots of (F12) at its lengths, so that a closed chamber is a
-spring, which keeps its energy.
+spring, which keeps its energy. Cords and brackets that stretch, and cords that go slack, are solved
+with them, (R1).
 
 **Sign:** pull is positive. **Source:** derived here; on the order of a step: MuJoCo's
 documentation, "Simulation", on `mj_step1` and `mj_step2`.
 """
 
-import difflib
 import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -24,11 +24,17 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ..core.array_namespace import array_namespace
+from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, static
+from ..core.module import Module, static, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval, is_concrete
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    check_finite,
+    check_interval,
+    is_concrete,
+    match_array_type,
+)
 from ..dynamics import Plant, State
 from ..dynamics.chamber_pressure import solve_pressures
 from ..dynamics.motion import evaluate_flows
@@ -44,16 +50,17 @@ from ..fluid import (
 from ..fluid.chamber import AbstractMassChamber
 from ..fluid.spools import validate_commands
 from .attach import Attached, Tendons
+from .compliance import NEWTON_STEPS, Series, bundle_strains
 from .optional_imports import mjx, mujoco
-
-
-_NEWTON = 3  # steps, from the last pressures: a tendon moves farther in a step than by its rate
+from .runge_kutta import runge_kutta_step
+from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
 class Fluid(NamedTuple):
     """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
     `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and
-    pressures were in the muscles' tables.
+    pressures were in the muscles' tables up to now. At the last step: `contractions` of the bundles
+    [m], and the `status` of each unit, a `TableStatus`. `drawn`: mass from the supply so far [kg].
     """
 
     chambers: Numbers
@@ -61,6 +68,9 @@ class Fluid(NamedTuple):
     spool: Numbers
     supply: Numbers
     inside: Any
+    contractions: Numbers
+    status: Any
+    drawn: Any
 
     @property
     def known(self) -> Any:
@@ -73,13 +83,13 @@ class Drive(Module):
     """Bundles on tendons of one compiled model, made by `Drive.of`.
 
     `plant`: their muscles, chambers, valves and supply. `rest_lengths`: of their tendons [m].
-    `members`: a row for each bundle, with ones at its units. `actuators`: their indices in the
-    model. `tendons`: their names. `valved`: true with valves and chambers.
+    `series`: their cords and brackets. `actuators`: their indices in the model. `tendons`: their
+    names. `valved`: true with valves and chambers.
     """
 
     plant: Plant
     rest_lengths: Numbers
-    members: Numbers
+    series: Series
     actuators: tuple[int, ...] = static()
     tendons: tuple[str, ...] = static()
     valved: bool = static()
@@ -110,7 +120,7 @@ class Drive(Module):
         - `shape`: nodes of the muscles' tables in pressure and strain.
 
         **Raises:** `InvalidInputError` for components that don't fit, a chamber whose gas warms,
-        and a tendon that begins outside of its muscles' tables.
+        and a tendon that begins outside of its muscles' tables, where `size` helps.
         """
         arguments = [value is not None for value in (supply, chamber, valve)]
         if any(arguments) and not all(arguments):
@@ -140,17 +150,24 @@ class Drive(Module):
         bundles = [entry.bundle for entry in attached]
         load = Tendons(bundles=len(bundles))
         plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
+        plant = with_fields(plant, muscles=SoftEnds.from_muscles(plant.muscles))
+        indices, names = zip(*(entry.actuator_in(model) for entry in attached), strict=True)
+        compliance = np.array([entry.compliance for entry in attached])
+        members = np.array([np.array(plant.sides) == i for i in range(len(bundles))], float)
+        slack = tuple(entry.slack for entry in attached)
         drive = cls(
             plant,
             np.array([entry.rest_length for entry in attached]),
-            np.array([np.array(plant.sides) == side for side in range(len(bundles))], float),
-            tuple(_actuator_index(model, entry) for entry in attached),
-            tuple(entry.tendon for entry in attached),
+            Series(compliance, members, slack, not (any(slack) or compliance.any())),
+            tuple(indices),
+            tuple(names),
             all(arguments),
         )
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        drive._check(data.actuator_length[list(drive.actuators)])
+        fluid = drive.start(model, mujoco.MjData(model))
+        if not fluid.inside:
+            remedy = "take another `rest_length`: `fascicle.robots.size` chooses one"
+            rule = f"begin outside of a table: the {drive._describe(fluid.status)}"
+            raise InvalidInputError("attached", rule, None, remedy)
         return drive
 
     @property
@@ -159,39 +176,69 @@ class Drive(Module):
         return self.plant.units
 
     def strains(self, lengths: Numbers) -> Numbers:
-        """Strain of each unit's muscles [-] at `lengths` of the bundles' tendons [m]."""
-        contraction = self.rest_lengths - lengths
-        plant, sides = self.plant, np.array(self.plant.sides)
-        return 1 - (plant.distances - contraction[..., sides]) / plant.lengths
+        """Strain of each unit's muscles [-] at `lengths` of the bundles' tendons [m], where cords
+        neither stretch nor go slack.
+        """
+        return bundle_strains(self.plant, self.rest_lengths - lengths)
 
     def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
-        """Pull of each bundle [N].
+        """Pull of each bundle [N]; a `TableWarning` says where a muscle has left its table.
 
         **Arguments:**
 
         - `pressures`: of all units [Pa].
         - `lengths`: of the bundles' tendons [m].
 
-        **Raises:** `InvalidInputError` for concrete numbers outside of the muscles' tables.
+        **Raises:** `InvalidInputError` for pressures outside of the tables, and NaN.
         """
-        self._check_domain(pressures, lengths)
-        return self._pull(pressures, lengths)
-
-    def _pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
-        """As `pull`, without checks."""
-        force = self.plant.muscles.at(pressures, self.strains(lengths)).force
-        return array_namespace(force).sum(self.members * (self.plant.counts * force), axis=-1)
+        return self._pull(*self._enter(pressures, lengths))
 
     def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
-        """Stored energy [J] of all bundles at constant pressures: the negative of their co-energy.
+        """Stored energy [J] of all bundles at constant pressures: the negative of their co-energy,
+        and the energy of stretched cords.
 
         **Arguments:** those of `pull`.
 
         **Raises:** as `pull`.
         """
-        self._check_domain(pressures, lengths)
-        coenergy = self.plant.muscles.at(pressures, self.strains(lengths)).coenergy
-        return -array_namespace(coenergy).sum(self.plant.counts * coenergy, axis=-1)
+        P, x = self._enter(pressures, lengths)
+        coenergy = self.plant.muscles.at(P, bundle_strains(self.plant, x)).coenergy
+        cords = self.series.compliance * self._pull(P, x) ** 2 / 2
+        add = array_namespace(coenergy).sum
+        return add(cords, axis=-1) - add(self.plant.counts * coenergy, axis=-1)
+
+    def _enter(self, pressures: Values, lengths: Values) -> tuple[Numbers, Numbers]:
+        """Checked `pressures` [Pa], and contractions of the bundles [m] at `lengths` of tendons."""
+        plant, why, closed = self.plant, "of the table", (True, True)
+        top = float(np.min(plant.muscles.highest_pressure))
+        low = float(np.min(plant.chamber.lowest_pressure))
+        checked = check_interval(pressures, low, top, "pressures", "Pa", why, closed)
+        P = match_array_type(pressures, checked)
+        lengths = match_array_type(lengths, check_finite(lengths, "lengths", "m"))
+        contraction = self.rest_lengths - lengths
+        x = self.series.contractions(plant, contraction, P)
+        if is_concrete(P, x):
+            self._warn(table_status(plant.muscles, P, bundle_strains(plant, x)), 4)
+        return P, x
+
+    def _pull(self, pressures: Numbers, contractions: Numbers) -> Numbers:
+        """Pull of each bundle [N] at `pressures` [Pa] and `contractions` of the bundles [m]."""
+        force = self.plant.muscles.at(pressures, bundle_strains(self.plant, contractions)).force
+        pull = self.series.sum_units(self.plant.counts * force)
+        # a slack muscle pulls with the rounding of its free length
+        return where(np.array(self.series.slack), maximum(pull, 0.0), pull)
+
+    def _warn(self, status: Any, level: int) -> None:
+        """Warn of units that have left their tables, at the caller's line, `level` frames up."""
+        if np.any(status):
+            # the words are the same each time, so that Python shows them once for a line of code
+            text = f"The {self._describe(status)}. This is shown once."
+            warnings.warn(text, TableWarning, stacklevel=level)
+
+    def _describe(self, status: Any) -> str:
+        """Words for the first unit of a `status` that has left its table."""
+        names = [self.tendons[side] for side in self.plant.sides]
+        return status_message(self.plant.muscles, status, names)
 
     def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
         """Initial fluid [SI].
@@ -208,12 +255,16 @@ class Drive(Module):
         closed = (True, True)
         P = check_interval(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
         P = np.broadcast_to(P, (self.units,)) + 0.0
-        eps = self.strains(data.actuator_length[list(self.actuators)])
+        contraction = self.rest_lengths - data.actuator_length[list(self.actuators)]
+        x = self.series.contractions(self.plant, contraction, P)
+        eps = bundle_strains(self.plant, x)
         V = self.plant.counts * self.plant.muscles.at(P, eps).volume
         spool = np.zeros(self.plant.spool.state_count(self.units))
         chambers = np.asarray(self.plant.chamber.start(P, V))
         supply = np.asarray(self.plant.supply.start(), float)
-        return Fluid(chambers, P, spool, supply, np.array(True))
+        status = table_status(self.plant.muscles, P, eps)
+        inside = np.array(not status.any())
+        return Fluid(chambers, P, spool, supply, inside, x, status, np.array(0.0))
 
     def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
         """Step MuJoCo's `data`; returns the fluid after the step [SI].
@@ -225,9 +276,18 @@ class Drive(Module):
         - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
         - `act`: `jax.jit(drive.act)`, for many steps; left out, NumPy's, without compilation.
 
-        **Raises:** `InvalidInputError` if a tendon leaves its muscles' tables; data are then at the
-        beginning of the step, with MuJoCo's RK4 at its end.
+        A `TableWarning` says that a muscle has left its table; `status` of the fluid says which.
+
+        **Raises:** `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
+        after = self.advance(model, data, fluid, command, act)
+        self._warn(after.status, 3)
+        return after
+
+    def advance(
+        self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None
+    ) -> Fluid:
+        """Step as `step` does, without warnings: arguments and result [SI] are the same."""
         count, indices = self.plant.commands if self.valved else self.units, list(self.actuators)
         if self.valved:
             values = np.asarray(validate_commands(command), float)
@@ -238,12 +298,14 @@ class Drive(Module):
         if values.shape not in {(), (count,)}:
             raise InvalidInputError("command", f"must be one for each of the {count}", values.size)
         command = np.broadcast_to(values, (count,))
+        if act is None:
+            act, fluid = self.act, to_numpy(fluid)  # which may come from compiled steps
         if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            return self._runge_kutta_step(model, data, fluid, command)
+            return self._runge_kutta_step(model, data, fluid, command, act)
         mujoco.mj_step1(model, data)
         lengths = data.actuator_length[indices]
-        after, pull = (act or self.act)(fluid, lengths, command, model.opt.timestep)
-        self._check(lengths, after)
+        _check_lengths(lengths)
+        after, pull = act(fluid, lengths, command, model.opt.timestep)
         data.ctrl[indices] = pull
         mujoco.mj_step2(model, data)
         return after
@@ -262,27 +324,30 @@ class Drive(Module):
 
         **Returns:** the fluid after the step [SI], and each bundle's pull in the step [N].
         """
-        plant, eps = self.plant, self.strains(lengths)
-        xp = array_namespace(eps, fluid.chambers)
-        low, high = plant.muscles.strains
+        plant, solve, P = self.plant, self.series.contractions, fluid.pressures
+        contraction, start, after = self.rest_lengths - lengths, fluid.contractions, fluid
+        xp = array_namespace(contraction, P)
         if not self.valved:
-            P = command + 0.0 * eps
-            inside = xp.all((eps >= low) & (eps <= high)) & fluid.inside
-            return fluid._replace(pressures=P, inside=inside), self._pull(P, lengths)
-        P = solve_pressures(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
-        state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
-        flows = evaluate_flows(plant, state, P, command)
-        rate = plant.chamber.rates(fluid.chambers, P, flows.mass, flows.enthalpy, 0.0)
-        drawn, enthalpy = (xp.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy))
-        inside = (eps >= low) & (eps <= high) & (plant.muscles.highest_pressure >= P)
-        after = Fluid(
-            fluid.chambers + dt * rate,
-            P,
-            fluid.spool + dt * plant.spool.rate(command, fluid.spool),
-            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -enthalpy),
-            xp.all(inside) & fluid.inside,
-        )
-        return after, self._pull(P, lengths)
+            P = command + 0.0 * P
+            x = solve(plant, contraction, P, None, start)
+        else:
+            closed = fluid.chambers
+            x = solve(plant, contraction, P, closed, start)
+            P = solve_pressures(plant, closed, bundle_strains(plant, x), P, NEWTON_STEPS)
+            state = State(0.0, 0.0, fluid.spool, closed, P, fluid.supply)
+            flows = evaluate_flows(plant, state, P, command)
+            rate = plant.chamber.rates(closed, P, flows.mass, flows.enthalpy, 0.0)
+            drawn, enthalpy = (xp.sum(y, axis=-1) for y in (flows.drawn, flows.drawn_enthalpy))
+            after = fluid._replace(
+                chambers=closed + dt * rate,
+                spool=fluid.spool + dt * plant.spool.rate(command, fluid.spool),
+                supply=fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -enthalpy),
+                drawn=fluid.drawn + dt * drawn,
+            )
+        status = table_status(plant.muscles, P, bundle_strains(plant, x))
+        inside = xp.all(status == 0, axis=-1) & fluid.inside
+        after = after._replace(pressures=P, inside=inside, contractions=x, status=status)
+        return after, self._pull(P, x)
 
     def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
         """One step of MJX, under `jit`, `vmap` and forward derivatives; nothing is checked, and
@@ -305,82 +370,24 @@ class Drive(Module):
         # with 64 bits some whole numbers come back wider than before, which no loop accepts
         return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
 
-    def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
-        """Raise for numbers outside of the muscles' tables, which end there."""
-        if not is_concrete(pressures, lengths):
-            return
-        self._check(lengths)
-        top = float(np.min(self.plant.muscles.highest_pressure))
-        low = float(np.min(self.plant.chamber.lowest_pressure))
-        check_interval(pressures, low, top, "pressures", "Pa", "of the table", (True, True))
-
-    def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
-        """Refuse tendons' `lengths` [m] and a `fluid` outside of the muscles' tables."""
-        low, high = (np.asarray(end) for end in self.plant.muscles.strains)
-        strains = np.asarray(self.strains(np.asarray(lengths)))
-        outside = np.argwhere(~((strains >= low) & (strains <= high)))
-        if outside.size:
-            i, eps = int(outside[0][-1]), float(strains[tuple(outside[0])])
-            tendon = self.tendons[self.plant.sides[i]]
-            raise InvalidInputError(
-                "tendon",
-                f"{tendon!r} leaves the table's strains, {low[i]:.3f} to {high[i]:.3f}",
-                eps,
-                "limit its range in the model, or take another `rest_length`",
-                shown=f"a strain of {eps:.3f}",
-            )
-        if fluid is not None and not bool(fluid.inside):
-            top = float(np.min(self.plant.muscles.highest_pressure))
-            raise InvalidInputError(
-                "pressure",
-                f"must stay below the table's {top:g} Pa",
-                float(np.max(fluid.pressures)),
-                "a closed chamber is stretched too far",
-                shown=f"{float(np.max(fluid.pressures)):g} Pa",
-            )  # fmt: skip
-
-    def _runge_kutta_step(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> Fluid:
+    def _runge_kutta_step(
+        self, model: Any, data: Any, fluid: Fluid, command: Numbers, act: Any
+    ) -> Fluid:
         """A Runge-Kutta step, with pulls evaluated at each of its stages."""
-        indices = {actuator: side for side, actuator in enumerate(self.actuators)}
-        first = min(indices)  # MuJoCo calls in this order
-        kind = model.actuator_gaintype.copy()
-        before = mujoco.get_mjcb_act_gain()
-        initial: list[Any] = []
-        pulls: list[Any] = []
+        stages: list[Fluid] = []
 
-        def gain(mj_model: Any, mj_data: Any, actuator: int) -> float:
-            """Negative pull of an actuator's bundle [N]; the first call evaluates all of them."""
-            side = indices.get(actuator)
-            if side is None:
-                return 0.0 if before is None else before(mj_model, mj_data, actuator)
-            if actuator == first:
-                lengths = mj_data.actuator_length[list(self.actuators)].copy()
-                after, pulls[:] = self.act(fluid, lengths, command, model.opt.timestep)
-                initial.append((lengths, after))
-            return -float(pulls[side])
+        def pull(lengths: Numbers) -> Numbers:
+            _check_lengths(lengths)
+            after, pull = act(fluid, lengths, command, model.opt.timestep)
+            stages.append(after)
+            return pull
 
-        model.actuator_gaintype[list(self.actuators)] = mujoco.mjtGain.mjGAIN_USER
-        data.ctrl[list(self.actuators)] = 1.0
-        mujoco.set_mjcb_act_gain(gain)
-        try:
-            mujoco.mj_step(model, data)
-        finally:
-            mujoco.set_mjcb_act_gain(before)
-            model.actuator_gaintype[:] = kind
-        self._check(*initial[0])  # the first stage is the step's beginning
-        return initial[0][1]
+        runge_kutta_step(model, data, self.actuators, pull)
+        return stages[0]  # the first stage is the step's beginning
 
 
-def _actuator_index(model: Any, attached: Attached) -> int:
-    """Index of a bundle's actuator in the compiled model."""
-    names = [model.actuator(i).name for i in range(model.nu)]
-    if attached.actuator in names:
-        return names.index(attached.actuator)
-    # a sub-model may have been put under a prefix, or a suffix
-    likely = [name for name in names if attached.actuator in name]
-    suggestions = likely or difflib.get_close_matches(attached.actuator, names, n=1, cutoff=0.4)
-    remedy = f"it has {', '.join(names) or 'none'}"
-    if suggestions:
-        remedy = f"write `attached._replace(actuator={suggestions[0]!r})`"
-    rule = f"names the actuator {attached.actuator!r}, which isn't in the model"
-    raise InvalidInputError("attached", rule, attached.actuator, remedy, shown="")
+def _check_lengths(lengths: Numbers) -> None:
+    """Refuse `lengths` of tendons [m] that aren't finite."""
+    if not np.all(np.isfinite(lengths)):
+        remedy = "the simulation has diverged: take a shorter timestep, or more damping"
+        raise InvalidInputError("data", "must have finite tendon lengths", None, remedy)

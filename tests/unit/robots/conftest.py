@@ -38,7 +38,9 @@ def bundle():
 def elbow(bundle):
     """Model, data and drive, with chambers and valves where they are given."""
 
-    def made(spatial=False, integrator="Euler", dt=1e-3, angle=0.6, **parts):
+    def made(
+        spatial=False, integrator="Euler", dt=1e-3, angle=0.6, cord=None, contraction=0.1, **parts
+    ):
         text = MODEL.format(
             dt=dt, integrator=integrator, tendons=SPATIAL if spatial else FIXED
         )  # fmt: skip
@@ -46,10 +48,10 @@ def elbow(bundle):
         bare = spec.compile()
         data = mujoco.MjData(bare)
         mujoco.mj_forward(bare, data)
-        # a tenth contracted where the pendulum hangs
-        rest = data.ten_length + 0.1 * float(bundle.length)
+        # contracted where the pendulum hangs, by a tenth
+        rest = data.ten_length + contraction * float(bundle.length)
         attached = [
-            attach(spec, name, bundle, length)
+            attach(spec, name, bundle, length, **(cord or {}))
             for name, length in zip(("flexor", "extensor"), rest, strict=True)
         ]
         model = spec.compile()

@@ -1,6 +1,9 @@
 """A bundle on a tendon keeps energy, is the same in MJX, and the two wrong ways pump."""
 
+import os
+import runpy
 import warnings
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -12,9 +15,17 @@ from fascicle import fluid
 
 
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
-from fascicle.robots import Drive, attach, optional_imports  # noqa: E402 needs what was just looked for
+from fascicle.robots import (  # noqa: E402 needs what was just looked for
+    Drive,
+    TableStatus,
+    TableWarning,
+    attach,
+    optional_imports,
+)
 
 
+_DATA = os.environ.get("FASCICLE_DATA") or Path(__file__).resolve().parents[4] / "shared" / "data"
+FIELD_CASES = Path(_DATA) / "field-cases"
 SUPPLY = 413.7e3
 HELD = np.array([2e5, 1.5e5])
 SECONDS = 5.0
@@ -177,9 +188,6 @@ def test_invalid_input_is_refused(elbow, bundle):
         attach(spec, "flexor", bundle, 0.1)
     model, data, drive = elbow()
     held = drive.start(model, data, HELD)
-    data.qpos[0] = 4.0
-    with pytest.raises(ValueError, match=r"'(flexor|extensor)' leaves the table's strains, -0\.1"):
-        drive.step(model, data, held, HELD)
     for command, words in (([1e5] * 3, "one for each of the 2"), (2e6, "of the table")):
         with pytest.raises(ValueError, match=words):
             drive.step(model, data, held, command)
@@ -232,21 +240,38 @@ def test_missing_packages_are_reported_with_a_command():
         optional_imports._import_or_explain("mujoco_that_is_not", "Mu")
 
 
-@pytest.mark.parametrize("stretch", [-0.5, 0.2, np.nan])
+@pytest.mark.parametrize("stretch", [-0.5, 0.2])
 @pytest.mark.parametrize("name", ["pull", "energy"])
-def test_outside_of_the_table_there_is_no_pull(elbow, bundle, name, stretch):
+def test_pull_outside_of_the_table_warns(elbow, bundle, name, stretch):
     """It held the table's edge there, in silence."""
     drive = elbow()[2]
     lengths = drive.rest_lengths + np.array([0.0, stretch * float(bundle.length)])
-    with pytest.raises(fs.InvalidInputError) as told:
-        getattr(drive, name)(HELD, lengths)
-    assert told.value.argument == "tendon" and "extensor" in str(told.value)
-    rows = np.stack([drive.rest_lengths, lengths])
-    with pytest.raises(fs.InvalidInputError, match="extensor"):
-        getattr(drive, name)(np.tile(HELD, (2, 1)), rows)
+    with pytest.warns(TableWarning, match="extensor"):
+        assert np.isfinite(getattr(drive, name)(HELD, lengths)).all()
+    with pytest.warns(TableWarning, match="extensor"):
+        getattr(drive, name)(np.tile(HELD, (2, 1)), np.stack([drive.rest_lengths, lengths]))
     with pytest.raises(fs.InvalidInputError, match="`pressures` must lie in"):
         getattr(drive, name)(np.array([9e5, 0.0]), drive.rest_lengths)
+    with pytest.raises(fs.InvalidInputError, match="`lengths` must lie in"):
+        getattr(drive, name)(HELD, lengths * np.nan)
     assert np.isfinite(getattr(drive, name)(HELD, drive.rest_lengths)).all()
+
+
+def test_a_step_outside_of_the_table_has_a_status_and_goes_on(elbow):
+    model, data, drive = elbow()
+    held = drive.start(model, data, HELD)
+    data.qpos[0] = 4.0
+    with pytest.warns(TableWarning, match="(flexor|extensor)"):
+        held = drive.step(model, data, held, HELD)
+    assert sorted(held.status) == [TableStatus.STRETCHED, TableStatus.SHORTENED]
+    assert not held.inside
+    data.qpos[:], data.qvel[:] = 0.3, 0.0
+    held = drive.step(model, data, held, HELD)
+    assert not held.status.any() and not held.inside  # which remembers
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # which starts anew instead
+    data.qpos[:] = np.nan
+    with pytest.raises(fs.InvalidInputError, match="must have finite tendon lengths"):
+        drive.step(model, data, held, HELD)
 
 
 ARM = """<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="0.02" mass="0.5"/>
@@ -254,17 +279,97 @@ ARM = """<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="0.02
 </mujoco>"""
 
 
-def test_a_prefixed_actuator_is_suggested(bundle):
+def sub_model(bundle, *prefixes):
+    """A world with copies of the arm under `prefixes`, and what `attach` returned for the arm."""
     arm = mujoco.MjSpec.from_string(ARM)
-    one = attach(arm, "flexor", bundle, 0.0127)
+    made = attach(arm, "flexor", bundle, 0.0127)
+    world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
+    world.copy_during_attach = True
+    for prefix in prefixes:
+        world.worldbody.add_frame().attach_body(arm.worldbody.first_body(), prefix, "_s")
+    return world.compile(), made
+
+
+def test_a_sub_model_under_a_prefix_is_found(bundle):
+    model, made = sub_model(bundle, "left_")
+    drive = Drive.of(model, [made])
+    assert drive.actuators == (0,) and drive.tendons == ("left_flexor_s",)
+    with pytest.raises(fs.InvalidInputError, match="it has left_flexor_bundle"):
+        Drive.of(model, [made._replace(actuator="zzz")])
+
+
+def test_two_sub_models_are_told_apart_by_their_prefix(bundle):
+    model, made = sub_model(bundle, "left_", "right_")
+    with pytest.raises(fs.InvalidInputError) as error:
+        Drive.of(model, [made])
+    assert "with_prefix('left_')" in error.value.remedy
+    drive = Drive.of(model, [made.with_prefix(side, "_s") for side in ("right_", "left_")])
+    assert drive.actuators == (1, 0) and drive.tendons == ("right_flexor_s", "left_flexor_s")
+
+
+def test_a_bundle_is_attached_after_mujoco_attached_the_sub_model(bundle):
+    arm = mujoco.MjSpec.from_string(ARM)
     world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
     world.worldbody.add_frame().attach_body(arm.worldbody.first_body(), "left_", "")
+    world.compile()  # a model without the bundle, which may be compiled again
+    made = attach(world, "left_flexor", bundle, 0.0127)
     model = world.compile()
-    with pytest.raises(fs.InvalidInputError) as told:
-        Drive.of(model, [one])
-    assert told.value.argument == "attached"
-    assert "actuator='left_flexor_bundle'" in told.value.remedy
-    drive = Drive.of(model, [one._replace(actuator="left_flexor_bundle", tendon="left_flexor")])
-    assert drive.actuators == (0,)
-    with pytest.raises(fs.InvalidInputError, match="it has left_flexor_bundle"):
-        Drive.of(model, [one._replace(actuator="zzz")])
+    drive = Drive.of(model, [made])
+    assert drive.tendons == ("left_flexor",)
+
+
+MOTOR = '<actuator><motor name="m" tendon="flexor" gear="7" ctrlrange="0 1"/></actuator></mujoco>'
+
+
+def test_a_compiled_model_gives_its_motor(bundle):
+    model = mujoco.MjModel.from_xml_string(ARM.replace("</mujoco>", MOTOR))
+    drive = Drive.of(model, [attach(model, "flexor", bundle, 0.0127)])
+    data = mujoco.MjData(model)
+    drive.step(model, data, drive.start(model, data), 2e5)
+    pull = drive.pull(np.array([2e5]), np.array([0.0]))
+    np.testing.assert_allclose(data.actuator_force, -pull)
+    bare = mujoco.MjModel.from_xml_string(ARM)
+    with pytest.raises(fs.InvalidInputError, match="add <motor"):
+        attach(bare, "flexor", bundle, 0.0127)
+
+
+def test_defaults_of_the_model_do_not_change_the_force(bundle):
+    general = '<general gear="3" ctrlrange="0 1" forcerange="-1 1" dyntype="filter" dynprm="0.1"/>'
+    text = ARM.replace("<worldbody>", f"<default>{general}</default><worldbody>")
+    spec = mujoco.MjSpec.from_string(text)
+    made = attach(spec, "flexor", bundle, 0.0127)
+    model = spec.compile()
+    data, drive = mujoco.MjData(model), Drive.of(model, [made])
+    drive.step(model, data, drive.start(model, data), 2e5)
+    pull = drive.pull(np.array([2e5]), np.array([0.0]))
+    np.testing.assert_allclose(data.actuator_force, -pull)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_several_models_step_in_turn(elbow, integrator):
+    """Each is stepped as if it were alone: nothing of one is in the other, or stays in MuJoCo."""
+    alone = []
+    for angle in (0.6, 0.2):
+        model, data, drive = elbow(integrator=integrator, angle=angle)
+        held = drive.start(model, data, HELD)
+        for _ in range(20):
+            held = drive.step(model, data, held, HELD)
+        alone.append(float(data.qpos[0]))
+    both = [elbow(integrator=integrator, angle=angle) for angle in (0.6, 0.2)]
+    fluids = [drive.start(model, data, HELD) for model, data, drive in both]
+    for _ in range(20):
+        fluids = [
+            drive.step(model, data, fluid, HELD)
+            for (model, data, drive), fluid in zip(both, fluids, strict=True)
+        ]
+    assert [float(data.qpos[0]) for _, data, _ in both] == alone
+    assert mujoco.get_mjcb_act_gain() is None
+
+
+@pytest.mark.parametrize("case", ["16_attach_prefix.py", "18_knee_route.py"])
+def test_scripts_of_the_field_run(case):
+    if not (path := FIELD_CASES / case).exists():
+        pytest.skip(f"{path} is not in this checkout")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TableWarning)
+        runpy.run_path(str(path))

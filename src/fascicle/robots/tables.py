@@ -1,0 +1,104 @@
+"""Muscles past the ends of their tables, and the status that says so.
+
+Below the strain at which its table begins, near that of straight fibers, a muscle goes on as a
+spring whose stiffness is the table's largest there. The law stiffens further: the force is too low.
+"""
+
+import enum
+from typing import Any
+
+import numpy as np
+
+from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.types import Numbers
+from ..dynamics.muscles import AbstractMuscles
+from ..muscle.surface import Surface
+
+
+class TableWarning(UserWarning):
+    """A muscle has left its table: its force there is extrapolated."""
+
+
+class TableStatus(enum.IntEnum):
+    """Place of a muscle in its table, with a `message`."""
+
+    INSIDE = 0
+    STRETCHED = 1
+    SHORTENED = 2
+    PRESSURE = 3
+
+    @property
+    def message(self) -> str:
+        """Meaning of the status, in words."""
+        return _MESSAGES[self]
+
+
+_MESSAGES = {
+    TableStatus.INSIDE: "lies in its table",
+    TableStatus.STRETCHED: "is stretched past its table: the force of a spring, too low",
+    TableStatus.SHORTENED: "is shortened past its table: the force is held",
+    TableStatus.PRESSURE: "has a pressure above its table: the force goes on linearly",
+}
+
+
+class SoftEnds(AbstractMuscles):
+    """`muscles` that go on as springs of an `edge_stiffness` [N] below their lowest strain."""
+
+    muscles: AbstractMuscles
+    edge_stiffness: Numbers
+
+    @classmethod
+    def from_muscles(cls, muscles: AbstractMuscles) -> "SoftEnds":
+        """Springs as stiff as the `muscles` are at the low ends of their tables, at most."""
+        low = np.asarray(muscles.strains[0])
+        pressures = np.linspace(0.0, np.asarray(muscles.highest_pressure), 51)
+        slopes = np.asarray(muscles.at(pressures, low + 0.0 * pressures).force_by_strain)
+        return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
+
+    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
+        """Surface of each at its `pressure` [Pa] and `strain` [-]."""
+        low, K = self.muscles.strains[0], self.edge_stiffness
+        edge = self.muscles.at(pressure, maximum(strain, low))
+        past = minimum(strain - low, 0.0)
+        L0 = self.rest_length
+        return edge._replace(
+            coenergy=edge.coenergy + L0 * (edge.force - K * past / 2) * past,
+            force=edge.force - K * past,
+            volume=edge.volume + L0 * edge.force_by_pressure * past,
+            force_by_strain=where(past < 0, -K, edge.force_by_strain),
+        )
+
+    @property
+    def rest_length(self) -> Numbers:
+        """Length at rest [m], of each unit."""
+        return self.muscles.table.rest_length  # pyright: ignore[reportAttributeAccessIssue]
+
+    @property
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """Ends of the tables [-], of each unit."""
+        return self.muscles.strains
+
+    @property
+    def highest_pressure(self) -> Numbers:
+        """End of the tables [Pa], of each unit."""
+        return self.muscles.highest_pressure
+
+
+def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Any:
+    """A `TableStatus` of each unit of `muscles` at `pressures` [Pa] and `strains` [-]."""
+    xp, (low, high) = array_namespace(pressures, strains), muscles.strains
+    status = xp.where(pressures > muscles.highest_pressure, TableStatus.PRESSURE.value, 0)
+    status = xp.where(strains > high, TableStatus.SHORTENED.value, status)
+    return xp.where(strains < low, TableStatus.STRETCHED.value, status)
+
+
+def status_message(muscles: AbstractMuscles, status: Any, tendons: list[str]) -> str:
+    """Words for the first unit of `muscles` whose `status` isn't `INSIDE`, with its tendon's name
+    in `tendons`.
+    """
+    status = np.asarray(status).reshape((-1, len(tendons)))
+    row, unit = np.argwhere(status)[0]
+    low, high = (float(np.asarray(end)[unit]) for end in muscles.strains)
+    top = float(np.asarray(muscles.highest_pressure)[unit]) / 1e3
+    table = f"strains {low:.3f} to {high:.3f}, up to {top:.0f} kPa"
+    return f"muscle on {tendons[unit]!r} {TableStatus(status[row, unit]).message} ({table})"

@@ -1,0 +1,161 @@
+"""Cords that stretch and go slack: forces against a bisection of the laws, energy, and MJX."""
+
+import warnings
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import fluid
+
+
+mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
+from fascicle.robots import Drive, attach, optional_imports  # noqa: E402 needs what was just looked for
+
+
+SUPPLY = 413.7e3
+HELD = np.array([2e5, 1.5e5])
+ROD = {"stiffness": 2e4}
+CORD = {"stiffness": ["40 N/mm", 4e4], "slack": True}  # in series: as soft as the rod
+CHAMBERS = {
+    "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
+    "chamber": fluid.Isothermal(dead_volume=2e-6),
+}  # fmt: skip
+
+
+def bisect(function, low, high):
+    """Root of a falling function, by a hundred halvings: no slope, no table."""
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return (low + high) / 2
+
+
+def series_pull(muscle, pressure, contraction, stiffness, slack):
+    """Pull [N] of a muscle by its law in series with a spring."""
+    length = float(muscle.length)
+
+    def force(x):
+        return float(muscle.force(pressure, x / length))
+
+    if slack and force(contraction) <= 0:
+        return 0.0
+    x = bisect(lambda x: force(x) / stiffness - (x - contraction), -0.1 * length, 0.39 * length)
+    return force(x)
+
+
+@pytest.mark.parametrize("cord", [ROD, CORD, {"slack": True}], ids=["rod", "cord", "rigid cord"])
+@pytest.mark.parametrize("pressure", [0.0, 5e4, 3e5])
+def test_pull_is_that_of_law_and_spring(elbow, bundle, cord, pressure):
+    drive, muscle = elbow(cord=cord)[2], bundle.motor_units[0].muscle
+    stiffness = 2e4 if "stiffness" in cord else 1e12  # N/m, rigid but for rounding
+    for strain in (-0.05, 0.0, 0.1, 0.25, 0.38):
+        contraction = strain * float(muscle.length)
+        lengths = drive.rest_lengths - np.array([contraction, 0.01])
+        pull = drive.pull(np.array([pressure, 2e5]), lengths)[0]
+        expected = series_pull(muscle, pressure, contraction, stiffness, "slack" in cord)
+        # the table is coarse near straight fibers: its largest error there
+        tolerance = max(drive.plant.muscles.muscles.table.errors[2], 1e-6)
+        assert abs(pull - expected) < tolerance
+
+
+def test_stiffness_is_a_positive_number_of_newtons_a_meter(elbow):
+    with pytest.raises(fs.InvalidInputError, match="`stiffness` must be positive"):
+        elbow(cord={"stiffness": -1.0})
+    with pytest.raises(fs.InvalidInputError, match="stiffness"):
+        elbow(cord={"stiffness": "3 kPa"})
+
+
+@pytest.mark.parametrize("cord", [{}, ROD, CORD], ids=["rigid", "rod", "cord"])
+@pytest.mark.parametrize("strain", [-0.25, -0.05, 0.1, 0.36, 0.45])
+def test_pull_is_the_slope_of_the_stored_energy(elbow, bundle, cord, strain):
+    """Inside of the table and past both of its ends, so that no path makes energy."""
+    drive, step = elbow(cord=cord)[2], 1e-6
+    lengths = drive.rest_lengths - np.array([strain * float(bundle.length), 0.01])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        pull = drive.pull(HELD, lengths)[0]
+        ends = [drive.energy(HELD, lengths + np.array([x, 0.0])) for x in (step, -step)]
+    # central differences of a spring of 1e5 N/m, of energies known to 1e-12 J
+    assert abs((ends[0] - ends[1]) / (2 * step) - pull) < 1e-3 + 1e-5 * abs(pull)
+
+
+@pytest.mark.parametrize("cord", [ROD, CORD], ids=["rod", "cord"])
+def test_compliant_muscles_at_constant_pressure_conserve_energy(elbow, energy, cord):
+    model, data, drive = elbow(cord=cord, contraction=0.25)
+    begin, off, taut = energy(model, data, drive, HELD), [], []
+    held = drive.start(model, data, HELD)
+    for k in range(2000):
+        held = drive.step(model, data, held, HELD)
+        taut.append(drive.rest_lengths - data.actuator_length > held.contractions)
+        if k % 25 == 24:
+            off.append(energy(model, data, drive, HELD) - begin)
+    if cord is CORD:
+        assert 0.02 < np.mean(taut) < 0.98  # the cords go slack and taut
+    off = np.array(off)
+    assert abs(off[40:].mean() - off[:40].mean()) < 2e-3  # a symplectic step's mean stays
+    assert np.abs(off).max() < 0.03  # J, of 1 J that swings
+
+
+def test_a_closed_chamber_balances_its_cord(elbow, bundle):
+    """Mass and force balance, both by the exact law at the step's own pressure."""
+    model, data, drive = elbow(cord=CORD, contraction=0.2, **CHAMBERS)
+    held = drive.start(model, data, HELD)
+    mass, muscle = held.chambers.copy(), bundle.motor_units[0].muscle
+    for _ in range(300):
+        mujoco.mj_fwdPosition(model, data)
+        held = drive.step(model, data, held, np.zeros(2))
+    np.testing.assert_array_equal(held.chambers, mass)
+    pull, length = -data.actuator_force, float(muscle.length)
+    for i in range(2):
+        P, x = float(held.pressures[i]), float(held.contractions[i])
+        # force of the law, to the table's error in the middle of its range
+        np.testing.assert_allclose(pull[i], max(float(muscle.force(P, x / length)), 0.0), atol=0.05)
+        volume = float(muscle.conjugate_volume(P, x / length)) + 2e-6
+        chamber = drive.plant.chamber
+        density = chamber.gas.density(P + chamber.room_pressure, chamber.room_temperature)
+        np.testing.assert_allclose(density * volume, float(mass[i, 0]), rtol=1e-4)
+    assert abs(held.pressures - HELD).max() > 100.0  # they have moved with the arm
+
+
+def test_a_slack_muscle_follows_in_mjx_as_in_mujoco(elbow):
+    model, data, drive = elbow(cord=CORD, contraction=0.25, **CHAMBERS)
+    mjx, steps = optional_imports.mjx(), 200
+    held, there = drive.start(model, data, HELD), mjx.put_model(model)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of MJX's own
+        begin = mjx.put_data(model, data)
+
+    def step(carry, _):
+        now, holding = drive.step_mjx(there, *carry, jnp.zeros(2))
+        return (now, holding), now.qpos
+
+    _, rows = jax.jit(lambda c: jax.lax.scan(step, c, length=steps))(
+        (begin, jax.tree.map(jnp.asarray, held))
+    )
+    expected, act = [], jax.jit(drive.act)
+    for _ in range(steps):
+        held = drive.step(model, data, held, np.zeros(2), act)
+        expected.append(data.qpos.copy())
+    # rounding of so many steps, and of each root
+    np.testing.assert_allclose(rows, expected, atol=1e-9)
+
+
+def test_a_cord_drops_a_mass_that_a_rod_would_push():
+    """A vented muscle under a rising mass: the rod pushes, the cord doesn't."""
+    text = """<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="j" type="slide"
+    axis="1 0 0"/><geom size="0.1" mass="1"/></body></worldbody>
+    <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon></mujoco>"""
+    for slack in (False, True):
+        spec = mujoco.MjSpec.from_string(text)
+        muscle = fs.example("kim2021_figure_6")
+        made = attach(spec, "t", muscle, 0.0, slack=slack)
+        model = spec.compile()
+        data, drive = mujoco.MjData(model), Drive.of(model, [made])
+        data.qpos[0] = -0.3 * float(muscle.length)
+        held = drive.start(model, data, 0.0)
+        held = drive.step(model, data, held, 0.0)
+        assert (data.qvel[0] == 0.0) if slack else (data.qvel[0] > 0.0)
+        assert held.contractions[0] < 0.001 if slack else held.contractions[0] > 0.03
