@@ -47,6 +47,7 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx-mathjax-offline",
+    "muscle_catalog",  # _ext: sections of the measured muscles, from their files
     "laws",  # _ext: tables of the laws, from what they declare
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
     "pages",  # _ext: executed in a warm kernel, the long ones first

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
     from .core.errors import InvalidInputError as InvalidInputError
+    from .files import catalog as catalog
     from .files import example as example
     from .files import examples as examples
     from .files import load as load
@@ -60,6 +61,7 @@ _HOMES = {
     "UnitSurface": "muscle",
     "buckling": "muscle",
     "calibrate": "",
+    "catalog": "files",
     "collapse": "muscle",
     "control": "",
     "design": "",
@@ -93,6 +95,7 @@ __all__ = [
     "UnitSurface",
     "buckling",
     "calibrate",
+    "catalog",
     "collapse",
     "control",
     "design",

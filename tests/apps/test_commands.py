@@ -15,7 +15,7 @@ from fascicle.bundle import recruitment
 from fascicle.bundle.efficiency import efficiency_map
 from fascicle.cli.inputs import cache_folder, read_bundle, read_states
 from fascicle.cli.outputs import print_table
-from fascicle.files import example, example_text, examples, load, save
+from fascicle.files import catalog, example, example_text, examples, load, save
 from reproduction.claims import Claim, Criterion
 
 
@@ -229,6 +229,19 @@ def test_muscles_and_init(answer, result, tmp_path):
     assert len(load(tmp_path / "all.toml").motor_units) == 2
     answer("init", "copy.toml", "--from", PAIR)
     assert (tmp_path / "copy.toml").read_text() == example_text(PAIR)
+
+
+def test_measured_muscles(answer, result):
+    text = answer("muscles", "--measured")
+    assert all(name in text for name in catalog) and "9.38" in text
+    values = result("muscles", "--measured")
+    assert list(values) == list(catalog)
+    entry = values["festo-dmsp-20-300"]
+    assert entry["license"] == "CC BY 4.0" and entry["range"]["pressure"] == [35e3, 675e3]
+    assert entry["error"]["rmse"] == 9.38 and entry["toml"] == answer("muscles", entry["name"])
+    # every command takes one
+    force = result("force", entry["name"], "-p", "600kPa", "-s", "0.1")["force"]
+    assert_allclose(np.ravel(force), catalog[entry["name"]].muscle.force(600e3, 0.1))
 
 
 def test_a_file_named_like_an_example_comes_first(fascicle, result, tmp_path):

@@ -98,6 +98,7 @@ LINES = [
     ("simulate lift_gass", "did you mean lift_gas?"),
     (f"simulate {SIX}", "joint_gait"),
     ("muscles kim2021_figur_6", "did you mean kim2021_figure_6?"),
+    ("muscles festo-dmsp-20-300 --measured", "a name prints one muscle"),
     ("reproduce kim2020", "kim2020"),
     ("force t.toml", "t.toml: task: a task, not a muscle or bundle: `fascicle design`"),
     ("simulate t.toml", "`fascicle design`"),

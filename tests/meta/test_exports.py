@@ -4,9 +4,9 @@ import fascicle
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
     "Bundle", "Constant", "InvalidInputError", "MooneyRivlin", "MotorUnit", "Muscle", "Switch",
-    "Tuning", "UnitSurface", "buckling", "calibrate", "collapse", "control", "design", "dynamics",
-    "ends", "energetics", "example", "examples", "fluid", "load", "materials", "post_collapse",
-    "records", "recruitment", "reversal", "save", "schemes", "tables", "tension",
+    "Tuning", "UnitSurface", "buckling", "calibrate", "catalog", "collapse", "control", "design",
+    "dynamics", "ends", "energetics", "example", "examples", "fluid", "load", "materials",
+    "post_collapse", "records", "recruitment", "reversal", "save", "schemes", "tables", "tension",
 ]  # fmt: skip
 
 

@@ -65,12 +65,15 @@ def cache_folder() -> Path | None:
 
 
 def read_target(target: str) -> Any:
-    """Read a `Muscle` or `Bundle` by path or example's name; a file of that name comes first."""
-    from ..files import example, examples, scenarios
+    """Read a `Muscle` or `Bundle` by path, or by the name of an example or measured muscle; a file
+    of that name comes first.
+    """
+    from ..files import example, scenarios
+    from ..files.shipped_files import named_muscles
 
     if not is_path(target) and target in scenarios():
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    _check_name(target, list(examples()))
+    _check_name(target, named_muscles())
     load_laws()
     from ..files.muscle_files import load_muscle  # `files.load` reads scenarios, too: needs JAX
 

@@ -55,18 +55,21 @@ def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> An
 
 
 def complete_target(incomplete: str) -> list[str]:
-    """Named examples, and TOML files by path, that begin with `incomplete`."""
-    from ..files import examples
+    """Named examples, measured muscles, and TOML files by path, that begin with `incomplete`."""
+    from ..files.shipped_files import named_muscles
 
     folder, slash, _ = incomplete.rpartition("/")
     files: list[str] = []
     with contextlib.suppress(OSError, ValueError):
         names = sorted(entry.name for entry in Path(f"{folder}{slash}" or ".").iterdir())
         files = [f"{folder}{slash}{name}" for name in names if name.endswith(".toml")]
-    return [name for name in [*examples(), *files] if name.startswith(incomplete)]
+    return [name for name in [*named_muscles(), *files] if name.startswith(incomplete)]
 
 
-_TARGET = "Muscle or bundle file, or a named example (see `fascicle muscles`)."
+_TARGET = (
+    "Muscle or bundle file, a named example (see `fascicle muscles`) or a measured muscle"
+    " (`fascicle muscles --measured`)."
+)
 TARGET = argument("FILE", _TARGET, autocompletion=complete_target)
 TARGET_OR_EXAMPLE = argument("[FILE]", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"

@@ -226,10 +226,11 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
     from ..files.muscle_files import load_muscle
+    from ..files.shipped_files import named_muscles
 
     name = target if isinstance(target, str) else "muscle"
     opened: Any = target
     if isinstance(target, str):
-        opened = example(target) if target in examples() else load_muscle(target)
+        opened = example(target) if target in named_muscles() else load_muscle(target)
     pn.extension()
     return build(Session(view_of(opened, name), pn.io.unlocked), theme)

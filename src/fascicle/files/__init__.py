@@ -12,17 +12,19 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
+    from .measured_muscles import catalog
     from .muscle_files import dumps, loads, provenance, save
     from .scenario import Scenario, load_scenario, loads_scenario
     from .shipped_files import example_text, examples, scenarios
 
 __all__ = [
     "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",
-    "Scenario", "load_scenario", "loads_scenario", "scenarios",
+    "catalog", "Scenario", "load_scenario", "loads_scenario", "scenarios",
 ]  # fmt: skip
 
 _HOMES = {
     **dict.fromkeys(("dumps", "loads", "provenance", "save"), "muscle_files"),
+    "catalog": "measured_muscles",
     **dict.fromkeys(("example_text", "examples", "scenarios"), "shipped_files"),
     **dict.fromkeys(("Scenario", "load_scenario", "loads_scenario"), "scenario"),
 }
@@ -56,7 +58,7 @@ def load(path: str | os.PathLike[str]) -> Any:
 def example(name: str) -> Any:
     """Build a named muscle, bundle or scenario.
 
-    **Arguments:** `name`: one of `examples()` or `scenarios()`.
+    **Arguments:** `name`: one of `examples()`, `scenarios()` or `catalog`.
 
     **Returns:** the `Muscle`, `Bundle` or `Scenario`.
 

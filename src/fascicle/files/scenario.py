@@ -45,7 +45,7 @@ from ..table_model import did_you_mean
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
 from .scenario_schema import INNER, PARTS, PUMPED, choose_schema, pump_class
 from .schema import FileLocation, check_kind, validate
-from .shipped_files import shipped_names, shipped_text
+from .shipped_files import example_text, named_muscles
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
@@ -307,7 +307,7 @@ def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path
     if not names or not all(isinstance(name, str) for name in names):
         rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
         raise root.error(("bundle",), f"{rule}; or write [muscle] and [bundle] as in its file.")
-    shipped, bundles = shipped_names("examples"), []
+    shipped, bundles = named_muscles(), []
     for name in names:
         path = folder / name
         if name not in shipped and not path.exists():
@@ -315,7 +315,7 @@ def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path
             raise root.error(("bundle",), rule)
         with root.child("bundle").error_context():
             if name in shipped:
-                bundles.append(_as_bundle(loads(shipped_text("examples", name), name)))
+                bundles.append(_as_bundle(loads(example_text(name), name)))
             else:
                 bundles.append(_as_bundle(load_muscle(path)))
     return bundles

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     Discriminator,
@@ -281,6 +282,7 @@ class MuscleFile(TableModel):
     muscle: dict[str, MuscleSection] = Field(examples=["[muscle]"])
     bundle: BundleSection | None = None
     calibration: dict[str, Any] | None = None  # for readers and programs, no part of the muscle
+    entry: "EntrySection | None" = None  # as above
 
 
 class Price(NamedTuple):
@@ -370,9 +372,46 @@ Integers = Annotated[tuple[int, ...], _entries(int, "a whole number")]
 Lengths = Annotated[tuple[float, ...], _quantities("length")]
 Angles = Annotated[tuple[float, ...], _quantities("angle")]
 Forces = Annotated[tuple[float, ...], _quantities("force")]
+Pressures = Annotated[tuple[float, ...], _quantities("pressure")]
 Strains = Annotated[tuple[float, ...], _quantities("strain")]
 Times = Annotated[tuple[float, ...], _quantities("time")]
 Numbers = Annotated[tuple[float, ...], _quantities("number")]
+
+
+def _two(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(values) != 2 or not values[0] < values[1]:
+        raise ValueError("must be a list of two, the least and the largest")
+    return values
+
+
+_Text = Annotated[StrictStr, Field(min_length=1)]
+
+
+class EntrySection(TableModel):
+    """`[entry]` of a measured muscle's file, keys as in `docs/_static/measured-muscle.toml`."""
+
+    title: _Text = Field(examples=['"Festo DMSP-20-300"'])
+    maker: _Text = Field(examples=['"Festo"'])
+    source: _Text = Field(examples=['"Author (year). Title. Journal volume, pages"'])
+    url: Annotated[StrictStr, Field(pattern="^https?://")] = Field(examples=['"https://doi.org/…"'])
+    license: _Text = Field(examples=['"CC BY 4.0"'])
+    sizes: _Text = Field(examples=['"inner diameter 20 mm, length 300 mm"'])
+    measured: _Text = Field(examples=['"126 readings at 21 pressures and 6 lengths"'])
+    assumed: Names = Field(examples=['["…"]'])
+    record: Annotated[StrictStr, Field(pattern=r"^[\w-]+\.csv$")] | None = None
+    rest_length: Length | None = None
+    pressure: Annotated[Pressures, AfterValidator(_two)] | None = None
+    strain: Annotated[Strains, AfterValidator(_two)] | None = None
+    rmse: Force | None = None
+    relative_rmse: Number | None = None
+    largest_error: Annotated[float, Quantity("strain")] | None = None
+
+
+class EntryFile(BaseModel):
+    """A measured muscle's file without the muscle."""
+
+    entry: EntrySection = Field(examples=["[entry]"])
+    calibration: dict[str, Any] = {}
 
 
 class TaskSection(TableModel):

@@ -1,4 +1,4 @@
-"""Shipped files: muscles and bundles of the literature, scenarios that drive them, catalogs.
+"""Shipped files: muscles and bundles of the literature, measured muscles, scenarios, catalogs.
 
 Each file begins with a line that describes it, and names its source.
 """
@@ -11,7 +11,9 @@ _SIMILARITY = 0.4  # of a name to suggest: "lift" is near "lift_gas"
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of the shipped files of a kind, "examples", "scenarios" or "catalogs", sorted."""
+    """Names of the shipped files of a kind, sorted: "examples", "measured", "scenarios" or
+    "catalogs".
+    """
     names = [file.name for file in (files("fascicle.files") / kind).iterdir()]
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
 
@@ -32,6 +34,11 @@ def examples() -> dict[str, str]:
     return descriptions("examples")
 
 
+def named_muscles() -> list[str]:
+    """Names of the examples, then of the measured muscles."""
+    return [*shipped_names("examples"), *shipped_names("measured")]
+
+
 def scenarios() -> dict[str, str]:
     """Descriptions of the named scenarios, by name."""
     return descriptions("scenarios")
@@ -40,13 +47,15 @@ def scenarios() -> dict[str, str]:
 def example_text(name: str) -> str:
     """Read the file of a named example.
 
-    **Arguments:** `name`: one of `examples()` or `scenarios()`.
+    **Arguments:** `name`: one of `examples()`, `scenarios()` or the catalog of measured muscles.
 
     **Returns:** the TOML with its comments.
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
-    kinds = {key: kind for kind in ("scenarios", "examples") for key in shipped_names(kind)}
+    kinds = {
+        key: kind for kind in ("scenarios", "measured", "examples") for key in shipped_names(kind)
+    }
     if name not in kinds:
         similar = difflib.get_close_matches(str(name), kinds, n=1, cutoff=_SIMILARITY)
         hint = f"choose one of {', '.join(sorted(kinds))}."

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
@@ -31,7 +33,8 @@ from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.dynamometer import Scatter
-from ..units import parse
+from ..units import parse, pretty
+from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
@@ -46,7 +49,7 @@ from .schema import (
     check_kind,
     validate,
 )
-from .shipped_files import examples, shipped_names, shipped_text
+from .shipped_files import example_text, named_muscles, shipped_names, shipped_text
 
 
 # dimensions of objectives by their units
@@ -164,15 +167,31 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
         if len(space.drawings) > 1 or len(design.muscle) > 1:
             raise scatter_location.error((), "needs a space of one muscle, search each alone.")
         uncertainty = _uncertainty(file.scatter, design, scatter_location, folder)
-    notes = [
-        f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
-        for name in design.muscle
-        if name not in examples() and isinstance(rmse := provenance(folder / name).get("rmse"), str)
-    ]
+    notes = _fit_notes(design.muscle, folder, task, space)
     notes += () if offer is None else offer.notes
     return TaskFile(
         task, space, senses, limits, catalog, uncertainty, block, data, tuple(notes), least_margin
     )
+
+
+def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:
+    """Notes on the errors of fitted muscles, and on uses of measured ones where none was measured.
+
+    `names`: of muscles, in a task file in a `folder`.
+    """
+    notes = []
+    for name in names:
+        rmse = None if name in named_muscles() else provenance(folder / name).get("rmse")
+        if (entry := measured_muscles.get(name)) and entry.error.rmse is not None:
+            rmse = pretty(entry.error.rmse, "force", 3)
+        if isinstance(rmse, str):
+            notes.append(
+                f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
+            )
+        if entry is not None and name in space.drawings:
+            strain = float(np.max(task.strain_of(float(space.drawings[name].length))))
+            notes.append(entry.extrapolation(task.supply_pressure, strain))
+    return [note for note in notes if note]
 
 
 def _task(section: TaskSection, location: FileLocation) -> Task:
@@ -288,11 +307,11 @@ def _space(
 
 def _drawing(name: str, section: DesignSection, location: FileLocation, folder: Path) -> Muscle:
     with location.error_context():
-        if name in examples():
-            muscle = loads(shipped_text("examples", name), name)
+        if name in named_muscles():
+            muscle = loads(example_text(name), name)
         else:
             if not (folder / name).exists():
-                check_choice(name, examples(), "muscle")
+                check_choice(name, named_muscles(), "muscle")
             muscle = load_muscle(folder / name)
         if isinstance(muscle, Bundle):
             raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")

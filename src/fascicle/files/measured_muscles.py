@@ -1,0 +1,242 @@
+"""Catalog of measured muscles: for each a muscle file with an `[entry]`, and perhaps a record.
+
+The file `measured/NAME.toml` is all that an entry takes. It may name a record beside it, readings
+whose license allows it. The error is that of the file's `[calibration]`, or of the `[entry]`.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from functools import cache, cached_property
+from importlib.resources import as_file, files
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..core.types import Float
+from ..core.validation import check_choice
+from ..muscle import Muscle
+from ..repr_table import ReprTable, with_table_repr
+from ..units import figures, parse, pretty
+from .muscle_files import from_dict, parse_file
+from .schema import EntryFile, EntrySection, validate
+from .shipped_files import shipped_names, shipped_text
+
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..records.record import Record
+
+
+_KIND = "measured"  # of shipped files
+_KINDS = (("pressure", "pressure"), ("contraction", "strain"))  # words, and dimensions of a range
+_ROUNDING = 1e-9  # relative, of the ends of a range
+_CURVES, _POINTS = 5, 201  # more are hard to tell apart in a small picture; smooth in print
+
+
+class FitError(NamedTuple):
+    """Error of a measured muscle's force: root mean square `rmse` [N], the same over the largest
+    force, `relative_rmse` [-], and the `largest` one over the largest force [-]; `None` if unknown.
+    """
+
+    rmse: float | None
+    relative_rmse: float | None
+    largest: float | None
+
+    def __str__(self) -> str:
+        """Text with units."""
+        rmse = "" if self.rmse is None else f"{figures(self.rmse, 3)} N"
+        if self.relative_rmse is not None:
+            rmse += f" ({figures(100 * self.relative_rmse, 2)} % of the largest force)"
+        largest = "" if self.largest is None else f"at most {figures(100 * self.largest, 3)} %"
+        return ", ".join(filter(None, (rmse, largest))) or "not published"
+
+
+class MeasuredRange(NamedTuple):
+    """Least and largest `pressure` [Pa] and `strain` [-] that were measured, each `None` if the
+    source does not give it. Strains are the muscle's, over its length.
+    """
+
+    pressure: tuple[float, float] | None
+    strain: tuple[float, float] | None
+
+    def __str__(self) -> str:
+        """Text with units."""
+        texts = [
+            "not published" if ends is None else " to ".join(pretty(x, kind, 3) for x in ends)
+            for ends, (_, kind) in zip(self, _KINDS, strict=True)
+        ]
+        return f"pressure {texts[0]}, contraction {texts[1]}"
+
+
+def _table(entry: "CatalogEntry") -> ReprTable:
+    facts = [(name, getattr(entry, name)) for name in ("maker", "sizes", "measured", "basis")]
+    facts += [("error", str(entry.error)), ("range", str(entry.range))]
+    facts += [(name, getattr(entry, name)) for name in ("source", "url", "license")]
+    return ReprTable(entry.title, facts, notes=[f"Assumed: {text}" for text in entry.assumed])
+
+
+@with_table_repr(_table, lambda entry: f"<CatalogEntry {entry.name!r}: {entry.title}>")
+@dataclass(frozen=True, eq=False)
+class CatalogEntry:
+    """A muscle that somebody measured.
+
+    - `name`: in the catalog, and in commands.
+    - `title`, `maker`: name of the muscle, and who makes or made it.
+    - `source`, `url`, `license`: citation and address of the numbers, and their license.
+    - `sizes`, `measured`: published sizes, and what was measured, in words.
+    - `basis`: "fit" to the record by fascicle, or constants "published" by the source.
+    - `assumed`: what the source does not give, a sentence each.
+    - `muscle`: the muscle. A fitted one has its active length, without the parts at the fittings.
+    - `error`, `range`: error of its force, and the pressures and strains that were measured.
+    - `rest_length`: reference of the source's contractions [m].
+    - `record_file`: name of the file of readings, or `None`.
+    - `toml`: text of its file.
+    """
+
+    name: str
+    title: str
+    maker: str
+    source: str
+    url: str
+    license: str
+    sizes: str
+    measured: str
+    basis: str
+    assumed: tuple[str, ...]
+    muscle: Muscle
+    error: FitError
+    range: MeasuredRange
+    rest_length: float
+    record_file: str | None
+    toml: str
+
+    @property
+    def strain_ratio(self) -> float:
+        """The muscle's strain over that of its record [-]: rest length over the muscle's length."""
+        return self.rest_length / float(self.muscle.length)
+
+    @cached_property
+    def record(self) -> "Record | None":
+        """Readings, with strains over the rest length; `None` if the entry has none."""
+        if self.record_file is None:
+            return None
+        from ..records import load
+
+        with as_file(files("fascicle.files") / _KIND / self.record_file) as path:
+            return load(path, rest_length=self.rest_length)
+
+    def residuals(self) -> Float[np.ndarray, " reading"]:
+        """Measured less computed force [N] of the record's readings that are not clipped; empty
+        without a record.
+        """
+        if (record := self.record) is None:
+            return np.array([])
+        force = self.muscle.force(record.pressure, record.strain * self.strain_ratio)
+        return (record.force - np.asarray(force))[~record.censored]
+
+    def extrapolation(self, pressure: float, strain: float) -> str:
+        """Sentence that says which of a largest `pressure` [Pa] and `strain` [-] lies beyond those
+        that were measured; empty if none does, or if the range is unknown.
+        """
+        texts = [
+            f"a {word} of {pretty(value, kind, 3)} (measured up to {pretty(ends[1], kind, 3)})"
+            for value, ends, (word, kind) in zip(
+                (pressure, strain), self.range, _KINDS, strict=True
+            )
+            if ends is not None and value > ends[1] * (1 + _ROUNDING)
+        ]
+        return f"{self.name}: {' and '.join(texts)} is an extrapolation." if texts else ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Entry without its muscle: text, SI numbers and lists by name."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values |= {"error": self.error._asdict(), "range": self.range._asdict()}
+        return {name: value for name, value in values.items() if name != "muscle"}
+
+    def plot(self) -> "Figure":
+        """Figure of the force over contraction in the measured range, with readings as points."""
+        from ..plot.curves import force_strain
+        from ..plot.theme import pressure_colors
+
+        (pressure, strain), record = self.range, self.record
+        levels = None if pressure is None else np.linspace(*pressure, _CURVES)
+        if record is not None:
+            measured = np.unique(record.pressure[~record.censored])
+            levels = measured[np.linspace(0, measured.size - 1, _CURVES).round().astype(int)]
+        strains = None if strain is None else np.linspace(0.0, strain[1], _POINTS)
+        figure = force_strain(self.muscle, levels, strains)
+        if record is not None and levels is not None:
+            for level, color in zip(levels, pressure_colors(levels.size), strict=True):
+                shown = (record.pressure == level) & ~record.censored
+                x, y = record.strain[shown] * self.strain_ratio, record.force[shown]
+                figure.axes[0].plot(x, y, "o", color=color, markersize=3, clip_on=False)
+        if strain is not None:  # pushes were not measured
+            figure.axes[0].set_ylim(bottom=0.0)
+        return figure
+
+
+class MuscleCatalog(Mapping[str, CatalogEntry]):
+    """Measured muscles by name. An unknown name gives an `InvalidInputError` with a similar one."""
+
+    def __getitem__(self, name: str) -> CatalogEntry:
+        return _shipped_entry(check_choice(name, self, "name"))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(shipped_names(_KIND))
+
+    def __len__(self) -> int:
+        return len(shipped_names(_KIND))
+
+    def __contains__(self, name: object) -> bool:
+        return name in shipped_names(_KIND)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Entry of a name, or a `default`."""
+        return self[name] if name in self else default  # noqa: SIM401 defined here
+
+    def __repr__(self) -> str:
+        return f"<MuscleCatalog: {', '.join(self)}>"
+
+
+catalog = MuscleCatalog()
+
+
+@cache
+def _shipped_entry(name: str) -> CatalogEntry:
+    return read_entry(shipped_text(_KIND, name), name)
+
+
+def read_entry(text: str, name: str) -> CatalogEntry:
+    """Read an entry from the `text` of its file; `ValueError` as `loads`, in one line.
+
+    `name`: of the entry, also in errors.
+    """
+    data = parse_file(text, name)
+    file = validate(EntryFile, data, name)
+    muscle, entry = from_dict(data, name), file.entry
+    if not isinstance(muscle, Muscle):
+        raise ValueError(f"{name}: a bundle, an entry of the catalog is a muscle: drop [bundle].")
+    texts = {field.name for field in fields(CatalogEntry)} & EntrySection.model_fields.keys()
+    values: dict[str, Any] = {key: getattr(entry, key) for key in texts - {"rest_length"}}
+    rest_length = float(muscle.length) if entry.rest_length is None else entry.rest_length
+    ratio, strain = rest_length / float(muscle.length), entry.strain
+    rmse = file.calibration.get("rmse")
+    error = FitError(
+        entry.rmse if rmse is None else parse(rmse, "force", "rmse"),
+        file.calibration.get("relative_rmse", entry.relative_rmse),
+        entry.largest_error,
+    )
+    return CatalogEntry(
+        name=name,
+        **values,
+        basis="fit" if file.calibration else "published",
+        muscle=muscle,
+        error=error,
+        range=MeasuredRange(
+            entry.pressure, None if strain is None else (strain[0] * ratio, strain[1] * ratio)
+        ),
+        rest_length=rest_length,
+        record_file=entry.record,
+        toml=text,
+    )
