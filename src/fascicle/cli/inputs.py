@@ -65,9 +65,7 @@ def cache_folder() -> Path | None:
 
 
 def read_target(target: str) -> Any:
-    """Read a `Muscle` or `Bundle` by path, or by the name of an example or measured muscle; a file
-    of that name comes first.
-    """
+    """Read a `Muscle` or `Bundle` by path or shipped name; a file of that name comes first."""
     from ..files import example, scenarios
     from ..files.shipped_files import named_muscles
 

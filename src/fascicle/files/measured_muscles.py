@@ -208,10 +208,7 @@ def _shipped_entry(name: str) -> CatalogEntry:
 
 
 def read_entry(text: str, name: str) -> CatalogEntry:
-    """Read an entry from the `text` of its file; `ValueError` as `loads`, in one line.
-
-    `name`: of the entry, also in errors.
-    """
+    """Entry with this `name` from the `text` of its file; `ValueError`, in one line, as `loads`."""
     data = parse_file(text, name)
     file = validate(EntryFile, data, name)
     muscle, entry = from_dict(data, name), file.entry
@@ -222,17 +219,14 @@ def read_entry(text: str, name: str) -> CatalogEntry:
     rest_length = float(muscle.length) if entry.rest_length is None else entry.rest_length
     ratio, strain = rest_length / float(muscle.length), entry.strain
     rmse = file.calibration.get("rmse")
-    error = FitError(
-        entry.rmse if rmse is None else parse(rmse, "force", "rmse"),
-        file.calibration.get("relative_rmse", entry.relative_rmse),
-        entry.largest_error,
-    )
+    rmse = entry.rmse if rmse is None else parse(rmse, "force", "rmse")
+    relative_rmse = file.calibration.get("relative_rmse", entry.relative_rmse)
     return CatalogEntry(
         name=name,
         **values,
         basis="fit" if file.calibration else "published",
         muscle=muscle,
-        error=error,
+        error=FitError(rmse, relative_rmse, entry.largest_error),
         range=MeasuredRange(
             entry.pressure, None if strain is None else (strain[0] * ratio, strain[1] * ratio)
         ),

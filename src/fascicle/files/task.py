@@ -175,10 +175,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
 
 
 def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:
-    """Notes on the errors of fitted muscles, and on uses of measured ones where none was measured.
-
-    `names`: of muscles, in a task file in a `folder`.
-    """
+    """Notes on the errors of fitted muscles with these `names`, and on extrapolations."""
     notes = []
     for name in names:
         rmse = None if name in named_muscles() else provenance(folder / name).get("rmse")
