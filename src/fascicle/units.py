@@ -55,6 +55,7 @@ _PRESSURE = _table(Pa=1, hPa=100, kPa=1000, MPa=10**6, bar=10**5, mbar=100,
                    psi=_POUND / _INCH**2, atm=101325)  # fmt: skip
 _INVERSE_PRESSURE = {f"1/{unit}": 1 / factor for unit, factor in _PRESSURE.items()}
 _MOMENT = {f"{f}*{d}": _FORCE[f] * _LENGTH[d] for f in _FORCE for d in ("m", "mm", "in")}
+_MOMENT |= {unit.replace("*", ""): _MOMENT[unit] for unit in ("N*m", "mN*m", "kN*m", "N*mm")}
 _STIFFNESS = {f"{f}/{d}": _FORCE[f] / _LENGTH[d] for f in _FORCE for d in _LENGTH}
 _VOLUME = {f"{d}^3": factor**3 for d, factor in _LENGTH.items()}
 _MASS = {"kg": Fraction(1), "g": Fraction("1e-3"), "lb": Fraction("0.45359237")}

@@ -230,6 +230,12 @@ class Calibration(Fit):
         return self.rmse / largest_force(self.record)
 
     @property
+    def torque_rmse(self) -> float:
+        """Root mean square error of the joint's torque [N·m]; NaN without moment arms."""
+        arm = self.record.moment_arm
+        return float("nan") if arm is None else float(np.sqrt(np.nanmean((arm * self.errors) ** 2)))
+
+    @property
     def status(self) -> str:
         """Message on how the search from the best start ended."""
         return self.starts[self.solutions.best].split(": ", 1)[1]

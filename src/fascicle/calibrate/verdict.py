@@ -64,6 +64,7 @@ class Verdict:
     - `fit`: one of `FITS`.
     - `rmse`, `relative_rmse`: root mean square error [N], and over the largest force [-].
     - `pulling_rmse`, `resisting_rmse`: below and past the free strain [N]; NaN without readings.
+    - `torque_rmse`: of the joint's torque [N·m]; NaN without moment arms.
     - `left_out_rmse`: at readings left out of the fit, over the largest force [-]; NaN if unknown.
     - `undetermined`, `limits`: constants that the data do not determine, and those with one limit.
     - `actions`: what to do next, the most important first.
@@ -74,6 +75,7 @@ class Verdict:
     relative_rmse: float
     pulling_rmse: float
     resisting_rmse: float
+    torque_rmse: float
     left_out_rmse: float
     undetermined: tuple[str, ...]
     limits: tuple[str, ...]
@@ -115,8 +117,9 @@ def judge(calibration: Calibration, selection: Selection | None = None) -> Verdi
     limits = tuple(e.name for e in calibration.parameters if e.bound)
     actions = tuple(notice.action for notice in ranked if notice.action)[:_ACTIONS]
     return Verdict(
-        fit, calibration.rmse, relative, pulling, resisting, left_out, undetermined, limits, actions
-    )
+        fit, calibration.rmse, relative, pulling, resisting, calibration.torque_rmse, left_out,
+        undetermined, limits, actions,
+    )  # fmt: skip
 
 
 def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str], list[str]]:
@@ -129,6 +132,12 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
         f" {100 * verdict.relative_rmse:.2g} % of the largest force"
         f" ({pretty(largest_force(record), 'force', 3)})"
     )
+    if np.isfinite(verdict.torque_rmse) and record.moment_arm is not None:
+        torque = float(np.max(np.abs(record.force * record.moment_arm)))
+        error += (
+            f"; {pretty(verdict.torque_rmse, 'moment', 3)} of torque"
+            f" ({pretty(torque, 'moment', 3)} the largest)"
+        )
     if np.isfinite(verdict.pulling_rmse) and np.isfinite(verdict.resisting_rmse):
         error += (
             f"; {verdict.pulling_rmse:.3g} N where it pulls, {verdict.resisting_rmse:.3g} N past"

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 DATA = argument(
     "DATA...",
     "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx, .mat"
-    " or .tdms with pressure, force, and strain, length or displacement.",
+    " or .tdms with pressure, force, and strain, length or displacement; or torque and angle of a"
+    " joint.",
 )
 REST_LENGTH = option(
     "Length that strains and displacements refer to; default: the file's, else the muscle's.",
@@ -27,7 +28,7 @@ COLUMN = option(
 )
 COLUMNS = option(
     "Columns in their order, of files without header: force[N],pressure[kPa],-,length[mm]; - skips"
-    " one; also strain, displacement, time, branch, clipped.",
+    " one; also strain, displacement, torque, angle, moment_arm, time, branch, clipped.",
     metavar="NAMES",
 )
 HEADER = option(
@@ -43,13 +44,18 @@ NAME_PATTERN = option(
     "Constants in the files' names: {length}cm_{pressure}kPa, * for other text.", metavar="PATTERN"
 )
 ZERO = option(
-    "Reading of a gauge at zero or at rest: force=8N, pressure=1.5kPa, displacement=2mm;"
-    " repeatable.",
+    "Reading of a gauge at zero or at rest: force=8N, pressure=1.5kPa, displacement=2mm,"
+    " torque=0.1Nm, angle=10deg; repeatable.",
     metavar="ROLE=VALUE",
 )
 SIGN = option(
-    "Direction in which a column counts: displacement=extension; repeatable.",
+    "Direction in which a column counts: displacement=extension, angle=extension; repeatable.",
     metavar="ROLE=DIRECTION",
+)
+MOMENT_ARM = option(
+    "Moment arm of the muscle about the joint whose torque was measured; a table of arms by angle"
+    " stands in the TOML beside the file.",
+    metavar="LENGTH",
 )
 ATMOSPHERE = option("Atmosphere to subtract from absolute pressures.", metavar="PRESSURE")
 CLIPPED_AT_ZERO = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero")

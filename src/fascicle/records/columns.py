@@ -5,7 +5,7 @@ Every inference becomes a note of the record; an ambiguous header is refused, wi
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -34,7 +34,7 @@ from .units import (
 )
 
 
-OPTIONAL = ("time", "branch")  # a wrong guess of these doesn't stop the reading
+_ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
 
 
@@ -42,7 +42,7 @@ def choose_columns(
     table: Table,
     headers: Mapping[str, str],
     units: Mapping[str, str],
-    constants: Mapping[str, Any] = {},
+    constants: Iterable[str] = (),
     *,
     names: Sequence[str] = (),
     atmosphere: bool = False,
@@ -50,7 +50,7 @@ def choose_columns(
     """Columns of a `table` to read, by role, and a note for each guess.
 
     `headers` and `units`, by role, overrule what the table's header says, and so do the `names` of
-    columns in their order. Roles of `constants` need no column. `atmosphere`: absolute pressures
+    columns in their order. The roles `constants` need no column. `atmosphere`: absolute pressures
     are read. Raises a `ValueError` for a column or a unit that is missing, unknown or ambiguous.
     """
     chosen = {
@@ -63,13 +63,14 @@ def choose_columns(
             chosen[role] = Column(role, index, table.header[index] or names[index])
         if unit:
             units.setdefault(role, unit)
-    _infer(table, chosen, units, set(constants), () if names else ROLES)
-    columns = {}
+    constants = set(constants)
+    _infer(table, chosen, units, constants, () if names else ROLES)
+    columns, optional = {}, _optional_roles(constants | chosen.keys())
     for role, column in chosen.items():
         try:
             columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
         except ValueError:
-            if role not in OPTIONAL or role in headers or role in units:
+            if role not in optional or role in headers or role in units:
                 raise
     notes = [column.note() for column in columns.values()]
     notes += [
@@ -96,10 +97,15 @@ def _infer(
     used = {column.index for column in chosen.values()}
     for role in roles:
         supplied = constants | set(chosen)
-        if role in supplied or (role in POSITIONS and supplied & set(POSITIONS)):
+        alternatives = next((group for group in _ALTERNATIVES if role in group), (role,))
+        # a moment arm may depend on the angle, also where the length was measured
+        if supplied & ({role} if role == "angle" and "torque" in supplied else set(alternatives)):
             continue
         indices = _candidates(table, role, used, units.get(role))
-        if role in OPTIONAL:
+        if role == "moment_arm" and not supplied & {"torque", "angle"}:
+            # none of a joint, but one that was written with a record
+            indices = [i for i in indices if read_header(table.header[i])[0][0] == "moment arm"]
+        if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
         if len(indices) > 1:
@@ -108,11 +114,19 @@ def _infer(
             chosen[role] = Column(role, indices[0], table.header[indices[0]])
             used.add(indices[0])
     supplied = constants | set(chosen)
-    for role in ("pressure", "force"):
-        if role not in supplied:
+    for role, group in zip(("pressure", "force", "length"), _ALTERNATIVES, strict=True):
+        if not supplied & set(group):
             raise _missing(table, role, used)
-    if not supplied & set(POSITIONS):
-        raise _missing(table, "length", used)
+    if "force" in supplied:
+        chosen.pop("torque", None)
+
+
+def _optional_roles(roles: set[str]) -> set[str]:
+    """Roles of which a wrong guess doesn't stop the reading, beside columns of `roles`."""
+    optional = {"time", "branch"}
+    if roles & {"strain", "length", "displacement"}:
+        optional |= {"angle"} if "torque" in roles else {"angle", "moment_arm"}
+    return optional
 
 
 def check_roles(mapping: Mapping[str, Any], argument: str, roles: Sequence[str] = ROLES) -> None:
@@ -271,7 +285,8 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     if len(table.header) == 1:
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
-    quantity = "length, strain or displacement" if role == "length" else role
+    quantities = {"length": "length, strain, displacement or angle", "force": "force or torque"}
+    quantity = quantities.get(role, role)
     dimension, names = DIMENSIONS.get(role, role), []
     for i, name in enumerate(table.header):
         stated = table.units[i] or read_header(name)[0][1]

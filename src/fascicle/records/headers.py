@@ -11,18 +11,24 @@ from typing import Any
 from .units import POSITIONS, SPELLINGS, is_absolute, is_unit, strip_brackets
 
 
-ROLES = ("pressure", "force", "strain", "length", "displacement", "time", "branch", "clipped")
-DIMENSIONS = {"displacement": "length"}  # of the roles that aren't dimensions themselves
+ROLES = ("pressure", "force", "torque", "strain", "length", "displacement", "angle", "moment_arm",
+         "time", "branch", "clipped")  # fmt: skip
+# of the roles that aren't dimensions themselves
+DIMENSIONS = {"displacement": "length", "torque": "moment", "moment_arm": "length"}
 TERMS = {
     "pressure": ("pressure", "p", "press", "pgauge", "druck", "p gauge", "überdruck", "pression"),
     "force": ("force", "f", "load", "tension", "pull", "kraft", "thrust", "mass", "weight",
               "masse", "gewicht", "standardkraft", "prüfkraft", "zugkraft"),
+    "torque": ("torque", "moment", "drehmoment", "tau", "τ", "joint torque"),
     "strain": ("strain", "contraction", "contraction ratio", "eps", "epsilon", "ε", "kappa",
                "shortening", "kontraktion", "verkürzung", "elongation", "extension"),
     "length": ("length", "l", "len", "länge", "laenge"),
     "displacement": ("displacement", "shortening", "stroke", "contraction", "disp", "travel",
                      "extension", "elongation", "position", "crosshead", "x", "weg", "hub",
                      "verkürzung", "standardweg", "traversenweg", "laser", "lvdt"),
+    "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
+              "position", "joint"),
+    "moment_arm": ("moment arm", "arm", "lever arm", "lever", "hebelarm"),
     "time": ("time", "t", "elapsed", "zeit", "timestamp", "prüfzeit", "x value", "clock"),
     "branch": ("branch", "direction", "sweep", "phase"),
     "clipped": ("clipped", "censored", "saturated", "slack", "zero is no tension", "no tension"),
@@ -32,7 +38,7 @@ LONGER = {"extension", "elongation"}  # these grow as the muscle lengthens
 _QUALIFIERS = {
     "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
     "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
-    "work",
+    "work", "arm", "lever", "braid", "fiber", "fibre",
     "id", "index", "count", "flow", "stress", "spannung", "modulus", "sollwert", "raw",
 }  # fmt: skip
 
@@ -92,9 +98,13 @@ def score(header: str, unit: str, role: str) -> int:
         # a remark in brackets may follow a strain; T [degC] is no time
         stated = written or unit or ("" if role == "strain" else meanings[0][1])
         fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, (dimension,))
-        if role in {*POSITIONS, "time"} and stated:
+        if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
                 continue
+        elif role == "force" and is_unit(stated, ("moment",)):
+            continue
+        elif role == "angle" and name in {"position", "rotation", "encoder", "joint"}:
+            continue  # without a unit these may be lengths or counts
         elif role == "displacement" and name in {"contraction", "shortening", *LONGER, "x"}:
             continue  # without a unit these are strains, and x is anything
         terms = set(name.split())
@@ -104,7 +114,7 @@ def score(header: str, unit: str, role: str) -> int:
             continue
         elif terms & {term for term in TERMS[role] if len(term) > 1}:
             best = max(best, 2 + fits)
-        elif role in {"pressure", "force"} and fits:
+        elif role in {"pressure", "force", "torque"} and fits:
             best = max(best, 1)
     return best
 

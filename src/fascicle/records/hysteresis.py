@@ -91,7 +91,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         widths.append(loop[1] if loop and is_wide else np.full(len(piece), np.nan))
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
-    half_way = replace(record, **columns, time=None, notes=(*record.notes, note))
+    half_way = replace(record, **columns, time=None, moment_arm=None, notes=(*record.notes, note))
     return Averaged(half_way, np.concatenate(widths))
 
 
@@ -180,7 +180,7 @@ def _half_way(
         "censored": np.maximum(up["censored"], down["censored"]) > 0,
         "branch": np.full(grid.size, UNKNOWN, dtype=np.int8),
     }
-    return replace(record, **arrays, time=None), down["force"] - up["force"]
+    return replace(record, **arrays, time=None, moment_arm=None), down["force"] - up["force"]
 
 
 def _interpolate(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -17,39 +17,29 @@ from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
 from .formats import unpack
 from .headers import DIMENSIONS, ROLES
-from .record import DOWN, UNKNOWN, UP, Record, Source, join
+from .joint import read_arm_table
+from .joint_readings import check_direction, read_joint
+from .quantities import (
+    BRANCHES,
+    Readings,
+    read_branch,
+    read_censored,
+    read_force,
+    read_pressure,
+    read_strain,
+    read_time,
+)
+from .record import Record, Source, join
 from .sidecar import CONSTANTS, ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, TableColumns, open_table
-from .units import (
-    POSITIONS,
-    CellError,
-    Column,
-    check_forces,
-    check_pressures,
-    check_strains,
-    to_si_units,
-)
+from .units import Column
 
 
 LARGEST_FILE = 1_000_000_000  # bytes
-_STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
-
-_BRANCHES = {
-    **dict.fromkeys(
-        ("1", "+1", "1.0", "up", "inflating", "inflation", "inflate", "contracting",
-         "contraction", "shortening", "loading", "forward"), UP),
-    **dict.fromkeys(
-        ("-1", "−1", "-1.0", "down", "deflating", "deflation", "deflate", "extending",
-         "extension", "lengthening", "unloading", "backward", "return"), DOWN),
-    **dict.fromkeys(("0", "0.0", "", "-", "unknown"), UNKNOWN),
-}  # fmt: skip
-_FLAGS = {
-    **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
-    **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
-}
 _TEXT_ROLES = ("branch", "clipped")
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
-_SI_UNITS = {"pressure": "Pa", "force": "N", "length": "m", "displacement": "m", "strain": "-"}
+_SI_UNITS = {"pressure": "Pa", "force": "N", "torque": "N*m", "length": "m", "displacement": "m",
+             "angle": "rad", "moment_arm": "m", "strain": "-"}  # fmt: skip
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")
 
 
@@ -67,6 +57,7 @@ def load(
     zeros: Mapping[str, Any] | None = None,
     signs: Mapping[str, str] | None = None,
     atmosphere: Any = None,
+    moment_arm: Any = None,
     rows: str | None = None,
     table: str | None = None,
 ) -> Record:
@@ -78,19 +69,24 @@ def load(
 
     - `path`: the file (text, .xlsx, .mat or .tdms), or several of one muscle; patterns such as
       `"runs/*.csv"` stand for all files that fit.
-    - `columns`: headers of columns that aren't recognized, by role: pressure, force, strain,
-      length, displacement, time, branch, clipped. Or all columns in their order, such as
-      `"force[N],pressure[kPa],-,length[mm]"`, with `-` for one to skip: for files without header.
+    - `columns`: headers of columns that aren't recognized, by role: pressure, force, torque,
+      strain, length, displacement, angle, moment_arm, time, branch, clipped. Or all columns in
+      their order, such as `"force[N],pressure[kPa],-,length[mm]"`, with `-` for one to skip: for
+      files without header.
     - `units`: units of columns whose header has none, by role.
     - `rest_length`: reference length of the strains [m]; lengths and displacements need it.
     - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
     - `header`: line of the columns' names, counted from 1; default: it is inferred.
     - `sidecar`: the TOML file; default: the one of the table's name, if there is one.
-    - `constants`: pressure, force, strain, length or displacement of all readings [SI].
+    - `constants`: pressure, force, strain, length, displacement, torque or angle of all readings
+      [SI].
     - `name_pattern`: constants in the file's name, such as `"{length}cm_{pressure}kPa"`.
-    - `zeros`: readings of pressure, force and displacement at zero, or at rest [SI].
+    - `zeros`: readings of pressure, force, torque and displacement at zero, or at rest, and the
+      angle at the rest length [SI].
     - `signs`: directions by role: "pushing positive", "extension positive" and their opposites.
     - `atmosphere`: to subtract from absolute pressures [Pa].
+    - `moment_arm`: of the muscle about the joint whose torque was measured [m]; or a table
+      `{"angle": …, "arm": …}` [rad], [m], between whose angles it is linear.
     - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
     - `table`: sheet, structure or group of a file with several.
 
@@ -102,7 +98,8 @@ def load(
     options: dict[str, Any] = {
         "columns": columns, "units": units, "rest_length": rest_length,
         "clipped_at_zero": clipped_at_zero, "header": header, "constants": constants,
-        "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "rows": rows, "table": table,
+        "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "moment_arm": moment_arm,
+        "rows": rows, "table": table,
     }  # fmt: skip
     records = []
     for file in find_files(path):
@@ -179,13 +176,18 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
     for name, role in (("rest_length", "length"), ("atmosphere", "pressure")):
         if name in changes:
             quantities[name] = role, changes[name]
+    if isinstance(arm := changes.get("moment_arm"), Mapping):
+        changes["moment_arm"] = read_arm_table(arm)
+    elif arm is not None:
+        quantities["moment_arm"] = "moment_arm", arm
     for name, (role, value) in quantities.items():
         # a constant's name alone would be that of the muscle's size
-        label = f"constant {name}" if name == role else name
+        label = f"constant {name}" if name == role != "moment_arm" else name
         number = parse(value, _dimension(role), label) if isinstance(value, str) else value
         number = float(to_si(number, role, _SI_UNITS[role]))
-        if not np.isfinite(number) or (name == "rest_length" and number <= 0):
-            rule = f"must be {'positive and ' if name == 'rest_length' else ''}finite"
+        is_size = name in ("rest_length", "moment_arm")
+        if not np.isfinite(number) or (is_size and number <= 0):
+            rule = f"must be {'positive and ' if is_size else ''}finite"
             raise InvalidInputError(name, rule, number, shown=f"{number} {_SI_UNITS[role]}")
         changes[name] = number
     return info.model_copy(update=changes)
@@ -243,26 +245,11 @@ def _read_record(
 ) -> Record:
     text = unpack(raw, source, info.table)
     table = open_table(text, source, info.header, info.names)
-    constants = info.constants
-    columns, column_notes = choose_columns(
-        table, info.columns, info.units, constants,
-        names=info.names, atmosphere=info.atmosphere is not None,
-    )  # fmt: skip
-    columns = {role: column for role, column in columns.items() if role not in constants}
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     rest_length, rest_notes = _rest_length(table, info, dict(remarks))
-    cells, misread = _read_cells(table, columns, info)
-    for column in misread:
-        del columns[column.role]
-        note = f"column `{column.header}` not read as {column.role}: it holds something else"
-        column_notes = (*(text for text in column_notes if text != column.note()), note)
-    raws = {r: cells.numbers[c.index] for r, c in columns.items() if r not in _TEXT_ROLES}
-    if constants:
-        raws |= {role: np.full(len(cells.lines), value) for role, value in constants.items()}
-        columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
-        rest_notes += (f"all readings at {_list_values(constants)}",)
-    position = columns[next(role for role in POSITIONS if role in columns)]
+    readings, column_notes = _read_numbers(table, info)
+    position = readings.position
     if rest_length is None and position.role != "strain":
         before = (
             f"{table.where}, column `{position.header}`: a {position.role} needs the rest length:"
@@ -271,46 +258,52 @@ def _read_record(
         toml = f"{Path(name).stem or 'its'}.toml"
         after = f', or write rest_length = "300 mm" in {toml} beside it'
         raise MissingMetadataError(before, ("rest_length", "", "", after))
-
-    def cell_error(row: int, column: Column, rule: str) -> ValueError:
-        if column.index < 0:
-            return ValueError(f"{source}: constant {column.role}: {rule}")
-        return table.cell_error(cells.lines[row], column.index, rule)
-
-    force = to_si_units(raws["force"], columns["force"].factor) - (info.force_at_rest or 0.0)
-    force = force * (info.signs.sign("force") or 1)
-    atmosphere = info.atmosphere if columns["pressure"].absolute else None
-    zero = (info.pressure_at_rest or 0.0) + (atmosphere or 0.0)
-    pressure, warnings = check_pressures(
-        columns["pressure"], raws["pressure"], force, zero, cell_error
-    )
-    top = float(np.max(pressure))
-    warnings += check_forces(columns["force"], raws["force"], force, top, cell_error)
-    strain, strain_notes = _strain(
-        position, raws[position.role], rest_length or np.nan, info, cell_error
-    )
-    censored, clip_notes = _censored(table, cells, columns.get("clipped"), force, info)
-    branch = np.full(force.size, UNKNOWN, dtype=np.int8)
-    if "branch" in columns:
-        branch = _meanings(table, cells, columns["branch"], _BRANCHES, "up or down")
-    time = None
-    if "time" in columns:
-        time = to_si_units(raws["time"], columns["time"].factor)
-        back = np.flatnonzero(np.diff(time) < 0)
-        if back.size:
-            warnings += (f"time goes back in line {cells.lines[back[0] + 1]}",)
+    joint = read_joint(readings, info)
+    if joint is not None:
+        readings, rest_notes = readings.only(joint.used), (*rest_notes, *joint.notes)
+    force = read_force(readings, joint, info)
+    pressure, warnings = read_pressure(readings, force, info)
+    strain, strain_notes = read_strain(readings, joint, rest_length or np.nan, info)
+    if position.role == "angle":
+        check_direction(readings, pressure, strain, force, info)
+    censored, clip_notes = read_censored(readings, force, info)
+    time, time_notes = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]
     all_notes = (
-        *notes, *_title_note(table), *column_notes, *cells.notes, *rest_notes, *strain_notes,
-        *clip_notes, *warnings, *(" ".join(text.split()) for text in [*texts, *info.notes]),
+        *notes, *_title_note(table), *column_notes, *readings.cells.notes, *rest_notes,
+        *strain_notes, *clip_notes, *warnings, *time_notes,
+        *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
     return Record(
-        pressure, strain, force, censored, branch.astype(np.int8), time, rest_length,
+        pressure, strain, force, censored, read_branch(readings), time, rest_length,
+        joint.arm if joint else readings.si("moment_arm"),
         synthetic=info.synthetic or _is_synthetic(header_lines),
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
         notes=tuple(f"{name}: {note}" for note in all_notes),
     )  # fmt: skip
+
+
+def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...]]:
+    """Numbers of the columns and constants of a `table`, and notes."""
+    constants = info.constants
+    given = constants.keys() | ({"moment_arm"} if info.arm_table else set())
+    columns, notes = choose_columns(
+        table, info.columns, info.units, given,
+        names=info.names, atmosphere=info.atmosphere is not None,
+    )  # fmt: skip
+    columns = {role: column for role, column in columns.items() if role not in given}
+    cells, misread = _read_cells(table, columns, info)
+    for column in misread:
+        del columns[column.role]
+        note = f"column `{column.header}` not read as {column.role}: it holds something else"
+        notes = (*(text for text in notes if text != column.note()), note)
+    raws = {r: cells.numbers[c.index] for r, c in columns.items() if r not in _TEXT_ROLES}
+    if constants:
+        raws |= {role: np.full(len(cells.lines), value) for role, value in constants.items()}
+        columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
+        notes += (f"all readings at {_list_values(constants)}",)
+    return Readings(table, cells, columns, raws), notes
 
 
 def _read_cells(
@@ -329,7 +322,7 @@ def _read_cells(
         else:
             misread.append(time)
     if (branch := columns.get("branch")) is not None and "branch" not in named:
-        is_branch = {text.lower() for text in cells.texts[branch.index]} <= set(_BRANCHES)
+        is_branch = {text.lower() for text in cells.texts[branch.index]} <= set(BRANCHES)
         misread += [] if is_branch else [branch]
     return cells, misread
 
@@ -375,67 +368,3 @@ def _rest_length(
     if length <= 0:
         raise ValueError(f"{table.source}: in its remarks, `rest_length` must be positive.")
     return length, (f"rest length {pretty(length, 'length')} read from its remarks",)
-
-
-def _strain(
-    column: Column, raw: np.ndarray, rest_length: float, info: Sidecar, cell_error: CellError
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Contraction, from a column of strains, displacements or lengths."""
-    values = to_si_units(raw, column.factor)
-    sign = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign
-    if column.role == "strain":
-        strain = values * sign
-    elif column.role == "displacement":
-        strain = (values - (info.displacement_at_rest or 0.0)) * sign / rest_length
-        is_known = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign < 0
-        if not is_known and np.min(strain) < _STRETCHED and np.max(strain) < -_STRETCHED:
-            message = str(cell_error(int(np.argmin(strain)), column, ""))
-            raise MissingMetadataError(
-                f"{message}all displacements stretch the muscle: if they grow with it, give ",
-                ("signs", "displacement", "extension positive", ", else contraction positive"),
-            )
-    else:
-        wrong = np.flatnonzero(values <= 0)
-        if wrong.size:
-            rule = f"{raw[wrong[0]]:g} is no length of a muscle"
-            if raw[wrong[0]] == 0 and column.index >= 0:
-                before = cell_error(int(wrong[0]), column, f"{rule}: if it counts from rest, give ")
-                choice = ("columns", "displacement", column.header, "")
-                raise MissingMetadataError(str(before), choice)
-            raise cell_error(int(wrong[0]), column, f"{rule}.")
-        strain = (rest_length - values) / rest_length
-    check_strains(column, raw, strain, cell_error)
-    notes, longest = (), float(np.min(strain))
-    if longest < _STRETCHED:
-        count = int(np.count_nonzero(strain < _STRETCHED))
-        notes = (f"{count} readings stretched beyond rest, down to {longest:.3g}",)
-    return strain + 0.0, notes  # without negative zeros
-
-
-def _censored(
-    table: Table, cells: TableColumns, column: Column | None, force: np.ndarray, info: Sidecar
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    censored = np.zeros(force.size, dtype=bool)
-    if column is not None:
-        censored = _meanings(table, cells, column, _FLAGS, "0 or 1").astype(bool)
-    if info.clipped_at_zero:
-        censored = censored | (force == 0)
-    count, zeros = int(np.count_nonzero(censored)), int(np.count_nonzero(force == 0))
-    if count:
-        return censored, (f"{count} of {force.size} readings clipped",)
-    if zeros > 2 and column is None and info.clipped_at_zero is None:
-        hint = "if the gauge can't push, give clipped_at_zero = true"
-        return censored, (f"{zeros} forces are exactly 0: {hint}",)
-    return censored, ()
-
-
-def _meanings(
-    table: Table, cells: TableColumns, column: Column, meanings: Mapping[str, int], rule: str
-) -> np.ndarray:
-    """Meaning of the text in each cell of a column; the error for an unknown one says `rule`."""
-    values = []
-    for line, text in zip(cells.lines, cells.texts[column.index], strict=True):
-        if (value := meanings.get(text.lower())) is None:
-            raise table.cell_error(line, column.index, f"{text!r} isn't known: write {rule}.")
-        values.append(value)
-    return np.array(values)

@@ -21,6 +21,7 @@ from ..units import exact
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
 COLUMNS = ("pressure", "strain", "force", "censored", "branch")
+OPTIONAL_COLUMNS = ("time", "moment_arm")
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class Record:
     - `branch`: 1 inflating or contracting, −1 deflating or extending, 0 unknown.
     - `time`: [s], or `None`.
     - `rest_length`: reference length of the strains [m], or `None` if only strains were given.
+    - `moment_arm`: of the muscle on the joint whose torque was measured [m], or `None`.
     - `synthetic`: true for readings of a model.
     - `sources`: the files it was read from.
     - `notes`: guesses and changes made while reading, a line each.
@@ -54,6 +56,7 @@ class Record:
     branch: np.ndarray
     time: np.ndarray | None = None
     rest_length: float | None = None
+    moment_arm: np.ndarray | None = None
     synthetic: bool = False
     sources: tuple[Source, ...] = ()
     notes: tuple[str, ...] = ()
@@ -117,12 +120,14 @@ class Record:
         **Returns:** the selected readings.
         """
         arrays = {name: getattr(self, name)[selection] for name in COLUMNS}
-        time = None if self.time is None else self.time[selection]
-        return replace(self, **arrays, time=time, notes=(*self.notes, *notes))
+        for name in OPTIONAL_COLUMNS:
+            values = getattr(self, name)
+            arrays[name] = None if values is None else values[selection]
+        return replace(self, **arrays, notes=(*self.notes, *notes))
 
 
 def join(records: Sequence[Record]) -> Record:
-    """Concatenate records of one muscle; `time` is `None` unless every record has one.
+    """Concatenate records of one muscle; `time` and `moment_arm` are `None` unless all have one.
 
     **Arguments:** `records`: at least one.
 
@@ -138,12 +143,15 @@ def join(records: Sequence[Record]) -> Record:
     duplicates = _duplicate_messages(records)
     for message in duplicates:
         warnings.warn(f"{message}.", stacklevel=2)
-    times = [record.time for record in records if record.time is not None]
+    optional = {name: [getattr(r, name) for r in records] for name in OPTIONAL_COLUMNS}
     notes = [note for record in records for note in record.notes]
     return replace(
         records[0],
         **{name: np.concatenate([getattr(r, name) for r in records]) for name in COLUMNS},
-        time=np.concatenate(times) if len(times) == len(records) else None,
+        **{
+            name: None if any(x is None for x in values) else np.concatenate(values)
+            for name, values in optional.items()
+        },
         # strains without a rest length refer to the length that the other records name
         rest_length=next(iter(lengths), None),
         synthetic=any(record.synthetic for record in records),
@@ -176,6 +184,8 @@ def dumps(record: Record) -> str:
     columns["force [N]"] = record.force
     if record.time is not None:
         columns["time [s]"] = record.time
+    if record.moment_arm is not None:
+        columns["moment arm [m]"] = record.moment_arm
     if record.branch.any():
         columns["branch"] = record.branch
     if record.censored.any():

@@ -5,7 +5,9 @@ rest_length = "300 mm"
 clipped_at_zero = true                # readings of exactly zero are clipped
 pressure = "200 kPa"                  # of all readings; length, strain, displacement, force too
 displacement_at_rest = "12.5 mm"      # the displacement's reading at the rest length
-pressure_at_rest = "1.5 kPa"          # the gauges' readings at zero; force_at_rest too
+pressure_at_rest = "1.5 kPa"          # the gauges' readings at zero; force_at_rest, torque_… too
+angle_at_rest = "10 deg"              # the joint's angle at the rest length
+moment_arm = "25 mm"                  # of the muscle about the joint; or a table, see below
 atmosphere = "1.013 bar"              # subtracted from absolute pressures
 columns = ["force [N]", "-", "pressure [kPa]"]   # in their order, of a table without header
 rows = "40:200"                       # the first and the last row to read, from 1
@@ -23,7 +25,11 @@ force = "N"
 
 [signs]
 force = "pushing positive"            # or "pulling positive"
-strain = "extension positive"         # or "contraction positive"; displacement likewise
+strain = "extension positive"         # or "contraction positive"; displacement, angle likewise
+
+[moment_arm]                          # between these angles it is linear
+angle = "0deg:90deg:45deg"            # or a list
+arm = ["20 mm", "26 mm", "22 mm"]
 ```
 """
 
@@ -35,6 +41,7 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
+    PlainValidator,
     StrictBool,
     StrictInt,
     StrictStr,
@@ -45,13 +52,18 @@ from pydantic import (
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
 from ..table_model import Quantity, TableModel, validation_message
+from ..units import parse
 from .columns import check_roles, split_names
+from .joint import ArmTable, read_arm_table
 
 
 _MAX_SIZE = 1_000_000  # bytes
 _NEGATIVE = ("pushing positive", "extension positive")
-CONSTANTS = ("pressure", "force", "strain", "length", "displacement")  # that one file may share
-ZEROS = ("pressure", "force", "displacement")  # gauges that may be off by a constant
+# that one file may share
+CONSTANTS = ("pressure", "force", "torque", "strain", "length", "displacement", "angle",
+             "moment_arm")  # fmt: skip
+# gauges that may be off by a constant, and the joint's angle at rest
+ZEROS = ("pressure", "force", "torque", "displacement", "angle")
 
 
 def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
@@ -63,11 +75,21 @@ def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
+def _arm_or_table(value: Any) -> Any:
+    if isinstance(value, dict):
+        return read_arm_table(value, bare=False)
+    if (arm := parse(value, "length", "moment_arm")) <= 0:
+        raise ValueError("must be positive")
+    return arm
+
+
 Contraction = Literal["contraction positive", "extension positive"]
 TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
 Pressure = Annotated[float, Quantity("pressure")]
 Length = Annotated[float, Quantity("length")]
 Force = Annotated[float, Quantity("force")]
+Torque = Annotated[float, Quantity("moment")]
+Angle = Annotated[float, Quantity("angle")]
 
 
 class Signs(TableModel):
@@ -76,6 +98,7 @@ class Signs(TableModel):
     force: Literal["pulling positive", "pushing positive"] | None = None
     strain: Contraction | None = None
     displacement: Contraction | None = None
+    angle: Contraction | None = None
 
     def sign(self, role: str) -> int | None:
         """1 or −1 for a role, or `None`."""
@@ -89,11 +112,16 @@ class Sidecar(TableModel):
     rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
     pressure: Pressure | None = None
     force: Force | None = None
+    torque: Torque | None = None
     strain: Annotated[float, Quantity("strain")] | None = None
     length: Length | None = None
     displacement: Length | None = None
+    angle: Angle | None = None
+    moment_arm: Annotated[float | ArmTable | None, PlainValidator(_arm_or_table)] = None
     pressure_at_rest: Pressure | None = None
     force_at_rest: Force | None = None
+    torque_at_rest: Torque | None = None
+    angle_at_rest: Angle | None = None
     displacement_at_rest: Length | None = None
     atmosphere: Pressure | None = None
     clipped_at_zero: StrictBool | None = None
@@ -119,7 +147,12 @@ class Sidecar(TableModel):
     def constants(self) -> dict[str, float]:
         """Values that all readings of the file share [SI], by role."""
         values = {role: getattr(self, role) for role in CONSTANTS}
-        return {role: value for role, value in values.items() if value is not None}
+        return {role: value for role, value in values.items() if isinstance(value, float)}
+
+    @property
+    def arm_table(self) -> ArmTable | None:
+        """Moment arms by angle, if a table was given."""
+        return self.moment_arm if isinstance(self.moment_arm, ArmTable) else None
 
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:

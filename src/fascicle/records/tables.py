@@ -54,6 +54,16 @@ class TableColumns:
     lines: list[int]
     notes: list[str] = field(default_factory=list)
 
+    def only(self, mask: np.ndarray) -> "TableColumns":
+        """Rows in a `mask`."""
+        rows = np.flatnonzero(mask)
+        return TableColumns(
+            {i: values[rows] for i, values in self.numbers.items()},
+            {i: [texts[row] for row in rows] for i, texts in self.texts.items()},
+            [self.lines[row] for row in rows],
+            self.notes,
+        )
+
 
 class _Layout(NamedTuple):
     """Delimiter of a table, and indices among its first lines: of header, units and readings.

@@ -19,9 +19,10 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..units import DIMENSIONS, parse
 
 
-POSITIONS = ("strain", "length", "displacement")  # the first of them in a table is read
+POSITIONS = ("strain", "length", "displacement", "angle")  # the first in a table is read
 USUAL_UNITS = {
     "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
+    "torque": "N*m", "angle": "deg", "moment_arm": "mm",
 }  # fmt: skip
 STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
 _MIN_PRESSURE = 2e3  # Pa: a record that stays below, but pulls, is in another unit
@@ -38,7 +39,7 @@ SPELLINGS = {
         "psi": "psi", "lbf/in2": "psi", "atm": "atm", "n/mm2": "MPa", "n/mm²": "MPa",
         "n/mm^2": "MPa", "n/m2": "Pa", "n/m²": "Pa", "n/m^2": "Pa", "barü": "bar", "bar(ü)": "bar",
         "kgf/cm2": "kgf/cm^2", "kgf/cm²": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "kg/cm²": "kgf/cm^2",
-        "mmhg": "mmHg",
+        "mmhg": "mmHg", "torr": "torr", "inhg": "inHg",
     },
     "force": {
         "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
@@ -49,6 +50,17 @@ SPELLINGS = {
         "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
         "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "cm": "cm", "um": "µm",
         "μm": "µm", "in": "in", "inch": "in", "inches": "in", '"': "in", "ft": "ft",
+    },
+    "angle": {
+        "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "rad": "rad",
+        "radian": "rad", "radians": "rad", "mrad": "mrad",
+    },
+    "moment": {
+        "nm": "N*m", "n*m": "N*m", "mnm": "mN*m", "mn*m": "mN*m", "knm": "kN*m", "kn*m": "kN*m",
+        "nmm": "N*mm", "n*mm": "N*mm", "ncm": "N*cm", "n*cm": "N*cm", "kgf*m": "kgf*m",
+        "kgf*cm": "kgf*cm", "kg*cm": "kgf*cm", "lbf*ft": "lbf*ft", "lb*ft": "lbf*ft",
+        "ft*lb": "lbf*ft", "ft*lbf": "lbf*ft", "lbf*in": "lbf*in", "lb*in": "lbf*in",
+        "in*lb": "lbf*in", "in*lbf": "lbf*in",
     },
     "strain": {"%": "%", "percent": "%", "pct": "%", "prozent": "%", "mm/m": "mm/m"},
     "time": {
@@ -95,10 +107,11 @@ class Column:
         """Description of how the column is read."""
         has_unit = self.role in {*POSITIONS, *USUAL_UNITS}
         unit = f" in {self.unit or 'fractions'}" if has_unit else ""
+        role = self.role.replace("_", " ")
         replaced = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
         sign = ", its sign turned" if self.sign < 0 else ""
         absolute = ", less the atmosphere" if self.absolute else ""
-        return f"column `{self.header}` read as {self.role}{unit}{replaced}{sign}{absolute}"
+        return f"column `{self.header}` read as {role}{unit}{replaced}{sign}{absolute}"
 
 
 CellError = Callable[[int, Column, str], ValueError]  # row, its column, the rule
@@ -123,10 +136,12 @@ def absolute_unit(unit: str) -> str:
 def unit_factor(unit: str, dimension: str) -> float:
     """SI units in one `unit`, as a header writes it, without brackets.
 
-    `dimension` is "pressure", "force", "length", "strain" or "time". Raises a `ValueError` of a
-    few words for a unit that isn't of that dimension.
+    `dimension` is "pressure", "force", "length", "angle", "moment", "strain" or "time". Raises a
+    `ValueError` of a few words for a unit that isn't of that dimension.
     """
     text = unit.strip()
+    if dimension == "moment":
+        text = re.sub(r"[\s·⋅•.*-]+", "*", text)
     if dimension == "pressure":
         if is_absolute(text):
             raise ValueError(f"{unit!r} is absolute")
@@ -241,7 +256,8 @@ def check_strains(
         hint = f"it must lie from {low} to {high}, check its unit and sign."
     else:
         side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
-        hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, unit and sign."
+        arm = "moment arm, " if column.role == "angle" else ""
+        hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, {arm}unit and sign."
     reading = _reading_text(raw[row], column)
     raise cell_error(row, column, f"{reading} is a contraction of {strain[row]:.4g}: {hint}")
 
@@ -254,7 +270,7 @@ def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
     """End of an error: `: did you mean kPa?`, a unit in which `worst` makes sense, or `: check its
     unit.` `excess`: factor by which a force is too large.
     """
-    for unit in _SUGGESTIONS[column.role]:
+    for unit in _SUGGESTIONS.get(column.role, ()):
         factor = unit_factor(unit, column.role)
         if column.role == "pressure" and not 10e3 <= worst * factor <= HIGHEST_PRESSURE:
             continue

@@ -204,7 +204,7 @@ def test_columns_by_place():
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        ("force[N],torque,-", "unknown name 'torque'"),
+        ("force[N],voltage,-", "unknown name 'voltage'"),
         ("force[N],force,-", "names force twice"),
         ("force[N],pressure[kPa],-,-,length[mm],time", "6 columns were named, but it has 5"),
         ("force[N],pressure[kPa]", "no column of length"),

@@ -120,7 +120,7 @@ def test_encodings(tmp_path, encoding):
         # columns
         ("pressure [kPa]", "junk", ["line 1: no column of pressure", "`junk`", "columns"]),
         ("force [N]", "junk", ["line 1: no column of force"]),
-        ("length [mm]", "junk", ["line 1: no column of length, strain or displacement"]),
+        ("length [mm]", "junk", ["line 1: no column of length, strain, displacement or angle"]),
         ("length [mm]", "force [N]", ["column `force [N]` is there 2 times"]),
         ("length [mm]", "load [N]", ["several columns could be force", "`load [N]`"]),
         # units

@@ -70,6 +70,7 @@ def run(
     zero: list[str] | None = reading.ZERO,
     sign: list[str] | None = reading.SIGN,
     atmosphere: str | None = reading.ATMOSPHERE,
+    moment_arm: str | None = reading.MOMENT_ARM,
     clipped_at_zero: bool = reading.CLIPPED_AT_ZERO,
     push_positive: bool = reading.PUSH_POSITIVE,
     fit: str | None = option(
@@ -119,7 +120,7 @@ def run(
     options_of_reading = reading.read_options(
         unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
         push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
-        table=table, name_pattern=name_pattern, atmosphere=atmosphere,
+        table=table, name_pattern=name_pattern, atmosphere=atmosphere, moment_arm=moment_arm,
     )  # fmt: skip
     if notebook and out is None and as_json:
         raise UserError("--notebook: name its folder with --out, or drop --json.")

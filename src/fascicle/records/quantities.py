@@ -1,0 +1,175 @@
+"""Columns of a table as quantities [SI]: pressure, force, contraction, branch and time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .headers import MissingMetadataError
+from .joint import JointReadings
+from .record import DOWN, UNKNOWN, UP
+from .sidecar import Sidecar
+from .tables import Table, TableColumns
+from .units import POSITIONS, Column, check_forces, check_pressures, check_strains, to_si_units
+
+
+_STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
+
+BRANCHES = {
+    **dict.fromkeys(
+        ("1", "+1", "1.0", "up", "inflating", "inflation", "inflate", "contracting",
+         "contraction", "shortening", "loading", "forward"), UP),
+    **dict.fromkeys(
+        ("-1", "−1", "-1.0", "down", "deflating", "deflation", "deflate", "extending",
+         "extension", "lengthening", "unloading", "backward", "return"), DOWN),
+    **dict.fromkeys(("0", "0.0", "", "-", "unknown"), UNKNOWN),
+}  # fmt: skip
+_FLAGS = {
+    **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
+    **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
+}
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Rows of a `table`: their `cells`, the `columns` that were read and their `raws`, by role.
+
+    The raws are numbers in the units of the columns, a constant's for each row.
+    """
+
+    table: Table
+    cells: TableColumns
+    columns: Mapping[str, Column]
+    raws: Mapping[str, np.ndarray]
+
+    @property
+    def position(self) -> Column:
+        """Column of strains, lengths, displacements or angles."""
+        return self.columns[next(role for role in POSITIONS if role in self.columns)]
+
+    def si(self, role: str) -> np.ndarray | None:
+        """Numbers of a role [SI], or `None`."""
+        column = self.columns.get(role)
+        return None if column is None else to_si_units(self.raws[role], column.factor)
+
+    def only(self, mask: np.ndarray) -> "Readings":
+        """Rows in a `mask`."""
+        raws = {role: raw[mask] for role, raw in self.raws.items()}
+        return replace(self, cells=self.cells.only(mask), raws=raws)
+
+    def cell_error(self, row: int, column: Column, rule: str) -> ValueError:
+        """The error for a row's cell of a `column` that breaks a `rule`."""
+        if column.index < 0:
+            return ValueError(f"{self.table.source}: constant {column.role}: {rule}")
+        return self.table.cell_error(self.cells.lines[row], column.index, rule)
+
+
+def read_force(readings: Readings, joint: JointReadings | None, info: Sidecar) -> np.ndarray:
+    """Pulling force [N], from a column of forces or torques."""
+    if (force := readings.si("force")) is not None:
+        force = force - (info.force_at_rest or 0.0)
+    else:
+        torque = readings.si("torque")
+        assert torque is not None  # a table without either is refused
+        assert joint is not None
+        force = (torque - (info.torque_at_rest or 0.0)) / joint.arm
+    return force * (info.signs.sign("force") or 1)
+
+
+def read_pressure(
+    readings: Readings, force: np.ndarray, info: Sidecar
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Gauge pressure [Pa], and notes; it is checked against the `force` [N]."""
+    columns, raws = readings.columns, readings.raws
+    column = columns["pressure"]
+    zero = (info.pressure_at_rest or 0.0) + ((info.atmosphere or 0.0) if column.absolute else 0.0)
+    pressure, notes = check_pressures(column, raws["pressure"], force, zero, readings.cell_error)
+    pull = "force" if "force" in columns else "torque"
+    top = float(np.max(pressure))
+    return pressure, notes + check_forces(
+        columns[pull], raws[pull], force, top, readings.cell_error
+    )
+
+
+def read_strain(
+    readings: Readings, joint: JointReadings | None, rest_length: float, info: Sidecar
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Contraction, from strains, displacements, lengths or angles, and notes."""
+    column, cell_error = readings.position, readings.cell_error
+    raw, values = readings.raws[column.role], readings.si(column.role)
+    if joint is not None and joint.shortening is not None:
+        values = joint.shortening
+    assert values is not None  # a table without a position is refused
+    sign = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign
+    if column.role == "strain":
+        strain = values * sign
+    elif column.role in ("displacement", "angle"):
+        zero = info.displacement_at_rest if column.role == "displacement" else None
+        strain = (values - (zero or 0.0)) * sign / rest_length
+        is_known = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign < 0
+        if not is_known and np.min(strain) < _STRETCHED and np.max(strain) < -_STRETCHED:
+            message = str(cell_error(int(np.argmin(strain)), column, ""))
+            raise MissingMetadataError(
+                f"{message}all {column.role}s stretch the muscle: if they grow with it, give ",
+                ("signs", column.role, "extension positive", ", else contraction positive"),
+            )
+    else:
+        wrong = np.flatnonzero(values <= 0)
+        if wrong.size:
+            rule = f"{raw[wrong[0]]:g} is no length of a muscle"
+            if raw[wrong[0]] == 0 and column.index >= 0:
+                before = cell_error(int(wrong[0]), column, f"{rule}: if it counts from rest, give ")
+                choice = ("columns", "displacement", column.header, "")
+                raise MissingMetadataError(str(before), choice)
+            raise cell_error(int(wrong[0]), column, f"{rule}.")
+        strain = (rest_length - values) / rest_length
+    check_strains(column, raw, strain, cell_error)
+    notes, longest = (), float(np.min(strain))
+    if longest < _STRETCHED:
+        count = int(np.count_nonzero(strain < _STRETCHED))
+        notes = (f"{count} readings stretched beyond rest, down to {longest:.3g}",)
+    return strain + 0.0, notes  # without negative zeros
+
+
+def read_censored(
+    readings: Readings, force: np.ndarray, info: Sidecar
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Flags of clipped forces, and notes."""
+    censored = np.zeros(force.size, dtype=bool)
+    if "clipped" in readings.columns:
+        censored = _meanings(readings, "clipped", _FLAGS, "0 or 1").astype(bool)
+    if info.clipped_at_zero:
+        censored = censored | (force == 0)
+    count, zeros = int(np.count_nonzero(censored)), int(np.count_nonzero(force == 0))
+    if count:
+        return censored, (f"{count} of {force.size} readings clipped",)
+    if zeros > 2 and "clipped" not in readings.columns and info.clipped_at_zero is None:
+        hint = "if the gauge can't push, give clipped_at_zero = true"
+        return censored, (f"{zeros} forces are exactly 0: {hint}",)
+    return censored, ()
+
+
+def read_branch(readings: Readings) -> np.ndarray:
+    """Branch of each reading, unknown without a column."""
+    if "branch" not in readings.columns:
+        return np.full(len(readings.cells.lines), UNKNOWN, dtype=np.int8)
+    return _meanings(readings, "branch", BRANCHES, "up or down").astype(np.int8)
+
+
+def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """Time [s], if there is a column, and notes."""
+    if (time := readings.si("time")) is None:
+        return None, ()
+    back = np.flatnonzero(np.diff(time) < 0)
+    lines = readings.cells.lines
+    return time, (f"time goes back in line {lines[back[0] + 1]}",) if back.size else ()
+
+
+def _meanings(readings: Readings, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:
+    """Meaning of the text in each cell of a column; the error for an unknown one says `rule`."""
+    column, cells, values = readings.columns[role], readings.cells, []
+    for row, text in enumerate(cells.texts[column.index]):
+        if (value := meanings.get(text.lower())) is None:
+            raise readings.cell_error(row, column, f"{text!r} isn't known: write {rule}.")
+        values.append(value)
+    return np.array(values)
