@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..dynamics.hysteresis import MaxwellSlip
+from ..muscle.hysteresis import MaxwellSlip
 from ..records.hysteresis import averaged
 from ..records.record import DOWN, UP, Record
 from ..records.segmentation import Run, runs

@@ -50,7 +50,7 @@ from .readings import Readings, SmoothCurves, top_pressure
 LOSSES = ("linear", "soft_l1", "cauchy")
 KNOWN = 1.0  # deviation of an identifiable coordinate
 NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
-ROUGH = 1e-6  # of the cost, which is some hundreds: tells which start leads lowest
+ROUGH = 1e-4  # of the cost, which is some hundreds: tells which start leads lowest
 _CERTAIN = 30.0  # deviations below the limit, where a censored reading says nothing in float64
 # steps of finite differences: roots in the law are exact to 1e-12, so a first-order difference is
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
@@ -225,7 +225,7 @@ class Problem:
         steps = size * (np.arange(len(point))[:, None] == columns)
         out = np.zeros((*force.shape, len(columns)))
         # as many columns at once as stay in a processor's cache
-        count = max(1, _BATCH // force.size)
+        count = max(1, _BATCH // self._rows[1].size)
         for i in range(0, len(columns), count):
             step, chunk = steps[:, i : i + count], slice(i, i + count)
             rise = self.force(point[:, None] + step) - force

@@ -64,7 +64,7 @@ def figures(
     for figure in panels.values():
         # a layout moves a little each time it is made: the files of one figure would differ
         figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)  # which also spares each file a second drawing
     return panels
 
 

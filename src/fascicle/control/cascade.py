@@ -38,7 +38,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
-from ..dynamics.hysteresis import AbstractHysteresis
+from ..muscle.hysteresis import AbstractHysteresis
 from .units import UnitDemand, Units, evaluate_capability
 
 

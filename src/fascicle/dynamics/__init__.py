@@ -20,10 +20,10 @@ from .audit import Balance as Balance
 from .audit import Event as Event
 from .audit import audit as audit
 from .audit import events as events
-from .hysteresis import AbstractHysteresis as AbstractHysteresis
-from .hysteresis import Coulomb as Coulomb
-from .hysteresis import Dahl as Dahl
-from .hysteresis import MaxwellSlip as MaxwellSlip
+from ..muscle.hysteresis import AbstractHysteresis as AbstractHysteresis
+from ..muscle.hysteresis import Coulomb as Coulomb
+from ..muscle.hysteresis import Dahl as Dahl
+from ..muscle.hysteresis import MaxwellSlip as MaxwellSlip
 from .integrate import integrate as integrate
 from .loads import AbstractLoad as AbstractLoad
 from .loads import AntagonisticJoint as AntagonisticJoint
@@ -47,7 +47,8 @@ from .simulate import simulate as simulate
 __getattr__, __dir__ = attach_lazy(
     __name__,
     {},
-    renamed={
+    {"hysteresis": "muscle.hysteresis"},
+    {
         "Pace": "StepSizeEstimate",
         "Seen": "PlantOutputs",
         "pace": "estimate_substeps",

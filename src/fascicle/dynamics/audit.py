@@ -27,8 +27,8 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..fluid import AdiabaticWall
+from ..muscle.hysteresis import MaxwellSlip
 from .energy_ledger import LEDGER, STORES
-from .hysteresis import MaxwellSlip
 from .muscles import Exact
 from .outputs import STATUS
 from .plant import Plant

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, where
 from ..core.types import Batch, Numbers
+from ..muscle.hysteresis import FrictionStep
 from .chamber_pressure import ChamberEvaluation, conserved_rates, evaluate_chambers
-from .hysteresis import FrictionStep
 from .plant import Plant, State
 
 

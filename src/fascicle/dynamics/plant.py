@@ -26,7 +26,7 @@ from ..core.validation import HIGHEST_PRESSURE, check_choice, is_concrete
 from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
 from ..fluid.liquid_chamber import LiquidChamber
 from ..muscle.braid import Braid
-from .hysteresis import AbstractHysteresis
+from ..muscle.hysteresis import AbstractHysteresis
 from .loads import AbstractLoad
 from .muscles import AbstractMuscles, Exact, Geometric, Tables
 
