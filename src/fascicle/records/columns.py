@@ -274,7 +274,10 @@ def _wrong_unit(where: str, role: str, unit: str, dimension: str, error: ValueEr
 def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
-        times = f"is there {len(names)} times: rename one, or name the columns in their order."
+        times = (
+            f"is there {len(names)} times: rename one, name the columns in their order, or write"
+            " above each its pressure, such as `100 kPa`."
+        )
         return ValueError(f"{table.where}: column `{names[0]}` {times}")
     how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
     return MissingMetadataError(how, ("columns", role, names[0], ""))
@@ -301,6 +304,18 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     example = f"{stem[1].replace(',', '.')} {stem[2]}" if stem else _EXAMPLES[role]
     reason = ", as the file's name says" if stem else ", if it is one for all readings"
     constant = ("constants", role, example, reason)
+    if role == "pressure" and len(set(names)) < len(names):
+        what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
+        return MissingMetadataError(what, ("constants", role, "200 kPa", ", if it is one"))
+    if role == "length" and table.origins:
+        names = table.header[:-1]
+        forces = [score(name, "", "force") > 1 for name in names]
+        position = forces.index(False) if False in forces else 0
+        example = ["strain[%]" if i == position else "force[N]" if is_force else "-"
+                   for i, is_force in enumerate(forces)]  # fmt: skip
+        after = ", or length[mm] or displacement[mm] instead, in the units of the file"
+        what = f"{before}name the columns of one pressure, {_list_names(names)}, with "
+        return MissingMetadataError(what, ("columns", "", ",".join(example), after))
     if stem or not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
     if len(names) == 1 and role == "length" and is_unit(read_header(names[0])[0][1], ("length",)):

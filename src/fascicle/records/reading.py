@@ -16,7 +16,7 @@ from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
 from .formats import unpack
-from .headers import DIMENSIONS, ROLES
+from .headers import DIMENSIONS, ROLES, read_header
 from .joint import read_arm_table
 from .joint_readings import check_direction, read_joint
 from .quantities import (
@@ -244,7 +244,7 @@ def _read_record(
     raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...]
 ) -> Record:
     text = unpack(raw, source, info.table)
-    table = open_table(text, source, info.header, info.names)
+    table = open_table(text, source, info.header, info.names, wide="pressure" not in info.constants)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     rest_length, rest_notes = _rest_length(table, info, dict(remarks))
@@ -288,11 +288,18 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     """Numbers of the columns and constants of a `table`, and notes."""
     constants = info.constants
     given = constants.keys() | ({"moment_arm"} if info.arm_table else set())
-    columns, notes = choose_columns(
+    names, notes = info.names, ()
+    if table.origins:
+        level = read_header(table.header[-1])[0][0]  # pressure or length
+        if names:  # of the columns of one of them
+            names = (*names, *[""] * (len(table.header) - len(names) - 1), level)
+        notes = (f"columns for each {level} read as readings at these {level}s",)
+    columns, column_notes = choose_columns(
         table, info.columns, info.units, given,
-        names=info.names, atmosphere=info.atmosphere is not None,
+        names=names, atmosphere=info.atmosphere is not None,
     )  # fmt: skip
     columns = {role: column for role, column in columns.items() if role not in given}
+    notes += column_notes
     cells, misread = _read_cells(table, columns, info)
     for column in misread:
         del columns[column.role]

@@ -10,13 +10,14 @@ import io
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from .headers import ROLES, MissingMetadataError, is_known
 from .units import is_unit
+from .wide_tables import read_wide_header
 
 
 MAX_ROWS = 20_000_000  # five hours at a kilohertz
@@ -25,6 +26,7 @@ _LONGEST_PRINT = 500  # characters of a line that a monitor shows: longer ones t
 _LONGEST_NAME = 100  # characters of a column's name
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
+_WIDE_REACH = 3  # of them for the names, pressures and units of a wide table
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0\u202f]\d{3})+(?:[.,]\d+)?", re.ASCII)
@@ -88,6 +90,7 @@ class Table:
     - `remarks`: lines after `#` above the header; `titles`: other lines above it.
     - `delimiter`, `decimal`: the signs between cells and in numbers.
     - `body`: the lines of the rows; `first`: the number of the first one.
+    - `origins`: of a table that was wide, the file's line of each line.
     """
 
     source: str
@@ -100,6 +103,7 @@ class Table:
     decimal: str
     body: list[str]
     first: int
+    origins: tuple[int, ...] = ()
 
     @property
     def where(self) -> str:
@@ -199,12 +203,12 @@ class Table:
         return None if frame.empty else TableColumns(
             {i: frame[i].to_numpy() for i in floats},
             {i: [text.strip() for text in frame[i]] for i in texts},
-            [self.first + int(i) for i in frame.index],
+            [self._file_line(self.first + int(i)) for i in frame.index],
         )  # fmt: skip
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line and stripped cells of each row that is neither blank, a remark nor a header."""
-        lines = ("" if line.lstrip().startswith(_REMARK) else line for line in self.body)
+        lines = ("" if _is_remark(line) else line for line in self.body)
         delimiter = self.delimiter
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
@@ -215,10 +219,13 @@ class Table:
             for cells in rows:
                 row = [cell.strip() for cell in cells]
                 if any(row) and row not in repeats:
-                    yield self.first + rows.line_num - 1, row
+                    yield self._file_line(self.first + rows.line_num - 1), row
         except csv.Error as error:
-            line = self.first + rows.line_num - 1
+            line = self._file_line(self.first + rows.line_num - 1)
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
+
+    def _file_line(self, line: int) -> int:
+        return self.origins[line - 1] if self.origins else line
 
     def _no_readings(
         self, numbers: Sequence[int], holes: list, text_rows: list, count: int
@@ -258,13 +265,19 @@ class Table:
 
 
 def open_table(
-    raw: bytes, source: str, header_line: int | None = None, names: Sequence[str] = ()
+    raw: bytes,
+    source: str,
+    header_line: int | None = None,
+    names: Sequence[str] = (),
+    *,
+    wide: bool = True,
 ) -> Table:
     """Read the header of a table from the `raw` bytes of a text file; its cells stay text.
 
     `source` names the file in errors; `header_line` is the header's line, counted from 1;
-    default: it is inferred. `names` are the columns' names of a table without header. Raises a
-    `ValueError` for anything but a table.
+    default: it is inferred. `names` are the columns' names of a table without header. `wide`: a
+    table with columns for each pressure becomes a long one. Raises a `ValueError` for anything but
+    a table.
     """
     lines = _split_lines(_decode(raw, source))
     head, remarks = _first_lines(lines, source)
@@ -281,6 +294,10 @@ def open_table(
                 f" {_HEAD_LINES} lines that is neither blank nor a remark."
             )
     layout = _find_layout([text for _, text in head], header_index)
+    if wide and (long := _unfold(lines, head, layout, names, source)) is not None:
+        text, origins = long
+        table = open_table(text.encode(), source, names=names, wide=False)
+        return replace(table, line=origins[table.line - 1], origins=origins)
     cells = [_split(text, layout.delimiter) for _, text in head]
     if layout.header is not None:
         line, text = head[layout.header]
@@ -308,6 +325,50 @@ def open_table(
         source, tuple(header), line, units, tuple(remarks), tuple(_printable(t) for _, t in titles),
         layout.delimiter, "," if comma else ".", body, first,
     )  # fmt: skip
+
+
+def _unfold(
+    lines: Sequence[str],
+    head: Sequence[tuple[int, str]],
+    layout: _Layout,
+    names: Sequence[str],
+    source: str,
+) -> tuple[str, tuple[int, ...]] | None:
+    """Text of a wide table as a long one, and the file's line of each of its lines; `None` for
+    other tables.
+    """
+    rows = [_split(text, layout.delimiter, trim=False) for _, text in head]
+    start = layout.start
+    firsts = [_NUMBER.fullmatch(row[0]) is not None for row in rows[start : start + 2]]
+    start += firsts == [False, True]  # a row of pressures that begins with their name
+    above = max(start - _WIDE_REACH, 0)
+    try:
+        header = read_wide_header(rows[above:start], max(map(len, rows[above : start + 50])))
+    except ValueError as error:
+        raise ValueError(f"{source}, line {head[start - 1][0]}: {error}.") from None
+    if header is None or len(names) >= len(header.names):
+        return None
+    first, top = head[start][0] if start < len(head) else len(lines) + 1, head[above][0]
+    body = [
+        [] if _is_remark(line) else _split(line, layout.delimiter, trim=False)
+        for line in lines[first - 1 :]
+    ]
+    is_led = any(_NUMBER.fullmatch(row[0]) for row in body if row)
+    is_row = [
+        any(map(_NUMBER.fullmatch, row)) and not (is_led and row[0][:1].isalpha()) for row in body
+    ]
+    readings = header.long_rows(
+        [row if flag else [] for row, flag in zip(body, is_row, strict=True)]
+    )
+    words = [(i, row[:1]) for i, row in enumerate(body) if any(row) and not is_row[i]]
+    below, titles = [*readings, *words], [
+        (line, text) for (line, text), row in zip(head[above:start], rows[above:start], strict=True)
+        if sum(map(bool, row)) == 1
+    ]  # fmt: skip
+    text = [*lines[: top - 1], *(title for _, title in titles), "\t".join(header.names)]
+    text += ["\t".join(row) for _, row in below]
+    origins = [*range(1, top), *(line for line, _ in titles), head[start - 1][0]]
+    return "\n".join(text), (*origins, *(first + i for i, _ in below))
 
 
 def has_readings(raw: bytes) -> bool:
@@ -349,13 +410,20 @@ def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str
             if head:
                 break  # a long line below doesn't concern the header
             raise ValueError(f"{source}, line {number}: too long for a table's header.")
-        if text.lstrip().startswith(_REMARK):
+        if _is_remark(text):
             remarks += [text.strip().lstrip("#%/").strip()] * (not head)
         elif head and text.count('"') % 2 and head[-1][1].count('"') % 2:
             head[-1] = head[-1][0], f"{head[-1][1]} {text}"  # a name over two lines, in quotes
         elif text.strip():
             head.append((number, text))
     return head, remarks
+
+
+def _is_remark(line: str) -> bool:
+    """True for a line after a remark's sign; units in a row may begin with one, too: `%,N`."""
+    return line.lstrip().startswith(_REMARK) and not (
+        len(cells := re.split(r"[\t,;|]", line)) > 1 and all(map(is_unit, cells))
+    )
 
 
 def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:

@@ -1,0 +1,194 @@
+"""Tables with columns for each pressure, as digitized figures have them, turned into long ones.
+
+A pressure stands in the header: in each name (`200 kPa`, `F at 2 bar [N]`), or in a row of its own
+above or below the names. Each pressure has one column of forces beside a shared column of
+contractions, or a pair of both. In the long table each row is a reading, with its pressure. Columns
+for each length (`180 mm`) beside one of pressures are turned likewise.
+"""
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .headers import is_known, read_header, score
+from .units import POSITIONS, is_absolute, is_unit, strip_brackets, unit_factor
+
+
+_LEVEL = re.compile(
+    r"(?:(?:@|\b(?:at|bei|p|pressure|druck|l|length|länge)\b)\s*[=:]?\s*)*"
+    r"(?<![\d.,])(\d+(?:[.,]\d+)?)\s*([a-zA-Z]+(?:\s?\([ag]\))?)(?![a-zA-Z])",
+    re.IGNORECASE,
+)
+_PLAIN = re.compile(r"\d+(?:[.,]\d+)?")
+
+
+class WideHeader(NamedTuple):
+    """Columns of a wide table.
+
+    - `names`: of the columns of the long table: the shared ones, those of a group, the pressure.
+    - `shared`: indices of columns that hold for all pressures.
+    - `groups`: pressure and indices of the columns of each.
+    """
+
+    names: tuple[str, ...]
+    shared: tuple[int, ...]
+    groups: tuple[tuple[str, tuple[int, ...]], ...]
+
+    def long_rows(self, rows: Sequence[Sequence[str]]) -> list[tuple[int, list[str]]]:
+        """Index of the row, and cells of each reading, pressure by pressure."""
+        readings = []
+        for level, indices in self.groups:
+            for i, row in enumerate(rows):
+                cells = [row[j] if j < len(row) else "" for j in indices]
+                if any(cells):
+                    shared = [row[j] if j < len(row) else "" for j in self.shared]
+                    readings.append((i, [*shared, *cells, level]))
+        return readings
+
+
+def read_wide_header(rows: Sequence[Sequence[str]], width: int) -> WideHeader | None:
+    """Columns of a table of some `width`, from the `rows` above its readings; `None` if its header
+    has no two pressures.
+
+    Raises a `ValueError` of a few words for pressures with different numbers of columns.
+    """
+    rows = [[*row, *[""] * (width - len(row))] for row in rows]
+    choices = ((kind, i) for kind in ("pressure", "length") for i in range(len(rows) - 1, -1, -1))
+    kind, i = next((x for x in choices if len({*_levels(rows[x[1]], x[0])} - {None}) > 1), ("", 0))
+    if not kind:
+        return None
+    levels = _levels(rows[i], kind)
+    is_units = [_is_unit_row(row) for row in rows]
+    others = [
+        row
+        for k, row in enumerate(rows)
+        if k != i and not is_units[k] and sum(map(bool, row)) > 1
+        and not any(map(_PLAIN.fullmatch, row))
+    ]  # fmt: skip
+    units = next(
+        (row for row, is_unit_row in zip(rows, is_units, strict=True) if is_unit_row), None
+    )
+    label = _label(rows[i])
+
+    def name(j: int) -> str:
+        above = next((row[j] for row in reversed(others) if row[j]), "")
+        of_pressure = j == label and score(rows[i][j], "", "pressure")
+        text = above or ("" if of_pressure else _residue(rows[i][j], kind))
+        return f"{text} [{strip_brackets(units[j])}]" if units and units[j] else text
+
+    names = [name(j) for j in range(width)]
+    shared, groups = _group(rows[i], levels, names)
+    if len({number for number, _, _ in groups}) < 2:
+        return None
+    sizes = {len(indices) for *_, indices in groups}
+    if len(sizes) > 1:
+        counts = f"{min(sizes)} to {max(sizes)} columns"
+        raise ValueError(f"its pressures have {counts}: give each the same, with empty cells")
+    header = _long_names([names[j] for j in shared], [names[j] for j in groups[0][2]])
+    residues = [_residue(rows[i][j], kind) for *_, indices in groups for j in indices]
+    roles = [_likely_role(text) for text in (*header, *residues)]
+    of_shared = set(roles[: len(shared)])
+    alike = {"pressure"} if kind == "pressure" else set(POSITIONS)
+    if alike & set(roles) or ("force" in of_shared and of_shared & set(POSITIONS)):
+        return None
+    written = {unit for _, unit, _ in groups}
+    if len(written) == 1:
+        unit, factors = written.pop(), [1.0] * len(groups)
+    else:
+        unit = "Pa" if kind == "pressure" else "m"
+        factors = [unit_factor(unit, kind) for _, unit, _ in groups]
+    return WideHeader(
+        (*header, f"{kind} [{unit}]" if unit else kind), tuple(shared),
+        tuple(
+            (f"{number * factor!r}", indices)
+            for (number, _, indices), factor in zip(groups, factors, strict=True)
+        ),
+    )  # fmt: skip
+
+
+def _likely_role(text: str) -> str:
+    """Pressure, force or a kind of position that a name tells; empty for another name."""
+    scores = {role: score(text, "", role) for role in ("pressure", "force", *POSITIONS)}
+    best = max(scores, key=lambda role: scores[role])
+    return best if scores[best] > 1 else ""
+
+
+def _levels(row: Sequence[str], kind: str) -> list[tuple[float, str] | None]:
+    """Pressure or length, as the `kind`, and its unit in each cell of a `row` of a header."""
+    label = _label(row)
+    if label is not None and kind == "pressure":
+        unit = next((unit for _, unit in read_header(row[label]) if is_unit(unit, (kind,))), "")
+        return [(_number(cell), unit) if _PLAIN.fullmatch(cell) else None for cell in row]
+    found = (_level(cell, kind) for cell in row)
+    return [(_number(match[1]), match[2]) if match else None for match in found]
+
+
+def _label(row: Sequence[str]) -> int | None:
+    """Index of the name of pressures or contractions before a row of numbers, `None` for others."""
+    cells = [j for j, cell in enumerate(row) if cell]
+    numbers = [j for j in cells if _PLAIN.fullmatch(row[j])]
+    if len(numbers) < 2 or len(cells) != len(numbers) + 1 or cells[0] in numbers:
+        return None
+    text = row[cells[0]]
+    is_position = any(score(text, "", role) > 1 for role in POSITIONS)
+    return cells[0] if is_position or score(text, "", "pressure") else None
+
+
+def _level(cell: str, kind: str) -> re.Match[str] | None:
+    for match in _LEVEL.finditer(cell):
+        if is_unit(match[2], (kind,)) or (kind == "pressure" and is_absolute(match[2])):
+            return match
+    return None
+
+
+def _residue(cell: str, kind: str) -> str:
+    """A name without its pressure or length."""
+    match = _level(cell, kind)
+    if match is None:
+        return cell
+    text = re.sub(r"[\[({]\s*[\])}]", "", f"{cell[: match.start()]} {cell[match.end() :]}")
+    return re.sub(r"[\s_]+", " ", text).strip(" -,;:@=/")
+
+
+def _number(text: str) -> float:
+    return float(text.replace(",", "."))
+
+
+def _is_unit_row(row: Sequence[str]) -> bool:
+    cells = [cell for cell in row if cell]
+    return len(cells) > 1 and all(map(is_unit, cells)) and not any(map(_PLAIN.fullmatch, cells))
+
+
+def _group(
+    row: Sequence[str], levels: Sequence[tuple[float, str] | None], names: Sequence[str]
+) -> tuple[list[int], list[tuple[float, str, tuple[int, ...]]]]:
+    """Indices of shared columns, and the pressures with theirs. A blank cell continues the pressure
+    before it, and so does a repeated pressure over another name.
+    """
+    shared: list[int] = []
+    groups: list[tuple[float, str, tuple[int, ...]]] = []
+    for j, (cell, level) in enumerate(zip(row, levels, strict=True)):
+        if level is None and (cell or not groups):
+            shared.append(j)
+        elif level is None:
+            number, unit, indices = groups[-1]
+            groups[-1] = number, unit, (*indices, j)
+        elif (
+            groups and groups[-1][:2] == level and names[j] not in [names[k] for k in groups[-1][2]]
+        ):
+            groups[-1] = *level, (*groups[-1][2], j)
+        else:
+            groups.append((*level, (j,)))
+    return shared, groups
+
+
+def _long_names(shared: Sequence[str], group: Sequence[str]) -> list[str]:
+    """Names of shared columns and of those of a group: X and force where there is none."""
+    names, is_pair = list(group), len(group) == 2
+    if is_pair and names[0].partition(" [")[0].lower() in ("", "x"):
+        names[0] = f"X{names[0][1:]}" if names[0] else "X"
+    has_force = any(score(text, "", "force") > 1 for text in (*shared, *names[:-1]))
+    if len(group) <= 2 and not has_force and not is_known(names[-1]):
+        units = [unit for _, unit in read_header(names[-1]) if is_unit(unit, ("force",))]
+        names[-1] = f"force [{units[0]}]" if units else "force"
+    return [*(text or "X" for text in shared), *(text or "value" for text in names)]
