@@ -2,22 +2,42 @@
 
 64 joints at once in MJX, compiled, a step each of 1 ms counted 64 times; and one joint in MuJoCo,
 with the pull by NumPy and compiled. The floor of MJX is the same model with forces that are held.
+Environments of Gymnasium are 1024 in one process, and joint steps a second of all cores' CPU time.
 
     python benchmarks/robots.py
 """
 
+import time
 from typing import Any
 
+import gymnasium
 import jax
 import jax.numpy as jnp
 import numpy as np
 from timing import Measured, Row, interleaved, run
 
-from fascicle.robots.environments import AntagonisticJoint
+from fascicle.robots.environments import FRAMES, AntagonisticJoint
 from fascicle.robots.optional_imports import mjx
 
 
 JOINTS = 64
+ENVIRONMENTS = 1024
+NAME = "fascicle/AntagonisticJoint-v0"
+
+
+def environment_rate(small: bool) -> Measured:
+    """Joint steps of 1 ms a CPU second of a vector of environments, observations and all."""
+    many = gymnasium.make_vec(NAME, num_envs=4 if small else ENVIRONMENTS)
+    actions = many.action_space.sample()
+    many.reset(seed=1)
+    many.step(actions)  # compiles
+    rates = []
+    for _ in range(3 if small else 9):
+        begun = time.process_time()
+        for _ in range(5):
+            many.step(actions)
+        rates.append(5 * FRAMES * many.num_envs / (time.process_time() - begun))
+    return Measured.of(rates)
 
 
 def rows(small: bool = False) -> list[Row]:
@@ -71,6 +91,7 @@ def rows(small: bool = False) -> list[Row]:
     floor = f"with held forces {JOINTS * steps / times.median('held'):.3g}"
     return [
         Row("joint steps a second, 64 in MJX", rate("driven", JOINTS * steps), "1/s", floor, 2e5),
+        Row("joint steps a CPU second, 1024 environments", environment_rate(small), "1/s", "", 1e5),
         Row("steps a second, one in MuJoCo, NumPy", rate("numpy", few), "1/s"),
         Row("steps a second, one in MuJoCo, compiled", rate("compiled", few), "1/s"),
     ]

@@ -25,11 +25,16 @@ def register() -> None:
         return
     import gymnasium
 
-    for name in ("AntagonisticJoint", "HangingMass"):
+    vectors = {"AntagonisticJoint": "antagonistic_joints", "HangingMass": "hanging_masses"}
+    for name, vector in vectors.items():
         key = f"fascicle/{name}-v0"
         if key not in gymnasium.registry:
-            entry_point = f"fascicle.robots.environments:{name}"
-            gymnasium.register(id=key, entry_point=entry_point, max_episode_steps=_STEPS)
+            gymnasium.register(
+                id=key,
+                entry_point=f"fascicle.robots.environments:{name}",
+                vector_entry_point=f"fascicle.robots.vector_environment:{vector}",
+                max_episode_steps=_STEPS,
+            )
 
 
 def forked() -> bool:

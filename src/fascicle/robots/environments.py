@@ -4,12 +4,17 @@ Actions open valves; observations and actions lie in [-1, 1]. The reward of a st
 negative error, so that 0 is best. A target is constant in an episode of 2 s. The muscles are those
 of Fig. 6 of the paper; valves and loads are made up.
 
-Environments in forked processes, as those of `make_vec(…, vectorization_mode="async")`, compute
-with NumPy, half as fast; with `vector_kwargs={"context": "spawn"}` they compile.
+Many at once step in one process with `gymnasium.make_vec(name, num_envs=…)`, which is fastest: see
+`vector_environment`. Environments in forked processes, as those of
+`make_vec(…, vectorization_mode="async")`, compute with NumPy, slower than one alone; with
+`vector_kwargs={"context": "spawn"}` they compile.
 
 **Source:** of the muscles, Kim, Mazzoleni and Bryant (2021); Towers et al. (2024) for Gymnasium.
 """
 
+import importlib
+import os
+import sys
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -19,6 +24,7 @@ from gymnasium.spaces import Box
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
 from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
 from . import forked
@@ -28,19 +34,34 @@ from .optional_imports import mujoco
 
 
 SUPPLY = 413.7e3  # Pa
-_FRAMES = 10  # MuJoCo's steps of 1 ms in one of the environment
+START = 0.3 * SUPPLY  # Pa, of all units when an episode begins
+FRAMES = 10  # MuJoCo's steps of 1 ms in one of the environment
 _STEP = 0.01  # s, of the environment
+_SCENE = """<visual><headlight ambient="0.5 0.5 0.5"/></visual><asset>
+<texture type="skybox" builtin="flat" rgb1="1 1 1" width="8" height="48"/></asset><worldbody>
+<light pos="0.5 -1 1" dir="-0.4 0.8 -0.8"/>
+<camera name="side" pos="0 -0.9 {z}" xyaxes="1 0 0 0 0 1"/>
+"""
 # a pendulum with two tendons, and a mass on one
-_JOINT = """<mujoco><compiler angle="radian"/>
-<option timestep="0.001"><flag contact="disable"/></option>
-<worldbody><body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
+_JOINT = (
+    """<mujoco><compiler angle="radian"/>
+<option timestep="0.001"><flag contact="disable"/></option>"""
+    + _SCENE.format(z=-0.15)
+    + """
+<body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
  damping="0.05"/><geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/></body>
 </worldbody><tendon><fixed name="flexor"><joint joint="moved" coef="-0.02"/></fixed>
 <fixed name="extensor"><joint joint="moved" coef="0.02"/></fixed></tendon></mujoco>"""
-_MASS = """<mujoco><option timestep="0.001"><flag contact="disable"/></option>
-<worldbody><body><joint name="moved" type="slide" axis="0 0 1" range="-0.008 0.04" limited="true"
+)
+_MASS = (
+    """<mujoco>
+<option timestep="0.001"><flag contact="disable"/></option>"""
+    + _SCENE.format(z=0.02)
+    + """
+<body><joint name="moved" type="slide" axis="0 0 1" range="-0.008 0.04" limited="true"
  damping="20"/><geom size="0.05" mass="5"/></body></worldbody>
 <tendon><fixed name="cord"><joint joint="moved" coef="-1"/></fixed></tendon></mujoco>"""
+)
 
 
 class Task(NamedTuple):
@@ -59,84 +80,178 @@ class Task(NamedTuple):
     high: float
 
 
+class Plan(NamedTuple):
+    """A task's compiled `model` with its `drive`."""
+
+    model: Any
+    drive: Drive
+
+    @classmethod
+    def of(cls, task: Task) -> "Plan":
+        """Compile a `task`."""
+        spec = mujoco.MjSpec.from_string(task.model)
+        muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
+        bundle = Bundle([MotorUnit(muscle, count) for count in task.counts], SUPPLY)
+        attached = [attach(spec, tendon.name, bundle, task.contraction) for tendon in spec.tendons]
+        model = spec.compile()
+        parts = ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6), SonicValve(5e-10, 0.3)
+        return cls(model, Drive.of(model, attached, *parts, shape=(65, 81)))
+
+    @property
+    def spaces(self) -> tuple[Box, Box]:
+        """Spaces of observations and actions."""
+        units = self.drive.units
+        return Box(-1.0, 1.0, (3 + units,), np.float32), Box(-1.0, 1.0, (units,), np.float32)
+
+
+def observe(
+    task: Task, position: Any, speed: Any, target: Any, pressures: Any, xp: Any = np
+) -> Any:
+    """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
+    each scaled to [-1, 1]; `xp`: the array library.
+    """
+    scalars = [(position - task.middle) / task.reach, speed / task.speed,
+               (target - task.middle) / task.reach]  # fmt: skip
+    rows = xp.concatenate([xp.stack(scalars, axis=-1), 2 * pressures / SUPPLY - 1], axis=-1)
+    return xp.clip(rows, -1.0, 1.0).astype(np.float32)
+
+
+def check_action(action: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """An `action` [-] as floats, limited to [-1, 1]; refused where it isn't finite or of another
+    `shape`.
+    """
+    values = np.asarray(action, float)
+    if values.shape != shape or not np.isfinite(values).all():
+        rule = f"must be finite numbers of the shape {shape}"
+        text = f"the shape {values.shape}" if values.shape != shape else str(values.tolist())
+        raise InvalidInputError("action", rule, None, shown=text)
+    return np.clip(values, -1.0, 1.0)
+
+
 class Environment(gymnasium.Env):
     """A load on bundles with valves.
 
     An observation is the coordinate, its rate, the target, and each unit's pressure, all scaled to
-    [-1, 1].
+    [-1, 1]. With each comes what is measured: `position` and `target` [SI], `pressures` of the
+    units [Pa], `forces` of the bundles, which pull [N], and the `air` drawn in the episode [kg].
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": 100}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}
     task: ClassVar[Task]
 
     def __init__(self, render_mode: str | None = None):
-        """`render_mode` must be `None`."""
+        """`render_mode`: "rgb_array" for `render`, "human" for MuJoCo's viewer; or `None`."""
         if render_mode is not None:
-            raise InvalidInputError(
-                "render_mode", "must be None", render_mode, "MuJoCo's viewer draws it"
-            )
-        self.render_mode = None
-        spec = mujoco.MjSpec.from_string(self.task.model)
-        muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
-        bundle = Bundle([MotorUnit(muscle, count) for count in self.task.counts], SUPPLY)
-        attached = [
-            attach(spec, tendon.name, bundle, self.task.contraction) for tendon in spec.tendons
-        ]
-        self.model = spec.compile()
+            check_choice(render_mode, self.metadata["render_modes"], "render_mode")
+        self.render_mode = render_mode
+        self.model, self.drive = Plan.of(self.task)
+        self.observation_space, self.action_space = Plan(self.model, self.drive).spaces
         self.data = mujoco.MjData(self.model)
-        self.drive = Drive.of(
-            self.model, attached, ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6),
-            SonicValve(5e-10, 0.3), shape=(65, 81),
-        )  # fmt: skip
-        # compiled code would wait for ever for JAX's threads, which a forked process lacks
-        self._act = self.drive.act if forked() else jax.jit(self.drive.act)
-        units = self.drive.units
-        self.action_space = Box(-1.0, 1.0, (units,), np.float32)
-        self.observation_space = Box(-1.0, 1.0, (3 + units,), np.float32)
         self.target = self.task.middle
         self.fluid = self.drive.start(self.model, self.data)
+        self._start()
+
+    def _start(self) -> None:
+        """Set what isn't copied to another process."""
+        # compiled code would wait for ever for JAX's threads, which a forked process lacks
+        self._act = self.drive.act if forked() else jax.jit(self.drive.act)
+        self._view: Any = None  # MuJoCo's viewer or renderer, once it is used
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Fields, without compiled code and windows."""
+        return {name: value for name, value in vars(self).items() if name not in {"_act", "_view"}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._start()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Start an episode: `seed` of the target; `options` don't count.
 
-        **Returns:** the observation, and position and target [SI].
+        **Returns:** the observation, and what is measured [SI].
         """
         super().reset(seed=seed)
         del options
         mujoco.mj_resetData(self.model, self.data)
         self.target = float(self.np_random.uniform(self.task.low, self.task.high))
-        self.fluid = self.drive.start(self.model, self.data, 0.3 * SUPPLY)
-        return self._observation(), self._info()
+        self.fluid = self.drive.start(self.model, self.data, START)
+        return self._results()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """One step of 10 ms with valves open by an `action` [-].
 
         **Returns:** observation, reward, true if a muscle left its table, which ends the episode,
-        false for a time limit, which is a wrapper's, and position and target [SI].
+        false for a time limit, which is a wrapper's, and what is measured [SI].
+
+        **Raises:** `InvalidInputError` for an action that isn't finite.
         """
-        command = np.clip(np.asarray(action, float), -1.0, 1.0)
-        terminated = False
-        try:
-            for _ in range(_FRAMES):
-                self.fluid = self.drive.step(self.model, self.data, self.fluid, command, self._act)
-        except InvalidInputError:
-            terminated = True
+        command = check_action(action, self.action_space.shape or ())
+        for _ in range(FRAMES):
+            self.fluid = self.drive.advance(self.model, self.data, self.fluid, command, self._act)
         error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
-        return self._observation(), -error, terminated, False, self._info()
+        observation, info = self._results()
+        return observation, -error, not bool(self.fluid.inside), False, info
 
-    def _observation(self) -> np.ndarray:
-        """Position, speed, target and units' pressures, each scaled to [-1, 1]."""
-        task = self.task
+    def _results(self) -> tuple[np.ndarray, dict[str, Any]]:
+        """Observation [-] and what is measured [SI]; draws the window of the mode "human"."""
+        if self.render_mode == "human":
+            self.render()
+        fluid, pressures = self.fluid, np.asarray(self.fluid.pressures)
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
-        observation = [(position - task.middle) / task.reach, speed / task.speed,
-                (self.target - task.middle) / task.reach,
-                *(2 * np.asarray(self.fluid.pressures) / SUPPLY - 1)]  # fmt: skip
-        return np.clip(observation, -1.0, 1.0).astype(np.float32)
+        forces = -self.data.actuator_force[list(self.drive.actuators)]
+        info = {"position": position, "target": self.target, "pressures": pressures,
+                "forces": forces, "air": float(fluid.drawn)}  # fmt: skip
+        return observe(self.task, position, speed, self.target, pressures), info
 
-    def _info(self) -> dict[str, Any]:
-        return {"position": float(self.data.qpos[0]), "target": self.target}
+    def render(self) -> Any:
+        """Draw the scene: an image of 480 × 640 in the mode "rgb_array", MuJoCo's viewer in the
+        mode "human".
+        """
+        if self.render_mode is None:
+            return None
+        if self._view is None:
+            self._view = self._open_view()
+        if self.render_mode == "human":
+            self._view.user_scn.ngeom = 0
+            self._draw_target(self._view.user_scn)
+            return self._view.sync()
+        self._view.update_scene(self.data, camera="side")
+        self._draw_target(self._view.scene)
+        return self._view.render()
+
+    def _draw_target(self, scene: Any) -> None:
+        """Add the body at its target to a `scene`, in green."""
+        goal = mujoco.MjData(self.model)
+        goal.qpos[0] = self.target
+        mujoco.mj_kinematics(self.model, goal)
+        kind, size = self.model.geom_type[0], self.model.geom_size[0]
+        color = np.array([0.1, 0.6, 0.2, 0.4], np.float32)
+        geom = scene.geoms[scene.ngeom]
+        mujoco.mjv_initGeom(geom, kind, size, goal.geom_xpos[0], goal.geom_xmat[0], color)
+        scene.ngeom += 1
+
+    def _open_view(self) -> Any:
+        """MuJoCo's renderer or viewer, by the mode."""
+        if self.render_mode == "human":
+            if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
+                # MuJoCo's viewer would end the process
+                raise RuntimeError("render_mode 'human' needs a display: there is none.")
+            viewer = importlib.import_module("mujoco.viewer")
+            return viewer.launch_passive(self.model, self.data)
+        try:
+            return mujoco.Renderer(self.model, height=480, width=640)
+        except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
+            remedy = "set MUJOCO_GL=egl (or osmesa) before MuJoCo is imported"
+            text = f"render_mode 'rgb_array' needs OpenGL: {remedy} ({error})."
+            raise RuntimeError(text) from error
+
+    def close(self) -> None:
+        """Close the window."""
+        if self._view is not None:
+            self._view.close()
+            self._view = None
 
 
 class AntagonisticJoint(Environment):

@@ -1,9 +1,11 @@
 """Gymnasium's environments: its own check without a warning, seeded, and what a baseline scores."""
 
 import os
+import pickle
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +31,7 @@ def environments():
 def test_gymnasium_check_passes(name, environments):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(environments[name].unwrapped)
+        check_env(environments[name].unwrapped, skip_render_check=True)  # tested below
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -64,9 +66,128 @@ def test_an_episode_lasts_two_seconds(environments):
     assert ends[-1] == (False, True) and not any(any(end) for end in ends[:-1])
 
 
-def test_rendering_is_refused(environments):
-    with pytest.raises(ValueError, match="`render_mode` must be None"):
-        type(environments[NAMES[0]].unwrapped)(render_mode="human")
+def test_actions_that_are_no_numbers_are_refused(environments):
+    one = environments[NAMES[0]].unwrapped
+    one.reset(seed=1)
+    for action, words in (([np.nan, 0.0], "nan"), ([np.inf, 0.0], "inf"), ([0.0], r"\(1,\)")):
+        with pytest.raises(ValueError, match=f"`action` must be finite numbers.*{words}"):
+            one.step(np.array(action, np.float32))
+    assert one.fluid.drawn == 0.0  # nothing has moved
+
+
+def test_what_is_measured(environments):
+    one = environments[NAMES[0]].unwrapped
+    _, before = one.reset(seed=1)
+    _, _, _, _, info = one.step(np.array([1.0, -1.0], np.float32))
+    assert info["pressures"][0] > before["pressures"][0] and info["pressures"][1] < 0.3 * 413.7e3
+    np.testing.assert_allclose(
+        info["forces"],
+        one.drive.pull(info["pressures"], one.data.actuator_length),
+        # the position has moved since, by half a millimeter a step at most
+        rtol=0.02,
+    )
+    # the air of the opened valve alone, at most what a choked one lets through: C ρ₀ P for 10 ms
+    assert 0 < info["air"] < 5e-10 * 1.185 * (413.7e3 + 101325) * 0.0101
+
+
+def test_environments_are_pickled(environments):
+    one = environments[NAMES[0]].unwrapped
+    one.reset(seed=3)
+    one.step(np.array([0.5, -0.5], np.float32))
+    twin = pickle.loads(pickle.dumps(one))  # noqa: S301 our own
+    action = np.array([0.2, 0.1], np.float32)
+    np.testing.assert_array_equal(twin.step(action)[0], one.step(action)[0])
+    wrapped = pickle.loads(pickle.dumps(environments[NAMES[0]]))  # noqa: S301 our own
+    assert wrapped.spec.id == NAMES[0]
+
+
+def test_other_render_modes_are_refused(environments):
+    with pytest.raises(ValueError, match="`render_mode` 'ansi' is unknown"):
+        type(environments[NAMES[0]].unwrapped)(render_mode="ansi")
+
+
+PICTURE = """
+import numpy as np
+from fascicle.robots.environments import AntagonisticJoint
+one = AntagonisticJoint(render_mode="rgb_array")
+one.reset(seed=1)
+first = one.render()
+for _ in range(20):
+    one.step(np.array([1.0, -1.0]))
+second = one.render()
+assert first.shape == (480, 640, 3) and first.dtype == np.uint8
+assert np.mean(first != second) > 0.01, np.mean(first != second)
+one.close()
+"""
+
+
+def test_rendering_gives_pictures():
+    """In a process of its own: MuJoCo takes its OpenGL from the environment at import."""
+    variables = os.environ | {"MUJOCO_GL": "egl"}
+    done = subprocess.run(
+        [sys.executable, "-c", PICTURE], capture_output=True, text=True, env=variables, timeout=300
+    )
+    if done.returncode and "EGL" in done.stderr and "AssertionError" not in done.stderr:
+        pytest.skip(f"no EGL here: {done.stderr.strip().splitlines()[-1]}")
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="there a display is an address")
+def test_a_window_without_a_display_is_refused(environments, monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    one = type(environments[NAMES[0]].unwrapped)(render_mode="human")
+    with pytest.raises(RuntimeError, match="needs a display"):
+        one.reset()
+
+
+@pytest.fixture(scope="module")
+def vector():
+    return gymnasium.make_vec(NAMES[0], num_envs=3, max_episode_steps=25)
+
+
+def test_a_vector_of_environments_equals_single_ones(vector, environments):
+    one = environments[NAMES[0]].unwrapped
+    actions = np.random.default_rng(0).uniform(-1, 1, (12, 3, 2)).astype(np.float32)
+    first, _ = vector.reset(seed=4)
+    steps = [vector.step(rows) for rows in actions]
+    for i in range(3):
+        observation, _ = one.reset(seed=4 + i)
+        np.testing.assert_array_equal(first[i], observation)
+        for action, (rows, rewards, terminated, truncated, info) in zip(
+            actions[:, i], steps, strict=True
+        ):
+            observation, reward, _, _, measured = one.step(action)
+            # seen as 32 bits
+            np.testing.assert_allclose(rows[i], observation, atol=1e-6)
+            np.testing.assert_allclose(rewards[i], reward, rtol=1e-9)
+            assert not (terminated[i] or truncated[i])
+            for key, value in measured.items():
+                np.testing.assert_allclose(info[key][i], value, rtol=1e-8)
+    assert vector.observation_space.contains(steps[-1][0])
+
+
+def test_a_vector_of_environments_resets_after_an_episode(vector):
+    vector.reset(seed=1)
+    still = np.zeros((3, 2), np.float32)
+    ends = [vector.step(still)[3] for _ in range(25)]
+    assert ends[-1].all() and not np.any(ends[:-1])
+    targets = vector.targets.copy()
+    rows, rewards, *_, info = vector.step(still + 1.0)
+    assert not rewards.any() and (info["position"] == 0).all() and (info["air"] == 0).all()
+    assert (vector.targets != targets).all() and rows.shape == (3, 5)
+    assert not vector.step(still)[3].any()
+
+
+def test_a_vector_of_environments_refuses(vector):
+    with pytest.raises(ValueError, match="`action` must be finite"):
+        vector.step(np.full((3, 2), np.nan, np.float32))
+    with pytest.raises(ValueError, match=r"the shape \(2,\)"):
+        vector.step(np.zeros(2, np.float32))
+    with pytest.raises(ValueError, match="`num_envs` must be at least 1"):
+        gymnasium.make_vec(NAMES[0], num_envs=0)
+    with pytest.raises(ValueError, match="draw a single one"):
+        gymnasium.make_vec(NAMES[0], num_envs=1, render_mode="human")
 
 
 ASYNC = """
@@ -102,3 +223,13 @@ def test_environments_of_forked_processes_step(tmp_path):
         [sys.executable, tmp_path / "async.py"], capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no processes")
+@pytest.mark.parametrize("mode", ["warm", "fresh"])
+def test_the_script_of_the_field_runs(mode):
+    data = os.environ.get("FASCICLE_DATA") or Path(__file__).resolve().parents[4] / "shared/data"
+    if not (path := Path(data) / "field-cases" / "15_async_vector.py").exists():
+        pytest.skip(f"{path} is not in this checkout")
+    done = subprocess.run([sys.executable, path, mode], capture_output=True, text=True, timeout=300)
+    assert f"{mode} ok" in done.stdout, done.stderr[-2000:]
