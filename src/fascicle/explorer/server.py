@@ -32,6 +32,7 @@ _ATTEMPTS = 20  # ports that are tried if the first is taken
 _LARGEST_MESSAGE = 16 * 2**20  # bytes from a browser: an uploaded file and its coding
 _CLOSED_SESSION = 15_000  # ms until a closed session is freed
 _LINE = 300  # characters of a line in the terminal
+_SENDING = 0.02  # s for the loop to send a page; a longer pause would delay the next visitor
 
 
 def serve(
@@ -93,11 +94,12 @@ async def _serve(
 
 def start_server(view: View, host: str, port: int | None) -> Any:
     """Server, not yet started, on the `port` or the first free one from 5006; `OSError` without."""
+    drawing = asyncio.Lock()
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:
             return pn.serve(
-                {"/": lambda: page(view)},
+                {"/": lambda: page(view, drawing)},
                 port=number,
                 address=host,
                 websocket_origin=["*"],  # `allowed_hosts` checks it, and the host, too
@@ -119,10 +121,12 @@ def start_server(view: View, host: str, port: int | None) -> Any:
     raise AssertionError  # the last candidate returns or raises
 
 
-def page(start: View) -> Any:
+def page(start: View, drawing: asyncio.Lock) -> Any:
     """Page of one visitor: the view of its address, or the `start` view.
 
-    It is empty until its browser is connected: a request without a browser costs little.
+    It is empty until its browser is connected: a request without a browser costs little. Pages are
+    drawn one at a time under the lock `drawing`, and each is sent before the next begins: the first
+    visitor of many doesn't wait for the last.
     """
     query = {
         key: values[0].decode("utf-8", "replace")
@@ -134,10 +138,12 @@ def page(start: View) -> Any:
     opening = '<div role="status" style="padding:24px;font-size:15px">fascicle is drawing …</div>'
     shell = column(pane(opening, 0))
 
-    def fill() -> None:
-        view, errors = from_query(query, start)
-        session = Session(view, pn.io.unlocked)
-        shell.objects = [build(session, theme, errors, "theme" in query)]
+    async def fill() -> None:
+        async with drawing:
+            view, errors = from_query(query, start)
+            session = Session(view, pn.io.unlocked)
+            shell.objects = [build(session, theme, errors, "theme" in query)]
+            await asyncio.sleep(_SENDING)
 
     add_scripts(pn.state.curdoc, follow_preference="theme" not in query)
     pn.state.onload(fill)
