@@ -168,12 +168,12 @@ class StateCurves:
     def fixed_force(self, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
         total = np.zeros((2, len(strain), self.states))
+        counts = np.stack([self.vented, self.full])
+        nodes = np.array([[0], [-1]]) + np.zeros(len(strain), int)
         for j, muscle in enumerate(self.muscles):
-            for node, count in ((0, self.vented), (-1, self.full)):
-                if count[:, j].any():
-                    nodes = np.full(len(strain), node)
-                    forces = self._without_pushing(*muscle.force_at_nodes(nodes, strain))
-                    total += np.stack(forces)[..., None] * count[:, j]
+            if counts[..., j].any():
+                forces = self._without_pushing(*muscle.force_at_nodes(nodes, strain))
+                total += np.stack(forces).swapaxes(1, 2) @ counts[..., j]
         return total[0], total[1]
 
     def force(self, state: Array, level: Array, strain: Array) -> tuple[Array, Array]:
@@ -310,28 +310,35 @@ class Points(NamedTuple):
 
 
 def find_roots(
-    curves: StateCurves, force: Array, strain: Array, state: Array | None = None
+    curves: StateCurves,
+    force: Array,
+    strain: Array,
+    state: Array | None = None,
+    fixed: Array | None = None,
 ) -> Roots:
     """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
-    `strain` [-].
+    `strain` [-]; `fixed`: force [N] of `StateCurves.fixed_force`, computed if left out.
     """
+    fixed = curves.fixed_force(strain)[0] if fixed is None else fixed
     size = max(1, _BATCH // (curves.states if state is None else 1))
     parts = []
     for start in range(0, max(1, len(force)), size):
         batch = slice(start, start + size)
         states = None if state is None else state[batch]
-        roots = _find_roots(curves, force[batch], strain[batch], states)
+        roots = _find_roots(curves, force[batch], strain[batch], fixed[batch], states)
         parts.append(roots._replace(demand=roots.demand + start))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _find_roots(curves: StateCurves, force: Array, strain: Array, state: Array | None) -> Roots:
+def _find_roots(
+    curves: StateCurves, force: Array, strain: Array, fixed: Array, state: Array | None
+) -> Roots:
     """As `find_roots`, of one batch of demands."""
     demand = np.arange(len(force))
     if state is None:
         demand = np.repeat(demand, curves.states)
         state = np.tile(np.arange(curves.states), len(force))
-    target = force[demand] - curves.fixed_force(strain)[0][demand, state]
+    target = force[demand] - fixed[demand, state]
     searches = Searches(curves, demand, state, strain[demand], target)
     every_cell = cells = np.ones((len(demand), len(curves.levels) - 1), bool)
     if cells.size > FEW_CELLS:  # those that may hold the target, by the force table

@@ -159,7 +159,8 @@ def _best_solution(
     pressures [Pa], or the one that takes least fluid, by the `volume` of each unit since rest [m³],
     units last, or the first.
     """
-    roots, fixed = find_roots(curves, force, strain), curves.fixed_force(strain)
+    fixed = curves.fixed_force(strain)
+    roots = find_roots(curves, force, strain, fixed=fixed[0])
     cost = np.zeros(len(roots.demand))  # they are in order of their energy already
     if present is not None:
         pressures = states.pressures(roots.state, roots.level, curves.supply)
