@@ -11,6 +11,8 @@ from .attach import Attached as Attached
 from .attach import attach as attach
 from .drive import Drive as Drive
 from .drive import Fluid as Fluid
+from .sizing import Sizing as Sizing
+from .sizing import size as size
 from .tables import TableStatus as TableStatus
 from .tables import TableWarning as TableWarning
 

@@ -1,0 +1,315 @@
+"""Choose a muscle for a tendon: which, how many in parallel, how long, and which `rest_length`.
+
+At the tendon's greatest length the muscle is stretched by no more than it may be; all shorter poses
+contract it. A longer muscle contracts by a smaller share, and pulls more, so that the shortest one
+whose pull at the supply's pressure has the margin in each pose is chosen. Among muscles and
+numbers of them in parallel, the one that fills with the least fluid.
+
+**Assumes** rigid cords, that nothing else moves the joint, and that the muscle's law holds for
+other lengths.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..bundle import Bundle, MotorUnit
+from ..core.errors import InvalidInputError
+from ..core.lazy import import_late
+from ..core.types import Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval, check_positive
+from ..files import catalog
+from ..files.measured_muscles import CatalogEntry
+from ..muscle import Muscle
+from ..repr_table import ReprTable, with_table_repr
+from .route import Route, trace_route
+
+
+_LONGEST = 8.0  # strokes, where no room is given: a longer muscle contracts by less than 12.5 %
+_HALVINGS = 30  # of the length's range: to a millionth of it
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A muscle of a `length` [m] that was tried: its `name`, the `count` in parallel, the `margin`
+    of its pull over the one that is needed [-], and the `fluid` that fills it [m³].
+    """
+
+    name: str
+    muscle: Muscle
+    count: int
+    length: float
+    rest_length: float
+    margin: float
+    fluid: float
+
+    def pull(self, pressure: float, lengths: np.ndarray) -> np.ndarray:
+        """Pull of all its muscles [N] at a `pressure` [Pa] and `lengths` of the tendon [m]."""
+        strain = (self.rest_length - lengths) / self.length
+        return self.count * np.asarray(self.muscle.force(pressure, strain))
+
+
+def _table(sizing: "Sizing") -> ReprTable:
+    route, chosen = sizing.route, sizing.chosen
+    low, high = sizing.strains
+    arms = 1e3 * route.moment_arms
+    facts = [
+        ("muscle", f"{chosen.count} × {chosen.name}, {1e3 * chosen.length:.0f} mm long"),
+        ("rest_length", f"{1e3 * chosen.rest_length:.1f} mm of the tendon"),
+        ("margin", f"{100 * chosen.margin:.0f} % at {sizing.pressure / 1e3:g} kPa"),
+        ("tendon", f"{1e3 * route.lengths.min():.1f} to {1e3 * route.lengths.max():.1f} mm"),
+        ("contraction", f"{100 * low:.1f} to {100 * high:.1f} %"),
+        ("moment arm", f"{arms.min():.1f} to {arms.max():.1f} mm about {route.torque_joint}"),
+    ]
+    rows = [
+        (f"{c.count} × {c.name}", f"{1e3 * c.length:.0f}", f"{100 * c.margin:.0f}",
+         f"{1e3 * c.fluid:.2f}")
+        for c in sizing.candidates
+    ]  # fmt: skip
+    heads = ("muscle", "length [mm]", "margin [%]", "fluid [L]")
+    return ReprTable(f"A muscle for {sizing.tendon!r}", facts, heads, rows)
+
+
+@with_table_repr(_table, lambda s: f"<Sizing of {s.tendon!r}: {s.chosen.count} × {s.chosen.name}>")
+@dataclass(frozen=True, eq=False)
+class Sizing:
+    """A muscle for a `tendon`, from `size`.
+
+    `route`: of the tendon. `torque`: the one asked for in each pose [N·m, or N of a slide].
+    `pressure`: of the supply [Pa]. `candidates`: muscles that have the margin, least fluid first.
+    """
+
+    tendon: str
+    route: Route
+    torque: np.ndarray
+    pressure: float
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def chosen(self) -> Candidate:
+        """The first candidate."""
+        return self.candidates[0]
+
+    @property
+    def rest_length(self) -> float:
+        """Tendon's length with the muscle at rest [m], for `attach`."""
+        return self.chosen.rest_length
+
+    @property
+    def bundle(self) -> Bundle:
+        """Chosen muscles, one motor unit, for `attach`."""
+        return Bundle([MotorUnit(self.chosen.muscle, self.chosen.count)], self.pressure)
+
+    @property
+    def strains(self) -> tuple[float, float]:
+        """Least and largest strain of the chosen muscle [-]."""
+        lengths = self.route.lengths
+        ends = (self.rest_length - np.array([lengths.max(), lengths.min()])) / self.chosen.length
+        return float(ends[0]), float(ends[1])
+
+    @property
+    def available_torque(self) -> np.ndarray:
+        """Torque of the chosen muscles at the supply's pressure in each pose [N·m or N]."""
+        pull = self.chosen.pull(self.pressure, self.route.lengths)
+        return self.route.moment_arms * pull
+
+    def plot(self) -> Any:
+        """Plot the tendon's length, its moment arm, and torque asked for and available, over the
+        joint's coordinate; returns a figure of matplotlib's.
+        """
+        return import_late("robots.sizing_plot.plot_sizing")(self)
+
+
+def size(
+    model: Any,
+    tendon: str,
+    muscles: Any,
+    torque: Values | Callable[[np.ndarray], Any],
+    pressure: Values,
+    joint: str | None = None,
+    ranges: dict[str, Any] | None = None,
+    points: int = 21,
+    counts: Sequence[int] = (1, 2, 3, 4),
+    margin: float = 0.2,
+    stretch: float = 0.0,
+    longest: Values = None,
+) -> Sizing:
+    """Size a muscle to a tendon.
+
+    **Arguments:**
+
+    - `model`: MuJoCo's `MjModel`, or an `MjSpec`, which is compiled.
+    - `tendon`: name of a fixed or a spatial tendon.
+    - `muscles`: one; names of measured ones; `fascicle.catalog`; or pairs of a name and a muscle.
+      Their lengths don't count.
+    - `torque`: asked for about the joint [N·m], positive where it raises the coordinate; one, one
+      for each pose, or a function of the poses, rows of the coordinates of all joints that move the
+      tendon [rad]. Of a slide, a force [N].
+    - `pressure`: of the supply [Pa].
+    - `joint`: name of the torque's joint; may be left out if one joint moves the tendon.
+    - `ranges`: ends of joints' coordinates by name [rad or m]; left out, the model's limits.
+    - `points`: of each joint's range [-].
+    - `counts`: numbers of muscles in parallel that are tried [-].
+    - `margin`: least share of pull above the one that is needed [-].
+    - `stretch`: strain by which the muscle may be stretched [-].
+    - `longest`: length that there is room for [m]; left out, eight strokes, and no more than a
+      spatial tendon's own length.
+
+    **Returns:** a `Sizing`.
+
+    **Raises:** `InvalidInputError`, which says what would help, if none will do.
+    """
+    if hasattr(model, "compile"):
+        model = model.compile()
+    P = float(check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa"))
+    share = float(check_interval(stretch, 0.0, 0.1, "stretch", "-", closed=(True, True)))
+    route = trace_route(model, tendon, joint, ranges, int(points))
+    demand = _demand(route, torque)
+    needed = _needed_pull(route, demand, tendon)
+    stroke = float(np.ptp(route.lengths))
+    if longest is None:
+        room = _LONGEST * stroke
+        if route.spatial:  # at rest the muscle is no longer than the tendon
+            room = min(room, float(route.lengths.max()) / (1 + share))
+    else:
+        room = float(check_positive(longest, "longest", "m"))
+    named = _named(muscles)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of each length that is tried
+        tried = [
+            candidate
+            for name, entry in named.items()
+            for candidate in _fit(
+                name, _muscle_of(entry), route, needed, P, counts, margin, share, room
+            )
+        ]
+    good = sorted((c for c in tried if c.margin >= margin), key=lambda c: c.fluid)
+    if not good:
+        _refuse(tried, tendon, stroke, room, margin, P)
+    sizing = Sizing(tendon, route, demand, P, tuple(good))
+    sizing.chosen.muscle.replace()  # warns if its law was fitted at another length
+    entry = named[sizing.chosen.name]
+    if isinstance(entry, CatalogEntry) and (text := entry.extrapolation(P, sizing.strains[1])):
+        warnings.warn(text, stacklevel=2)
+    return sizing
+
+
+def _named(muscles: Any) -> dict[str, Any]:
+    """Muscles, or entries of the catalog, by name."""
+    if isinstance(muscles, Muscle):
+        return {"muscle": muscles}
+    try:
+        if isinstance(muscles, Mapping):
+            named = dict(muscles)
+        else:
+            entries = [muscles] if isinstance(muscles, str) else muscles
+            named = dict((x, catalog[x]) if isinstance(x, str) else x for x in entries)
+        _ = [_muscle_of(entry).length for entry in named.values()]
+    except (TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, InvalidInputError):
+            raise
+        rule = "must be a muscle, names, or pairs of a name and a muscle"
+        kind = type(muscles).__name__
+        raise InvalidInputError("muscles", rule, None, shown=kind) from None
+    return named
+
+
+def _muscle_of(entry: Any) -> Muscle:
+    """The muscle of an `entry` of the catalog, or itself."""
+    return getattr(entry, "muscle", entry)
+
+
+def _demand(route: Route, torque: Any) -> np.ndarray:
+    """Torque that is asked for in each pose [N·m or N]."""
+    values = torque(route.poses) if callable(torque) else torque
+    unit = "N*m" if route.hinge else "N"
+    values = check_interval(values, -np.inf, np.inf, "torque", unit)
+    if np.shape(values) not in {(), (len(route.poses),)}:
+        rule = f"must be one, or one for each of the {len(route.poses)} poses"
+        raise InvalidInputError("torque", rule, None, shown=f"the shape {np.shape(values)}")
+    values = np.broadcast_to(values, len(route.poses)) + 0.0
+    if not values.any():
+        raise InvalidInputError("torque", "must not vanish in all poses", 0.0)
+    return values
+
+
+def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
+    """Pull that gives the `demand` in each pose [N]; refused where the tendon turns the joint the
+    other way.
+    """
+    wrong = demand * route.moment_arms <= 0
+    wrong &= demand != 0
+    if wrong.any():
+        i = int(np.argmax(np.where(wrong, np.abs(demand), 0.0)))
+        arm, unit = 1e3 * route.moment_arms[i], "N·m" if route.hinge else "N"
+        where = f"{route.torque_joint} at {route.format_coordinate(i)}"
+        rule = f"must have the sign of the moment arm of {tendon!r}, {arm:.1f} mm with {where}"
+        side = "a muscle pulls only: route the tendon on the joint's other side"
+        remedy = f"{side}, or ask for torques of that sign only (zero elsewhere)"
+        text = f"{demand[i]:.3g} {unit}"
+        raise InvalidInputError("torque", rule, float(demand[i]), remedy, shown=text)
+    return np.divide(demand, route.moment_arms, out=np.zeros_like(demand), where=demand != 0)
+
+
+def _fit(
+    name: str, muscle: Muscle, route: Route, needed: np.ndarray, pressure: float,
+    counts: Sequence[int], margin: float, stretch: float, room: float,
+) -> list[Candidate]:  # fmt: skip
+    """For each of the `counts` the shortest muscle that has the margin, or else the longest; those
+    that the law refuses are left out.
+    """
+    active = needed > 0
+
+    def candidate(length: float, count: int) -> Candidate:
+        sized = muscle.replace(length=length)
+        rest = float(route.lengths.max()) - stretch * length
+        made = Candidate(name, sized, count, length, rest, 0.0, count * float(sized.volume(0.0)))
+        pull = made.pull(pressure, route.lengths[active])
+        return replace(made, margin=float(np.min(pull / needed[active])) - 1.0)
+
+    def shortest(count: int) -> Candidate:
+        best, low = candidate(room, count), 0.0
+        if best.margin < margin:
+            return best
+        for _ in range(_HALVINGS):
+            middle = (low + best.length) / 2
+            try:
+                tried = candidate(middle, count)
+            except InvalidInputError:  # too short for its radius, or its contraction
+                low = middle
+                continue
+            low, best = (low, tried) if tried.margin >= margin else (middle, best)
+        return best
+
+    try:
+        return [shortest(count) for count in counts]
+    except InvalidInputError:  # even the longest one
+        return []
+
+
+def _refuse(
+    tried: list[Candidate], tendon: str, stroke: float, room: float, margin: float, pressure: float
+) -> None:
+    """Refuse with what would help."""
+    rule = (
+        f"have none for {tendon!r} and its stroke of {1e3 * stroke:.0f} mm in {1e3 * room:.0f} mm"
+        " of room"
+    )
+    best = max(tried, key=lambda c: c.margin, default=None)
+    if best is None or best.margin <= -1.0:
+        remedy = (
+            "they contract past their free strain: give more room (`longest`), a smaller moment"
+            " arm, which shortens the stroke, or let them be stretched (`stretch`)"
+        )
+    else:
+        least = math.ceil(best.count * (1 + margin) / (1 + best.margin))
+        remedy = (
+            f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
+            f" where {100 * margin:.0f} % is asked for: take {least} in parallel (`counts`),"
+            f" thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"
+        )
+    raise InvalidInputError("muscles", rule, None, remedy)
