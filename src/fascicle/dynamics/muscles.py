@@ -157,6 +157,7 @@ class Exact(AbstractMuscles):
         return force
 
 
+@jax.jit  # operation by operation, a first value takes five times as long
 def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     """Surface of `muscles`, each unit at its `pressure` [Pa] and `strain` [-]."""
     one_pascal = jnp.ones_like(pressure)
