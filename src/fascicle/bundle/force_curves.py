@@ -39,7 +39,7 @@ FEW_CELLS = 2**12  # below it all cells are searched: selecting them costs as mu
 _BATCH = 2**16  # searches at once: their table of forces takes 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
-_TIE = 1e-10  # N: forces this near to each other are equal
+TIE = 1e-10  # N: forces this near to each other are equal
 _KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
 _JUMP = 1e-7  # N, and of the force: two sides of a kink differ by less, but for a jump
 _EXTREMUM_WIDTH = 1e-8  # of its bracket: the value of a flat extremum is exact to its square
@@ -148,7 +148,7 @@ class StateCurves:
         units = bundle.motor_units
         self.supply, self.resistance, self.scheme_states = float(supply), resistance, states
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        self.levels = _grid([units[i].muscle.tuning for i in unique], self.supply)
+        self.levels = pressure_grid([units[i].muscle.tuning for i in unique], self.supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
         self.muscles = [
             MuscleCurves(units[i].muscle, ratios[i], self.supply, self.levels) for i in unique
@@ -236,7 +236,7 @@ def _kink_strains(muscle: "Pressurized") -> list[Numbers]:
     return [muscle.onset, muscle.collapse, *muscle.law.buckling.folds(muscle.column)]
 
 
-def _grid(tunings: list, supply: float) -> Array:
+def pressure_grid(tunings: list, supply: float) -> Array:
     """Levels of the grid [-], those of the tunings' kinks among them."""
     kinks = [np.ravel((t.pressures + np.asarray(t.dead_band)[..., None]) / supply) for t in tunings]
     kinks = np.concatenate([*kinks, [0.0]])
@@ -356,7 +356,7 @@ def _find_roots(
         smallest = np.full(len(force), np.inf)
         np.minimum.at(smallest, owner, distance)
         smallest[remaining.demand[index]] = -np.inf  # reached, in a cell that was not selected
-        ties = np.flatnonzero(distance <= smallest[owner] + _TIE)
+        ties = np.flatnonzero(distance <= smallest[owner] + TIE)
         nearest = ties[np.unique(owner[ties], return_index=True)[1]]
         row = np.concatenate([row, unreached[index], unreached[points.row[nearest]]])
         level = np.concatenate([level, levels, points.level[nearest]])

@@ -51,7 +51,7 @@ REACHED, ABOVE, BELOW = 0, 1, 2  # statuses, as files and JSON have them
 _SLOTS_PER_STATE = 2  # for which a result has room: a fold gives a state two, rarely more
 _PAIRS = 2**22  # of a set of units and a demand at once: some 0.2 GB
 _BATCH = 2**13  # demands at once, of independent units
-_CLOSE = 1e-9  # of 1 N and the force: `ROOT_TOLERANCE` of a unit, and the rounding of a sum
+CLOSE = 1e-9  # of 1 N and the force: `ROOT_TOLERANCE` of a unit, and the rounding of a sum
 _UNREACHABLE = 1e3  # times the forces at both ends: no muscle gives as much
 
 
@@ -214,7 +214,7 @@ def _least_energy(
     resist most), and the last is throttled, at the lowest pressure that meets the demand; if its
     force jumps past that, a unit before it.
     """
-    units, tolerance = len(curves.kind), _CLOSE * (1 + np.abs(force))
+    units, tolerance = len(curves.kind), CLOSE * (1 + np.abs(force))
     unique, inverse = np.unique(strain, return_inverse=True)  # many demands may share a strain
     limits = (x[inverse][:, list(curves.kind)] for x in _unit_limits(curves, unique))
     counts = curves.throttled.sum(axis=1)

@@ -3,7 +3,8 @@ r"""A muscle or a bundle as C: one header and one source without dependencies, C
 The laws are evaluated on symbols, and CasADi writes the resulting expressions: the force with its
 slopes, free strain, onset and collapse strain, all roots included, as straight code of known
 length. No memory is allocated. The templates in `c` add the names, the checks of the domain, the
-sum over motor units, and the search for a bundle's free strain between its kinks.
+sum over motor units, and the searches: of a bundle's free strain between its kinks, and of the
+pressures for a force.
 """
 
 import os
@@ -12,15 +13,20 @@ from typing import Any
 
 from .. import __version__
 from ..bundle import Bundle
+from ..bundle.force_curves import ROOT_TOLERANCE, pressure_grid
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.validation import lowest_strain, strain_domain
 from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
+from .inverse import inverse_code
 
 
-_LOCALS = 64  # doubles on the stack besides CasADi's work and four of each unit
+_AGREEMENT = "Both search with the same nodes of pressure, kinks and extrema."
+_KINKS = 24  # for which C has room: over pressure a kind of muscle has four or so
+_LOCALS = 224  # doubles on the stack besides CasADi's work, of all functions that call one another
+_LIMITS = 10  # doubles on the stack for each unit and kind of muscle: least and largest forces
 
 
 def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
@@ -59,7 +65,8 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "name": name,
         "guard": name.upper(),
         "units": len(muscles),
-        "kinds": join(kinds),
+        "unit_kinds": join(kinds),
+        "kind_count": len(terms),
         "counts": join(int(unit.count) for unit in bundle.motor_units),
         "ratios": join(ratios),
         "cases": "\n".join(case.format(i, name) for i in range(len(terms))),
@@ -69,10 +76,15 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "high": f"{largest:.6f}",
         "highest": repr(HIGHEST_PRESSURE),
         "top": f"{HIGHEST_PRESSURE:g}",
-        "stack": f"{(work + _LOCALS + 4 * len(muscles)) * 8 / 1024:.1f}",
         "laws": laws,
     }
     kind = "bundle" if isinstance(target, Bundle) else "muscle"
+    values["pressure_argument"] = "pressure" if kind == "bundle" else "pressure[0]"
+    values |= _inverse(bundle, [muscles[i] for i in terms], name)
+    doubles = work + 4 * len(muscles) + len(terms) * (2 * values["nodes"] + 2 * _KINKS)
+    doubles += _LOCALS + _LIMITS * (len(terms) + len(muscles))
+    values["stack"] = f"{doubles * 8 / 1024:.1f}"
+    values["curves"] = render_template("law_curves.c", values)
     values["declarations"] = render_template(f"{kind}_law.h", values)
     values["functions"] = render_template(f"{kind}_law.c", values)
     return render_template("law.h", values), render_template("law.c", values)
@@ -94,6 +106,15 @@ def write_c(
     **Raises:** as `c_code`.
     """
     return write_c_files(c_code(target, name), folder, name)
+
+
+def _inverse(bundle: Bundle, muscles: list[Muscle], name: str) -> dict[str, Any]:
+    """Values of the templates for the inverse of a bundle with these different `muscles`."""
+    supply = bundle.supply_pressure
+    top = HIGHEST_PRESSURE if supply is None else float(supply)
+    pressures = (pressure_grid([muscle.tuning for muscle in muscles], top) * top).tolist()
+    values = inverse_code(bundle, name, top, ROOT_TOLERANCE, _AGREEMENT)
+    return values | {"nodes": len(pressures), "node_pressures": join(pressures), "kinks": _KINKS}
 
 
 def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:

@@ -3,7 +3,8 @@ r"""A muscle or a bundle as a table in C: force and volume from one co-energy, C
 The table holds the nodes of each different muscle's `UnitSurface`, (V3), in Hermite's form: the
 co-energy and its slopes by strain, pressure and both, four numbers instead of a cell's sixteen. In
 C they are the same polynomial, so that force and volume come from one table and no cycle creates
-energy. The header states the error of the table.
+energy. At one strain the force in each cell is a cubic of the root of pressure, so that the inverse
+finds its roots and extrema exactly. The header states the error of the table.
 """
 
 import os
@@ -15,6 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
+from ..bundle.force_curves import ROOT_TOLERANCE
 from ..control import Cascade
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
@@ -24,19 +26,24 @@ from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, table_error
 from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
 from .controller import tabulate_controller, template_values
+from .inverse import inverse_code
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
 SHAPES = {"double": (65, 81), "float": (33, 41)}
 _LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
 _ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
+_AGREEMENT = (
+    "It solves for the table's force; where the table's error moves a demand across the limit of\n"
+    "a state, the choice differs from Python's."
+)
 _EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
 class MuscleTables(NamedTuple):
     """Tables of a bundle: `surfaces` of its different muscles, the index of each unit's surface
-    (`kinds`), its `counts` and `ratios` [-]; `errors` in words; `precision`, "double" or "float"; a
-    `controller` on them, or `None`.
+    (`kinds`), its `counts` and `ratios` [-]; `errors` in words; `precision`, "double" or "float";
+    the `bundle`; a `controller` on them, or `None`.
     """
 
     surfaces: tuple[UnitSurface, ...]
@@ -45,6 +52,7 @@ class MuscleTables(NamedTuple):
     ratios: tuple[float, ...]
     errors: str
     precision: str
+    bundle: Bundle
     controller: Cascade | None = None
 
     @property
@@ -115,6 +123,15 @@ class MuscleTables(NamedTuple):
             "controller_source": "",
             **self.limits_as_text,
         }
+        meets = ROOT_TOLERANCE  # or the rounding of all muscles
+        if self.precision == "float":
+            errors = [_rounding_error(surfaces[kind]) for kind in self.kinds]
+            meets = float(np.dot(self.counts, errors))
+        highest = float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
+        values |= inverse_code(
+            self.bundle, name, highest, meets, _AGREEMENT, self.precision, number
+        )
+        values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
             values |= template_values(self.controller, number)
             values["controller"] = render_template("controller.h", values)
@@ -197,7 +214,7 @@ def tabulate(
     )
     counts = tuple(int(unit.count) for unit in units)
     errors = _error_text(muscles, surfaces, precision)
-    return MuscleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision)
+    return MuscleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision, bundle)
 
 
 def nodes(surface: UnitSurface) -> np.ndarray:

@@ -1,25 +1,11 @@
-#define UNITS @units@
 #define CELLS 8
-
-static const int kind_of[UNITS] = {@kinds@};
-static const double count_of[UNITS] = {@counts@};
-static const double ratio_of[UNITS] = {@ratios@};
-
-static void @name@_kind(int unit, double pressure, double strain, double *res[6])
-{
-    const double *arg[2] = {&pressure, &strain};
-
-    switch (kind_of[unit]) {
-@cases@
-    }
-}
 
 static void @name@_unit(int unit, double pressure, double strain, double out[3])
 {
     double unit_strain = 1.0 - ratio_of[unit] * (1.0 - strain);
     double *res[6] = {&out[0], &out[1], &out[2], NULL, NULL, NULL};
 
-    @name@_kind(unit, pressure, unit_strain, res);
+    @name@_kind(kind_of[unit], pressure, unit_strain, res);
     out[0] *= count_of[unit];
     out[1] *= count_of[unit];
     out[2] *= count_of[unit] * ratio_of[unit];
@@ -30,7 +16,7 @@ static void @name@_kinks(int unit, double pressure, double out[3])
     double *res[6] = {NULL, NULL, NULL, &out[0], &out[1], &out[2]};
     int i;
 
-    @name@_kind(unit, pressure, 0.0, res);
+    @name@_kind(kind_of[unit], pressure, 0.0, res);
     for (i = 0; i < 3; i++) out[i] = 1.0 - (1.0 - out[i]) / ratio_of[unit];
 }
 

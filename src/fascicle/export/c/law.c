@@ -15,6 +15,22 @@
 #pragma GCC diagnostic pop
 #endif
 
+#define UNITS @units@
+#define KINDS @kind_count@ /* of muscles that are unlike */
+
+static const int kind_of[UNITS] = {@unit_kinds@};
+static const double count_of[UNITS] = {@counts@};
+static const double ratio_of[UNITS] = {@ratios@}; /* distance of the plates over its length */
+
+static void @name@_kind(int kind, double pressure, double strain, double *res[6])
+{
+    const double *arg[2] = {&pressure, &strain};
+
+    switch (kind) {
+@cases@
+    }
+}
+
 /* functions of the header */
 static const double @name@_lowest = @lowest@, @name@_largest = @largest@;
 
@@ -22,4 +38,4 @@ static int @name@_inside(double pressure)
 {
     return pressure >= 0.0 && pressure <= @highest@;
 }
-@functions@
+@functions@@curves@@inverse_source@

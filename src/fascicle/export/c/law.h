@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-@declarations@
+@declarations@@inverse@
 #ifdef __cplusplus
 }
 #endif

@@ -1,6 +1,7 @@
 #include "@name@.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #define UNITS @guard@_UNITS
 #define KINDS @kinds@ /* of muscles that are unlike */
@@ -139,4 +140,4 @@ int @name@_volume(const real pressure[UNITS], real strain, real volume[UNITS])
     }
     return !known;
 }
-@controller_source@
+@curves@@inverse_source@@controller_source@

@@ -24,7 +24,7 @@ int @name@_force(const @real@ pressure[@guard@_UNITS], @real@ strain, @real@ *fo
 /* Each unit's volume [m3]. Returns 1 outside of the table, with NAN; else 0. */
 int @name@_volume(const @real@ pressure[@guard@_UNITS], @real@ strain,
                   @real@ volume[@guard@_UNITS]);
-@controller@
+@inverse@@controller@
 #ifdef __cplusplus
 }
 #endif
