@@ -128,12 +128,16 @@ def _structures(raw: bytes, source: str) -> dict[str, bytes]:
     return tables
 
 
-def _visit(content: Mapping[str, Any], name: str, tables: dict[str, bytes]) -> None:
-    """Add the tables of a structure, and of those in it, to the `tables`."""
+def _visit(
+    content: Mapping[str, Any], name: str, tables: dict[str, bytes], units: Mapping[str, Any] = {}
+) -> None:
+    """Add the tables of a structure, and of those in it, to the `tables`; `units`: by name, of the
+    structure around it.
+    """
     import pandas as pd
 
     by_name = {key.lower(): value for key, value in content.items()}
-    units = next((by_name[k] for k in ("units", "unit") if isinstance(by_name.get(k), dict)), {})
+    units = next((by_name[k] for k in ("units", "unit") if isinstance(by_name.get(k), dict)), units)
     labels = next((by_name[key] for key in _LABELS if key in by_name), None)
     columns: dict[str, np.ndarray] = {}
     for label, entry in _entries(content):
@@ -142,7 +146,7 @@ def _visit(content: Mapping[str, Any], name: str, tables: dict[str, bytes]) -> N
             channel = {key.lower(): value for key, value in entry.items()}
             data = next((channel[key] for key in _CHANNEL_DATA if key in channel), 0)
             if np.ndim(data) != 1 or np.asarray(data).dtype.kind not in "fiu":
-                _visit(entry, label, tables)
+                _visit(entry, label, tables, units)
                 continue
             unit = channel.get("unit", channel.get("units", unit))
         values = np.asarray(data)

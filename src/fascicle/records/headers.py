@@ -71,7 +71,10 @@ class MissingMetadataError(ValueError):
 def read_header(header: str) -> list[tuple[str, str]]:
     """Possible meanings of a header: its name in lower case, and its unit."""
     meanings = []
-    brackets = re.findall(r"[\[({<]([^\[\](){}<>]*(?:\([ga]\))?)[\])}>]", header)
+    brackets = re.findall(
+        r"[\[({<]([^\[\](){}<>]*(?:\s?\((?:[gaü]|abs\.?|gauge|rel\.?)\))?)[\])}>]",
+        header,
+    )
     outside = re.sub(r"[\[({<].*?[\])}>]+", " ", header) if brackets else header
     outside = outside.strip(" _")  # MATLAB makes `Force_N_` of `Force (N)`
     units = [text for text in brackets if is_unit(text) or is_absolute(text)]

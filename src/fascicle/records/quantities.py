@@ -7,6 +7,7 @@ import numpy as np
 
 from .headers import MissingMetadataError
 from .joint import JointReadings
+from .number_formats import NUMBER
 from .record import DOWN, UNKNOWN, UP
 from .sidecar import Sidecar
 from .tables import Table, TableColumns
@@ -159,10 +160,27 @@ def read_branch(readings: Readings) -> np.ndarray:
 def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
     """Time [s], if there is a column, and notes."""
     if (time := readings.si("time")) is None:
-        return None, ()
+        return _sampled_time(readings)
     back = np.flatnonzero(np.diff(time) < 0)
     lines = readings.cells.lines
     return time, (f"time goes back in line {lines[back[0] + 1]}",) if back.size else ()
+
+
+def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """Time [s] from the start and the step that LabVIEW writes instead of a column, and a note."""
+    table = readings.table
+    words = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
+    is_time = set(words.get("X_Dimension", ["Time"])) == {"Time"}
+    starts, steps = (
+        {table.numbers.value(cell) for cell in words.get(key, []) if NUMBER.fullmatch(cell)}
+        for key in ("X0", "Delta_X")
+    )
+    is_one = is_time and len(starts) == len(steps) == 1  # not of channels at several rates
+    if not is_one or any("End_of_Header" in line for line in table.body):
+        return None, ()
+    start, step = starts.pop(), steps.pop()
+    time = start + step * (np.array(readings.cells.lines) - table.first)
+    return time, (f"time from X0 and Delta_X: a reading every {step:g} s",)
 
 
 def _meanings(readings: Readings, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:

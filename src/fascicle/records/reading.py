@@ -320,7 +320,7 @@ def _read_cells(
     named = set(columns) if info.names else {*info.columns, *info.units}
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
-    rows, misread = _row_range(info.rows), []
+    rows, misread = None if info.rows is None else _row_range(info.rows), []
     time = columns.get("time")
     cells = table.read(numbers, texts, None if time is None else time.index, rows)
     if time is not None and time.index not in cells.numbers:
@@ -334,10 +334,8 @@ def _read_cells(
     return cells, misread
 
 
-def _row_range(text: str | None) -> tuple[int, int]:
+def _row_range(text: str) -> tuple[int, int]:
     """First and last row of a range such as "40:200", "40:" or ":200"."""
-    if text is None:
-        return 1, MAX_ROWS
     match = re.fullmatch(r"\s*(\d*)\s*:\s*(\d*)\s*", text, re.ASCII)
     first, last = (int(match[1] or 1), int(match[2] or MAX_ROWS)) if match else (0, 0)
     if not 1 <= first <= last:

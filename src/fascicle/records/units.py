@@ -31,12 +31,17 @@ _NOISE = (0.02, 5e3)  # of the highest pressure, and Pa: a transducer's zero may
 _MIN_FORCE = 1.0  # N: less is too little to infer a unit from
 _TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 _DIMENSIONLESS = {"", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio", "dimensionless"}
+_SMALL_STRAINS = {
+    **dict.fromkeys(("mm/m", "‰", "permille"), 1e-3),
+    **dict.fromkeys(("µε", "με", "µstrain", "microstrain", "µm/m"), 1e-6),
+}  # fmt: skip
 # other spellings, in lower case, of the units that `fascicle.units` or `_TIME` know
 SPELLINGS = {
     "pressure": {
         "pa": "Pa", "pascal": "Pa", "pascals": "Pa", "hpa": "hPa", "kpa": "kPa",
         "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
-        "psi": "psi", "lbf/in2": "psi", "atm": "atm", "n/mm2": "MPa", "n/mm²": "MPa",
+        "psi": "psi", "lbf/in2": "psi", "lbf/in²": "psi", "lb/in2": "psi", "lb/in²": "psi",
+        "atm": "atm", "n/mm2": "MPa", "n/mm²": "MPa",
         "n/mm^2": "MPa", "n/m2": "Pa", "n/m²": "Pa", "n/m^2": "Pa", "barü": "bar", "bar(ü)": "bar",
         "kgf/cm2": "kgf/cm^2", "kgf/cm²": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "kg/cm²": "kgf/cm^2",
         "mmhg": "mmHg", "torr": "torr", "inhg": "inHg",
@@ -44,7 +49,8 @@ SPELLINGS = {
     "force": {
         "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
         "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "kp": "kgf", "gf": "gf", "dan": "daN",
-        "cn": "cN",
+        "cn": "cN", "ozf": "ozf", "pound": "lbf", "lb-f": "lbf", "pound-force": "lbf",
+        "kg-f": "kgf", "kilogram-force": "kgf", "gram-force": "gf", "grams-force": "gf",
     },
     "length": {
         "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
@@ -60,20 +66,23 @@ SPELLINGS = {
         "nmm": "N*mm", "n*mm": "N*mm", "ncm": "N*cm", "n*cm": "N*cm", "kgf*m": "kgf*m",
         "kgf*cm": "kgf*cm", "kg*cm": "kgf*cm", "lbf*ft": "lbf*ft", "lb*ft": "lbf*ft",
         "ft*lb": "lbf*ft", "ft*lbf": "lbf*ft", "lbf*in": "lbf*in", "lb*in": "lbf*in",
-        "in*lb": "lbf*in", "in*lbf": "lbf*in",
+        "in*lb": "lbf*in", "in*lbf": "lbf*in", "ozf*in": "ozf*in", "oz*in": "ozf*in",
     },
-    "strain": {"%": "%", "percent": "%", "pct": "%", "prozent": "%", "mm/m": "mm/m"},
+    "strain": {"%": "%", "percent": "%", "pct": "%", "prozent": "%"},
     "time": {
         "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s", "ms": "ms",
         "msec": "ms", "milliseconds": "ms", "us": "µs", "μs": "µs", "min": "min",
         "minutes": "min", "h": "h", "hours": "h",
     },
 }  # fmt: skip
-_GAUGE = re.compile(r"(?:\s*\(g\)|[\s_]+g(?:auge)?|(?<=[a-z])g)$", re.IGNORECASE)
+_GAUGE = re.compile(
+    r"(?:\s*\((?:g(?:auge)?|rel\.?|ü)\)|[\s_]+(?:g(?:auge)?|rel\.?|ü)|(?<=[a-z])g)$", re.IGNORECASE
+)
 _ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
 # of masses that hang from a muscle, the unit of their weight
 _WEIGHTS = {
     **dict.fromkeys(("g", "gram", "grams", "gramm", "gr"), "gf"),
+    **dict.fromkeys(("oz", "ounce", "ounces"), "ozf"),
     **dict.fromkeys(
         ("kg", "kgs", "kilo", "kilos", "kilogram", "kilograms", "kilogramm"), "kgf"
     ),
@@ -148,8 +157,8 @@ def unit_factor(unit: str, dimension: str) -> float:
         text = _GAUGE.sub("", text) if text.lower() not in SPELLINGS["pressure"] else text
     if dimension == "strain" and text.lower() in _DIMENSIONLESS:
         return 1.0
-    if dimension == "strain" and text.lower() == "mm/m":
-        return 1e-3
+    if dimension == "strain" and text.lower() in _SMALL_STRAINS:
+        return _SMALL_STRAINS[text.lower()]
     exact = DIMENSIONS[dimension].factors if dimension in DIMENSIONS else _TIME
     # the case counts where it can: mN and MN
     name = text if text in exact else SPELLINGS[dimension].get(text.lower(), "")
@@ -250,7 +259,9 @@ def check_strains(
     row = int(np.argmax(np.maximum(low - strain, strain - high)))
     if low <= strain[row] <= high:
         return
-    if column.role == "strain" and np.max(np.abs(strain)) > 1 and column.factor == 1:
+    has_unknown_unit = not column.unit and column.header.strip()[-1:] in tuple("])}")
+    is_fraction = column.role == "strain" and column.factor == 1 and not has_unknown_unit
+    if is_fraction and np.max(np.abs(strain)) > 1:
         hint = "did you mean %? Write it in the header, such as `strain [%]`."
     elif column.role == "strain":
         hint = f"it must lie from {low} to {high}, check its unit and sign."

@@ -11,9 +11,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .headers import is_known, read_header, score
+from .lines import is_remark, split_cells
+from .number_formats import is_number
 from .units import POSITIONS, is_absolute, is_unit, strip_brackets, unit_factor
 
 
+_REACH = 3  # rows above the readings: names, pressures and units
 _LEVEL = re.compile(
     r"(?:(?:@|\b(?:at|bei|p|pressure|druck|l|length|länge)\b)\s*[=:]?\s*)*"
     r"(?<![\d.,])(\d+(?:[.,]\d+)?)\s*([a-zA-Z]+(?:\s?\([ag]\))?)(?![a-zA-Z])",
@@ -46,44 +49,25 @@ class WideHeader(NamedTuple):
         return readings
 
 
-def read_wide_header(rows: Sequence[Sequence[str]], width: int) -> WideHeader | None:
-    """Columns of a table of some `width`, from the `rows` above its readings; `None` if its header
-    has no two pressures.
+def read_wide_header(
+    rows: Sequence[Sequence[str]], readings: Sequence[Sequence[str]]
+) -> WideHeader | None:
+    """Columns of a table, from the `rows` above its first `readings`; `None` if its header has no
+    two pressures.
 
     Raises a `ValueError` of a few words for pressures with different numbers of columns.
     """
+    width = max(map(len, [*rows, *readings]), default=0)
     rows = [[*row, *[""] * (width - len(row))] for row in rows]
+    used = [any(j < len(row) and row[j] for row in readings) for j in range(width)]
     choices = ((kind, i) for kind in ("pressure", "length") for i in range(len(rows) - 1, -1, -1))
     kind, i = next((x for x in choices if len({*_levels(rows[x[1]], x[0])} - {None}) > 1), ("", 0))
     if not kind:
         return None
-    levels = _levels(rows[i], kind)
-    is_units = [_is_unit_row(row) for row in rows]
-    others = [
-        row
-        for k, row in enumerate(rows)
-        if k != i and not is_units[k] and sum(map(bool, row)) > 1
-        and not any(map(_PLAIN.fullmatch, row))
-    ]  # fmt: skip
-    units = next(
-        (row for row, is_unit_row in zip(rows, is_units, strict=True) if is_unit_row), None
-    )
-    label = _label(rows[i])
-
-    def name(j: int) -> str:
-        above = next((row[j] for row in reversed(others) if row[j]), "")
-        of_pressure = j == label and score(rows[i][j], "", "pressure")
-        text = above or ("" if of_pressure else _residue(rows[i][j], kind))
-        return f"{text} [{strip_brackets(units[j])}]" if units and units[j] else text
-
-    names = [name(j) for j in range(width)]
-    shared, groups = _group(rows[i], levels, names)
+    names = _column_names(rows, i, kind)
+    shared, groups = _group(rows[i], _levels(rows[i], kind), names, used)
     if len({number for number, _, _ in groups}) < 2:
         return None
-    sizes = {len(indices) for *_, indices in groups}
-    if len(sizes) > 1:
-        counts = f"{min(sizes)} to {max(sizes)} columns"
-        raise ValueError(f"its pressures have {counts}: give each the same, with empty cells")
     header = _long_names([names[j] for j in shared], [names[j] for j in groups[0][2]])
     residues = [_residue(rows[i][j], kind) for *_, indices in groups for j in indices]
     roles = [_likely_role(text) for text in (*header, *residues)]
@@ -91,6 +75,10 @@ def read_wide_header(rows: Sequence[Sequence[str]], width: int) -> WideHeader | 
     alike = {"pressure"} if kind == "pressure" else set(POSITIONS)
     if alike & set(roles) or ("force" in of_shared and of_shared & set(POSITIONS)):
         return None
+    sizes = {len(indices) for *_, indices in groups}
+    if len(sizes) > 1:
+        counts = f"{min(sizes)} to {max(sizes)} columns"
+        raise ValueError(f"its pressures have {counts}: give each the same, with empty cells")
     written = {unit for _, unit, _ in groups}
     if len(written) == 1:
         unit, factors = written.pop(), [1.0] * len(groups)
@@ -99,11 +87,72 @@ def read_wide_header(rows: Sequence[Sequence[str]], width: int) -> WideHeader | 
         factors = [unit_factor(unit, kind) for _, unit, _ in groups]
     return WideHeader(
         (*header, f"{kind} [{unit}]" if unit else kind), tuple(shared),
+        # an exponent, since points between digits may separate thousands
         tuple(
-            (f"{number * factor!r}", indices)
+            (f"{number * factor:.16e}", indices)
             for (number, _, indices), factor in zip(groups, factors, strict=True)
         ),
     )  # fmt: skip
+
+
+def unfold(
+    lines: Sequence[str],
+    head: Sequence[tuple[int, str]],
+    delimiter: str,
+    start: int,
+    names: Sequence[str],
+    source: str,
+) -> tuple[str, tuple[int, ...]] | None:
+    """Text of a wide table as a long one, and the file's line of each of its lines; `None` for
+    other tables.
+    """
+    rows = [split_cells(text, delimiter, trim=False) for _, text in head]
+    firsts = [is_number(row[0]) for row in rows[start : start + 2]]
+    start += firsts == [False, True]  # a row of pressures that begins with their name
+    above = max(start - _REACH, 0)
+    try:
+        header = read_wide_header(rows[above:start], rows[start:])
+    except ValueError as error:
+        raise ValueError(f"{source}, line {head[start - 1][0]}: {error}.") from None
+    if header is None or len(names) >= len(header.names):
+        return None
+    first, top = head[start][0] if start < len(head) else len(lines) + 1, head[above][0]
+    body = [
+        [] if is_remark(line) else split_cells(line, delimiter, trim=False)
+        for line in lines[first - 1 :]
+    ]
+    is_led = any(is_number(row[0]) for row in body if row)
+    is_row = [any(map(is_number, row)) and not (is_led and row[0][:1].isalpha()) for row in body]
+    number_rows = [row if flag else [] for row, flag in zip(body, is_row, strict=True)]
+    readings = header.long_rows(number_rows)
+    words = [(i, row[:1]) for i, row in enumerate(body) if any(row) and not is_row[i]]
+    below, titles = [*readings, *words], [
+        (line, text) for (line, text), row in zip(head[above:start], rows[above:start], strict=True)
+        if sum(map(bool, row)) == 1
+    ]  # fmt: skip
+    text = [*lines[: top - 1], *(title for _, title in titles), "\t".join(header.names)]
+    text += ["\t".join(row) for _, row in below]
+    origins = [*range(1, top), *(line for line, _ in titles), head[start - 1][0]]
+    return "\n".join(text), (*origins, *(first + i for i, _ in below))
+
+
+def _column_names(rows: Sequence[Sequence[str]], i: int, kind: str) -> list[str]:
+    """Name of each column, from the rows but the one of index `i`, and the rest of that one."""
+    unit_rows = [row for row in rows if _is_unit_row(row)]
+    others = [
+        row
+        for k, row in enumerate(rows)
+        if k != i and row not in unit_rows and sum(map(bool, row)) > 1
+        and not any(map(_PLAIN.fullmatch, row))
+    ]  # fmt: skip
+    label, names = _label(rows[i]), []
+    for j, cell in enumerate(rows[i]):
+        above = next((row[j] for row in reversed(others) if row[j]), "")
+        is_pressure = j == label and score(cell, "", "pressure")
+        text = above or ("" if is_pressure else _residue(cell, kind))
+        unit = strip_brackets(unit_rows[0][j]) if unit_rows else ""
+        names.append(f"{text} [{unit}]" if unit else text)
+    return names
 
 
 def _likely_role(text: str) -> str:
@@ -160,14 +209,19 @@ def _is_unit_row(row: Sequence[str]) -> bool:
 
 
 def _group(
-    row: Sequence[str], levels: Sequence[tuple[float, str] | None], names: Sequence[str]
+    row: Sequence[str],
+    levels: Sequence[tuple[float, str] | None],
+    names: Sequence[str],
+    used: Sequence[bool],
 ) -> tuple[list[int], list[tuple[float, str, tuple[int, ...]]]]:
-    """Indices of shared columns, and the pressures with theirs. A blank cell continues the pressure
-    before it, and so does a repeated pressure over another name.
+    """Indices of shared columns, and the pressures with theirs, of those that are `used`. A blank
+    cell continues the pressure before it, and so does a repeated pressure over another name.
     """
     shared: list[int] = []
     groups: list[tuple[float, str, tuple[int, ...]]] = []
     for j, (cell, level) in enumerate(zip(row, levels, strict=True)):
+        if not used[j]:
+            continue
         if level is None and (cell or not groups):
             shared.append(j)
         elif level is None:
@@ -186,7 +240,7 @@ def _long_names(shared: Sequence[str], group: Sequence[str]) -> list[str]:
     """Names of shared columns and of those of a group: X and force where there is none."""
     names, is_pair = list(group), len(group) == 2
     if is_pair and names[0].partition(" [")[0].lower() in ("", "x"):
-        names[0] = f"X{names[0][1:]}" if names[0] else "X"
+        names[0] = f"X{names[0].lstrip('Xx')}"
     has_force = any(score(text, "", "force") > 1 for text in (*shared, *names[:-1]))
     if len(group) <= 2 and not has_force and not is_known(names[-1]):
         units = [unit for _, unit in read_header(names[-1]) if is_unit(unit, ("force",))]

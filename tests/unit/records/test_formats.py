@@ -125,6 +125,39 @@ BARS = "time|pressure|force|length\ns|kPa|N|mm\n----|----|----|----\n" + table(
     "|", [TIME, PRESSURE, FORCE, LENGTH]
 )
 
+LVM_NO = (
+    LVM.format(".", "No")
+    + "Channels\t3\t\t\t\nSamples\t4\t4\t4\t\nY_Unit_Label\tkPa\tN\tmm\t\nX_Dimension\tTime\tTime\t"
+    "Time\t\nX0\t0.0E+0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.1\t0.1\t0.1\t\n***End_of_Header***\t\t\t\t\n"
+    "X_Value\tPressure\tForce\tLength\tComment\n"
+    + table("\t", [[""] * 4, PRESSURE, FORCE, LENGTH])
+)  # fmt: skip
+EXCEL_TABS = "Time\tPressure (kPa)\tForce (N)\tLänge (mm)\n" + table(
+    "\t", [TIME, PRESSURE, FORCE, LENGTH], decimal=","
+)
+THOUSANDS = "Zeit [s];Druck [mbar];Kraft [mN];Länge [mm]\n" + "".join(
+    f"{t};{p};{f};{x}\n".replace(",", "_").replace(".", ",").replace("_", ".")
+    for t, p, f, x in zip(TIME, [f"{10 * p:,.1f}" for p in PRESSURE],
+                          [f"{1e3 * f:,.0f}" for f in FORCE], LENGTH, strict=True)
+)  # fmt: skip
+AMERICAN = THOUSANDS.translate(str.maketrans({",": ".", ".": ","}))
+UNIT_ROW = "Time,Strain,Pressure,Force\ns,%,kPa,N\n" + table(
+    ",", [TIME, [x / 1.8 for x in CONTRACTION], PRESSURE, FORCE]
+)
+COMMA_CLOCK = "Time,P [kPa],F [N],L [mm]\n" + table(
+    ",", [[f"10:59:59,{900 + 50 * i}" if i < 2 else f"11:00:00,{50 * i - 100:03}"
+           for i in (0, 2, 4, 6)], PRESSURE, FORCE, LENGTH]
+)  # fmt: skip
+COLON_CLOCK = "Time\tP [kPa]\tF [N]\tL [mm]\n" + table(
+    "\t", [[f"10:11:12:{i}00" for i in range(4)], PRESSURE, FORCE, LENGTH]
+)
+MINUTES = "Time,P [kPa],F [N],L [mm]\n" + table(
+    ",", [[f"11:12.{i}00" for i in range(4)], PRESSURE, FORCE, LENGTH]
+)
+ZONE = "Time,P [kPa],F [N],L [mm]\n" + table(
+    ",", [[f"2024-03-05T10:11:12.{i}00+01:00" for i in range(4)], PRESSURE, FORCE, LENGTH]
+)
+
 TEXTS = {
     "Bluehill with results above": (BLUEHILL, {"constants": {"pressure": "200 kPa"}}),
     "Bluehill, semicolons": (BLUEHILL_3, {}),
@@ -148,6 +181,19 @@ TEXTS = {
     "noon": (AM_PM, {}),
     "quoted decimal commas": (QUOTED, {}),
     "bars": (BARS, {}),
+    "LabVIEW without times": (LVM_NO, {}),
+    "LabVIEW without a column of times": (
+        LVM_NO.replace("X_Value\t", "").replace("\n\t", "\n"),
+        {},
+    ),
+    "tabs of Excel": (EXCEL_TABS, {}),
+    "points between thousands": (THOUSANDS, {"units": {"force": "mN"}}),
+    "commas between thousands": (AMERICAN, {"units": {"force": "mN"}}),
+    "units below that begin with %": (UNIT_ROW, {}),
+    "clock with a comma": (COMMA_CLOCK, {}),
+    "clock with colons": (COLON_CLOCK, {}),
+    "clock of minutes": (MINUTES, {}),
+    "clock with a zone": (ZONE, {}),
 }
 
 
@@ -312,6 +358,48 @@ def test_a_missing_column_is_offered_only_what_could_be_it():
         loads("pressure force length\n1\n2\n")
 
 
+def test_thousands_that_may_be_decimals_are_refused():
+    text = "t [s];p [mbar];F [N];L [mm]\n0;2.000;{};180\n1;2.001;95,2;176\n"
+    with pytest.raises(ValueError, match=r"'2\.000' may be 2\.000 or 2000: write it without"):
+        loads(text.format("118,4"), rest_length=REST)
+    # a number with both signs makes it clear, and so does one that can't be of thousands
+    record = loads(text.format("1.118,4"), rest_length=REST)
+    assert_allclose(record.pressure, [200e3, 200.1e3])
+    assert_allclose(record.force[0], 1118.4)
+    clear = text.format("118.4").replace("2.00", "200.").replace("mbar", "kPa")
+    assert_allclose(loads(clear, rest_length=REST).pressure, [200e3, 200.1e3])
+    quoted = 't [s],p [kPa],F [mN],L [mm]\n0,200,"1,118",180\n'
+    with pytest.raises(ValueError, match=r"'1,118' may be 1\.118 or 1118"):
+        loads(quoted, rest_length=REST)
+
+
+def test_specimens_of_one_file_are_not_mixed():
+    block = '"Specimen {}"\n"Time","Extension","Load"\n"(s)","(mm)","(N)"\n' + table(
+        ",", [TIME, [-x for x in CONTRACTION], FORCE]
+    )
+    text = '"Results"\n"1",118.4\n\n' + "\n".join(block.format(i) for i in (1, 2, 3))
+    options = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
+    with pytest.raises(MissingMetadataError, match="3 specimens in one file") as error:
+        loads(text, **options)
+    (choice,) = error.value.choices
+    assert choice[:3] == ("rows", "", "1:4")
+    check(loads(text, rows=choice[2], **options), pressure=False)
+    check(loads(text, rows="6:9", **options), pressure=False)
+    assert len(loads(text, rows="1:", **options)) == 12
+    # a name in each row is no name of a block
+    named = "id,p [kPa],F [N],L [mm]\n" + "".join(
+        f"Sample {i},{p},{f},{x}\n" for i, (_, p, f, x) in enumerate(ROWS)
+    )
+    check(loads(named, rest_length=REST), time=False)
+
+
+def test_two_rates_of_channels_give_no_time():
+    text = LVM_NO.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2")
+    assert loads(text, rest_length=REST).time is None
+    record = loads(LVM_NO, rest_length=REST, rows="2:3")
+    assert_allclose(record.time, TIME[1:3])
+
+
 @pytest.mark.parametrize("name", ["rec", "flat", "channels", "matrix"])
 def test_mat_files(tmp_path, name):
     from scipy.io import savemat
@@ -346,6 +434,34 @@ def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
     check(load(path, rest_length=REST, table="down"), time=False)
     with pytest.raises(ValueError, match="no table `side`: there are `up`, `down`"):
         load(path, rest_length=REST, table="side")
+
+
+def test_an_array_of_structures_is_one_table_each(tmp_path):
+    from scipy.io import savemat
+
+    path = tmp_path / "m.mat"
+    run = {"pressure": 200.0, "force": FORCE, "length": LENGTH}
+    units = {"pressure": "kPa", "force": "N", "length": "mm"}
+    savemat(path, {"test": np.array([run, run | {"pressure": 100.0}]), "units": units})
+    with pytest.raises(MissingMetadataError) as error:
+        load(path, rest_length=REST)
+    assert error.value.choices[0][:3] == ("table", "", "test(1)")
+    assert_allclose(load(path, rest_length=REST, table="test(2)").pressure, 100e3)
+
+
+def test_titles_and_merged_names_of_a_sheet(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    sheet = book.active
+    for row in (["Tensile test of a muscle"], ["Operator", "x"], [],
+                ["Gauges", None, "Load frame", None], ["Time", "Pressure", "Force", "Length"],
+                ["s", "kPa", "N", "mm"], *ROWS):  # fmt: skip
+        sheet.append(list(row))
+    for cells in ("A1:D1", "A4:B4", "C4:D4"):
+        sheet.merge_cells(cells)
+    path = tmp_path / "m.xlsx"
+    book.save(path)
+    check(load(path, rest_length=REST))
 
 
 def test_xlsx_files(tmp_path):

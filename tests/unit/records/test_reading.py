@@ -399,7 +399,8 @@ def test_titles_above_the_header_are_passed_or_the_header_is_told():
 OFFERS = [
     ("force [N]", "Load (g)", "gf"), ("force [N]", "Load (kg)", "kgf"),
     ("force [N]", "load [grams]", "gf"), ("force [N]", "Force [V]", None),
-    ("force [N]", "Load [oz]", None), ("force [N]", "force [mm]", None),
+    ("force [N]", "Load [oz]", "ozf"), ("force [N]", "Load [st]", None),
+    ("force [N]", "force [mm]", None),
     ("pressure [kPa]", "pressure [V]", None),
 ]  # fmt: skip
 
@@ -411,9 +412,10 @@ def test_a_unit_is_only_offered_where_the_numbers_are_in_it(old, new, unit):
     if unit is None:
         assert not isinstance(caught.value, MissingMetadataError)
     else:
+        weights = {"gf": 9.80665e-3, "kgf": 9.80665, "ozf": 0.45359237 * 9.80665 / 16}
         assert (caught.value.argument, caught.value.value) == ("units", unit)
         record = loads(GOOD.replace(old, new), rest_length=0.3, units={"force": unit})
-        assert record.force[0] == pytest.approx(50.5 * {"gf": 9.80665e-3, "kgf": 9.80665}[unit])
+        assert record.force[0] == pytest.approx(50.5 * weights[unit])
         assert not any("not in" in note for note in record.notes)
 
 

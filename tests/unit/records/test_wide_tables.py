@@ -43,6 +43,9 @@ def check(record):
         ("100 kPa,,200 kPa,\n" + PAIRS, {"columns": "strain[%],force[N]"}),
         ("100 kPa,100 kPa,200 kPa,200 kPa\nstrain [%],F [N],strain [%],F [N]\n" + PAIRS, {}),
         ("strain_100kPa [%],F_100kPa [N],strain_200kPa [%],F_200kPa [N]\n" + PAIRS, {}),
+        ("100 kPa,,,200 kPa,,\nX [%],Y [N],,X [%],Y [N],\n"
+         "0,50,,0,100,\n5,25,,5,60,\n10,1,,10,30,\n",
+         {"columns": "strain,force"}),
         ("100 kPa,,200 kPa,\nX,Y,X,Y\n" + PAIRS,
          {"columns": {"strain": "X"}, "units": {"strain": "%", "force": "N"}}),
     ],

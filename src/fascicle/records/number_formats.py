@@ -1,0 +1,119 @@
+"""Numbers and clock times as instruments write them: decimal commas, signs between thousands."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+_POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
+# with signs between thousands, and a tail of decimals
+_GROUPED = re.compile(
+    r"[+-]?\d{1,3}(?P<sign>[.,' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
+)
+_CLOCK = re.compile(
+    r"(?:.*[\sT])?(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
+)
+
+
+def is_number(cell: str) -> bool:
+    """True for a number of any format, also with signs between thousands."""
+    return bool(NUMBER.fullmatch(cell) or _GROUPED.fullmatch(cell))
+
+
+@dataclass(frozen=True)
+class NumberFormat:
+    """How a table writes numbers.
+
+    - `decimal`: the sign before decimals, a point or a comma.
+    - `grouped`: the other sign stands between thousands.
+    - `unclear`: signs of which that isn't known: `2.000` beside decimal commas is 2 or 2000.
+    """
+
+    decimal: str = "."
+    grouped: bool = False
+    unclear: str = ""
+
+    def plain(self, cell: str) -> str:
+        """A number without signs between thousands; another cell as it is."""
+        match = _GROUPED.fullmatch(cell)
+        if match is None or match["sign"] == self.decimal:
+            return cell
+        if match["tail"]:
+            is_grouped = match["tail"][0] == self.decimal
+        else:
+            is_grouped = self.grouped or match["sign"] not in ".,"
+        return cell.replace(match["sign"], "") if is_grouped else cell
+
+    def rule(self, cell: str) -> str:
+        """Reason why a `cell` is no number, with what to do; empty for a number."""
+        excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
+        grouped, plain = _GROUPED.fullmatch(cell), cell
+        sign = grouped["sign"] if grouped and _may_be_thousands(cell) else ""
+        if sign and sign in self.unclear:
+            numbers = cell.replace(sign, "."), cell.replace(sign, "")
+            return f"{excerpt!r} may be {numbers[0]} or {numbers[1]}: write it without {sign!r}"
+        if self.decimal == ",":
+            plain = cell.replace(",", ".")
+        # Python's own numbers, such as 1_000 and nan, are none here
+        if NUMBER.fullmatch(plain) and "," not in plain and np.isfinite(float(plain)):
+            return ""
+        hint = ": write the decimals after a point" if _COMMA.fullmatch(cell) else ""
+        if grouped:
+            hint = ": write it without signs between thousands"
+        return f"{excerpt!r} is no finite number{hint}"
+
+    def value(self, cell: str) -> float:
+        """Value of a number."""
+        return float(cell.replace(",", ".") if self.decimal == "," else cell)
+
+
+def detect_format(cells: Sequence[str], delimiter: str) -> NumberFormat:
+    """Format of the numbers among the `cells` of a table with a `delimiter`."""
+    matches = [match for match in map(_GROUPED.fullmatch, cells) if match]
+    tails = {match["tail"][0] for match in matches if match["tail"] and match["sign"] in ".,"}
+    if len(tails) == 1:
+        return NumberFormat(tails.pop(), True)
+
+    points = any(map(_POINT.fullmatch, cells))
+    if not any(map(_COMMA.fullmatch, cells)) or (delimiter == "," and points):
+        return NumberFormat(".")
+    # decimals that can't be thousands make the meaning of others clear
+    clear = [cell for cell in cells if not _may_be_thousands(cell)]
+    unclear = "" if any(map(_POINT.fullmatch, clear)) else "."
+    unclear += "," if delimiter == "," and not any(map(_COMMA.fullmatch, clear)) else ""
+    return NumberFormat(",", unclear=unclear)
+
+
+def _may_be_thousands(cell: str) -> bool:
+    """True for digits with one sign before each three of them: `2.000`, but not `0.500`."""
+    match = _GROUPED.fullmatch(cell)
+    return match is not None and not match["tail"] and cell.lstrip("+-")[0] != "0"
+
+
+def is_split_clock(clock: str, fraction: str) -> bool:
+    """True for the two cells of a clock time whose decimals stood after a comma."""
+    return re.fullmatch(r".*\d:\d\d:\d\d", clock) is not None and fraction.isdecimal()
+
+
+def read_seconds(texts: Sequence[str]) -> np.ndarray | None:
+    """Times as numbers; clock times from the first one on [s]; `None` for other texts."""
+    if all(map(NUMBER.fullmatch, texts)):
+        values = np.array([float(text.replace(",", ".")) for text in texts])
+        return values if np.isfinite(values).all() else None
+    clocks = [match.groups() for match in map(_CLOCK.fullmatch, texts) if match]
+    if len(clocks) < len(texts):
+        return None
+    if any(clock[0] is None and len(clock[2]) == 2 for clock in clocks):
+        return None  # 10:11 may be minutes or hours
+    hours = [
+        int(h or 0) % 12 + 12 * (half in "Pp") if half else int(h or 0) for h, _, _, half in clocks
+    ]
+    minutes = [60 * h + int(clock[1]) for h, clock in zip(hours, clocks, strict=True)]
+    seconds = np.array([float(re.sub("[,:]", ".", clock[2])) for clock in clocks])
+    seconds += 60 * np.array(minutes)
+    nights = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43_200)  # half a day back
+    return np.round(seconds + 86_400 * nights - seconds[0], 6)  # finer than clocks are

@@ -1,0 +1,70 @@
+"""Units of headers: read, or refused with a hint that is right."""
+
+import pytest
+
+from fascicle.records import loads
+from fascicle.records.columns import MissingMetadataError
+from fascicle.records.units import unit_factor
+
+
+def table(pressure="P [kPa]", force="F [N]", position="L [mm]", values="200,50,190"):
+    return f'"{pressure}","{force}","{position}"\n{values}\n'
+
+
+@pytest.mark.parametrize(
+    ("unit", "dimension", "si"),
+    [
+        ("kN", "force", 1e3), ("KN", "force", 1e3), ("lbf", "force", 4.4482216152605),
+        ("lb-f", "force", 4.4482216152605), ("gf", "force", 9.80665e-3),
+        ("kg-f", "force", 9.80665), ("gram-force", "force", 9.80665e-3),
+        ("ozf", "force", 4.4482216152605 / 16), ("daN", "force", 10.0),
+        ("psi g", "pressure", 6894.757293168361), ("psi (gauge)", "pressure", 6894.757293168361),
+        ("lbf/in²", "pressure", 6894.757293168361), ("mbar", "pressure", 100.0),
+        ("mBar", "pressure", 100.0), ("Torr", "pressure", 101325 / 760),
+        ("bar rel.", "pressure", 1e5), ("bar ü", "pressure", 1e5), ("inHg", "pressure", 3386.389),
+        ("deg", "angle", 0.017453292519943295), ("°", "angle", 0.017453292519943295),
+        ("rad", "angle", 1.0), ("Nm", "moment", 1.0), ("N·m", "moment", 1.0),
+        ("N m", "moment", 1.0), ("N-m", "moment", 1.0), ("NM", "moment", 1.0),
+        ("mNm", "moment", 1e-3), ("N mm", "moment", 1e-3), ("N·cm", "moment", 1e-2),
+        ("lbf in", "moment", 0.1129848290276167), ("in-lb", "moment", 0.1129848290276167),
+        ("ft·lbf", "moment", 1.3558179483314004), ("kgf cm", "moment", 0.0980665),
+        ("oz-in", "moment", 0.1129848290276167 / 16),
+        ("‰", "strain", 1e-3), ("µε", "strain", 1e-6),
+    ],
+)  # fmt: skip
+def test_spellings(unit, dimension, si):
+    # inHg has six digits in pint, all others are exact but for rounding
+    assert unit_factor(unit, dimension) == pytest.approx(si, rel=1e-6 if unit == "inHg" else 1e-12)
+
+
+@pytest.mark.parametrize(("unit", "weight"), [("g", "gf"), ("kg", "kgf"), ("oz", "ozf")])
+def test_masses_offer_their_weight(unit, weight):
+    with pytest.raises(MissingMetadataError) as error:
+        loads(table(force=f"Load ({unit})"), rest_length=0.2)
+    assert error.value.choices == (("units", "force", weight, ""),)
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["P [bar abs]", "P (kPa abs.)", "P [kPa(abs)]", "P [kPa (a)]", "P [psia]", "P_abs [mbar]"],
+)
+def test_absolute_pressures_offer_the_atmosphere(header):
+    with pytest.raises(MissingMetadataError) as error:
+        loads(table(header), rest_length=0.2)
+    assert error.value.argument == "atmosphere"
+
+
+@pytest.mark.parametrize("unit", ["V", "mA", "counts", "MN", "%"])
+def test_other_units_are_no_force(unit):
+    with pytest.raises(ValueError, match="is no unit of force: convert its numbers"):
+        loads(table(force=f"Load [{unit}]"), rest_length=0.2)
+
+
+def test_a_hint_is_left_out_where_it_is_not_known():
+    with pytest.raises(ValueError, match="did you mean %"):
+        loads(table(position="strain", values="200,50,12"))
+    with pytest.raises(ValueError, match="check its unit and sign") as error:
+        loads(table(position="strain [ue]", values="200,50,12"))
+    assert "did you mean" not in str(error.value)
+    with pytest.raises(ValueError, match=r"above 1 MPa.*did you mean kPa"):
+        loads(table("P [bar]"), rest_length=0.2)
