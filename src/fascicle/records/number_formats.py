@@ -1,5 +1,6 @@
 """Numbers and clock times as instruments write them: decimal commas, signs between thousands."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ _POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
 _GROUPED = re.compile(
     r"[+-]?\d{1,3}(?P<sign>[.,' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
 )
+_OTHER_SIGNS = {".": frozenset(",' \u00a0\u202f"), ",": frozenset(".' \u00a0\u202f")}
 _CLOCK = re.compile(
     r"(?:.*[\sT])?(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
 )
@@ -39,6 +41,8 @@ class NumberFormat:
 
     def plain(self, cell: str) -> str:
         """A number without signs between thousands; another cell as it is."""
+        if _OTHER_SIGNS[self.decimal].isdisjoint(cell):  # quick, as in most cells
+            return cell
         match = _GROUPED.fullmatch(cell)
         if match is None or match["sign"] == self.decimal:
             return cell
@@ -48,27 +52,30 @@ class NumberFormat:
             is_grouped = self.grouped or match["sign"] not in ".,"
         return cell.replace(match["sign"], "") if is_grouped else cell
 
+    def value(self, cell: str) -> float | None:
+        """Finite value of a `cell`, or `None`."""
+        if self.unclear and self._unclear_sign(cell):
+            return None
+        plain = cell.replace(",", ".") if self.decimal == "," else cell
+        # Python's own numbers, such as 1_000 and nan, are none here
+        is_plain = NUMBER.fullmatch(plain) and "," not in plain
+        return value if is_plain and math.isfinite(value := float(plain)) else None
+
     def rule(self, cell: str) -> str:
-        """Reason why a `cell` is no number, with what to do; empty for a number."""
+        """Reason why a `cell` has no value, with what to do."""
         excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
-        grouped, plain = _GROUPED.fullmatch(cell), cell
-        sign = grouped["sign"] if grouped and _may_be_thousands(cell) else ""
-        if sign and sign in self.unclear:
+        if sign := self._unclear_sign(cell):
             numbers = cell.replace(sign, "."), cell.replace(sign, "")
             return f"{excerpt!r} may be {numbers[0]} or {numbers[1]}: write it without {sign!r}"
-        if self.decimal == ",":
-            plain = cell.replace(",", ".")
-        # Python's own numbers, such as 1_000 and nan, are none here
-        if NUMBER.fullmatch(plain) and "," not in plain and np.isfinite(float(plain)):
-            return ""
         hint = ": write the decimals after a point" if _COMMA.fullmatch(cell) else ""
-        if grouped:
+        if _GROUPED.fullmatch(cell):
             hint = ": write it without signs between thousands"
         return f"{excerpt!r} is no finite number{hint}"
 
-    def value(self, cell: str) -> float:
-        """Value of a number."""
-        return float(cell.replace(",", ".") if self.decimal == "," else cell)
+    def _unclear_sign(self, cell: str) -> str:
+        """The sign in a `cell` of which the meaning isn't known; empty without one."""
+        signs = [sign for sign in self.unclear if sign in cell]
+        return signs[0] if signs and _may_be_thousands(cell) else ""
 
 
 def detect_format(cells: Sequence[str], delimiter: str) -> NumberFormat:
@@ -78,13 +85,15 @@ def detect_format(cells: Sequence[str], delimiter: str) -> NumberFormat:
     if len(tails) == 1:
         return NumberFormat(tails.pop(), True)
 
-    points = any(map(_POINT.fullmatch, cells))
-    if not any(map(_COMMA.fullmatch, cells)) or (delimiter == "," and points):
+    points, commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
+    if not commas or (delimiter == "," and points):
         return NumberFormat(".")
     # decimals that can't be thousands make the meaning of others clear
     clear = [cell for cell in cells if not _may_be_thousands(cell)]
-    unclear = "" if any(map(_POINT.fullmatch, clear)) else "."
-    unclear += "," if delimiter == "," and not any(map(_COMMA.fullmatch, clear)) else ""
+    points, commas = (any(map(kind.fullmatch, clear)) for kind in (_POINT, _COMMA))
+    if points and not commas:
+        return NumberFormat(".", unclear=",")
+    unclear = ("" if points else ".") + ("," if delimiter == "," and not commas else "")
     return NumberFormat(",", unclear=unclear)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from .headers import MissingMetadataError
 from .joint import JointReadings
-from .number_formats import NUMBER
 from .record import DOWN, UNKNOWN, UP
 from .sidecar import Sidecar
 from .tables import Table, TableColumns
@@ -172,13 +171,13 @@ def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...
     words = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
     is_time = set(words.get("X_Dimension", ["Time"])) == {"Time"}
     starts, steps = (
-        {table.numbers.value(cell) for cell in words.get(key, []) if NUMBER.fullmatch(cell)}
+        {table.numbers.value(cell) for cell in words.get(key, [])} - {None}
         for key in ("X0", "Delta_X")
     )
     is_one = is_time and len(starts) == len(steps) == 1  # not of channels at several rates
-    if not is_one or any("End_of_Header" in line for line in table.body):
+    if not is_one or table.origins or any("End_of_Header" in x for x in table.body):
         return None, ()
-    start, step = starts.pop(), steps.pop()
+    start, step = starts.pop() or 0.0, steps.pop() or 0.0
     time = start + step * (np.array(readings.cells.lines) - table.first)
     return time, (f"time from X0 and Delta_X: a reading every {step:g} s",)
 

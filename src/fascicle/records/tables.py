@@ -252,9 +252,9 @@ class Table:
         return ValueError(f"{self.source}, line {line}: {message}")
 
     def _number(self, text: str, line: int, column: int) -> float:
-        if rule := self.numbers.rule(text):
-            raise self.cell_error(line, column, f"{rule}.")
-        return self.numbers.value(text)
+        if (value := self.numbers.value(text)) is None:
+            raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
+        return value
 
 
 def open_table(

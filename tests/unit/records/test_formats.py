@@ -368,6 +368,8 @@ def test_thousands_that_may_be_decimals_are_refused():
     assert_allclose(record.force[0], 1118.4)
     clear = text.format("118.4").replace("2.00", "200.").replace("mbar", "kPa")
     assert_allclose(loads(clear, rest_length=REST).pressure, [200e3, 200.1e3])
+    with pytest.raises(ValueError, match=r"'1,118' may be 1\.118 or 1118"):
+        loads("t [s];p [kPa];F [mN];L [mm]\n0.5;200.1;1,118;180\n", rest_length=REST)
     quoted = 't [s],p [kPa],F [mN],L [mm]\n0,200,"1,118",180\n'
     with pytest.raises(ValueError, match=r"'1,118' may be 1\.118 or 1118"):
         loads(quoted, rest_length=REST)
