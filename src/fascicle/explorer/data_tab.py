@@ -50,6 +50,7 @@ from .widgets import (
 
 _MARGIN, _MARGIN_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
 _EXAMPLE = "example.csv"
+_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
 _REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
@@ -58,11 +59,11 @@ _WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 _BY_NAME = "constants of your choice"
 _TITLE = "Your own muscle, as it was measured"
 _TEXT = (
-    "Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in"
-    " its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to"
-    f" them, with an interval for each constant. At most {MOST_ROWS} rows; they stay in this"
-    " session's memory. No record at hand? There is a synthetic one of this muscle, a little"
-    " thicker and steeper than drawn."
+    "Open a dynamometer's CSV, .xlsx or .mat: pressure, force, and strain, length or displacement,"
+    " with units in its header. Its readings appear here beside this muscle's curves; then the"
+    " muscle is tuned to them, with an interval for each constant. At most"
+    f" {MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a synthetic"
+    " one of this muscle, a little thicker and steeper than drawn."
 )
 # a form to fill in: nobody's readings
 _FORM = """pressure [kPa],strain [-],force [N]
@@ -161,7 +162,9 @@ class DataView(Tab):
         self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
-        self.file = widget(pn.widgets.FileInput, "Open a record (CSV)", accept=".csv,.txt,.tsv")
+        self.file = widget(
+            pn.widgets.FileInput, "Open a record (CSV, .xlsx, .mat)", accept=_SUFFIXES
+        )
         # an empty file changes nothing but the name
         self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
         self._example, self._other_example = (

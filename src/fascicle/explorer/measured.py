@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..calibrate.data import assign_levels
+from ..core.errors import MissingExtraError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain, strain_domain
 from ..records import loads
 from ..records.columns import MissingMetadataError
+from ..records.formats import unpack, unpacked_size
 from ..records.record import Record
 from ..records.tables import open_table
 from ..units import pretty
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from ..calibrate import Selection
 
 LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
+LARGEST_CONTENT = 50_000_000  # bytes of it unpacked: the XML of most rows has a third of that
 MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
@@ -54,16 +57,13 @@ def read_record(
         raise ValueError(f"{name}: the file is empty, {len(raw)} bytes.")
     if len(raw) > LARGEST_FILE:
         raise ValueError(f"{name}: a record may have {LARGEST_FILE} bytes, got {len(raw)}.")
-    rows = raw.count(b"\n")
+    text = _unpack(raw, name)
+    rows = text.count(b"\n")
     if rows > MOST_ROWS:
         raise ValueError(
             f"{name}: a record may have {MOST_ROWS} rows here, got {rows}:"
             " thin it out, or use `fascicle calibrate`."
         )
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("latin-1")
     arguments: dict[str, Any] = dict(options or {})
     length = float(muscle.length)
     try:
@@ -105,9 +105,26 @@ def read_record(
 def read_headers(raw: bytes, name: str) -> tuple[str, ...]:
     """Headers of the columns of an uploaded file of a `name`; none where it has none."""
     try:
-        return open_table(raw[:_HEADER_BYTES], name).header
+        return open_table(_unpack(raw, name)[:_HEADER_BYTES], name).header
     except ValueError:
         return ()
+
+
+def _unpack(raw: bytes, name: str) -> bytes:
+    """Text of an uploaded file, of a spreadsheet or a .mat file within limits."""
+    if raw.startswith(b"TDSm"):  # it may claim any number of values
+        raise ValueError(f"{name}: export it as CSV, or use `fascicle calibrate`.")
+    if unpacked_size(raw, LARGEST_CONTENT) > LARGEST_CONTENT:
+        raise ValueError(
+            f"{name}: unpacked, it has more than {LARGEST_CONTENT} bytes: thin it out."
+        )
+    try:
+        return unpack(raw, name)
+    except MissingMetadataError as error:
+        problem = error.before.rpartition(": ")[0]
+        raise ValueError(f"{problem}: save one of them, or use `fascicle calibrate`.") from None
+    except MissingExtraError as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 def example_record(muscle: Muscle) -> bytes:

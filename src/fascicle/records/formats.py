@@ -5,6 +5,9 @@ openpyxl, SciPy and npTDMS parse; here their columns get names and units. A file
 """
 
 import io
+import struct
+import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +28,9 @@ _REMEDIES = {
     b"\x1f\x8b": "a compressed file: unpack it, or export its readings as CSV",
     b"%PDF": "a PDF: export the readings as CSV",
 }
+_MAX_CELLS = 20_000_000  # of a sheet: a cell at its far corner makes 17 thousand million
 _CHANNEL_DATA = ("data", "values", "value", "y")  # keys of a structure that is one channel
+_COMPRESSED = 15  # type of a compressed element of a .mat file
 _LABELS = ("colheaders", "names", "labels", "columns", "header", "headers", "channels")
 
 
@@ -71,6 +76,27 @@ def unpack(raw: bytes, source: str, table: str | None = None) -> bytes:
     return tables[names[0]]
 
 
+def unpacked_size(raw: bytes, limit: int) -> int:
+    """Size of what an .xlsx or .mat file holds compressed [bytes], counted up to a `limit`."""
+    if raw.startswith(b"PK\3\4"):
+        try:
+            return sum(entry.file_size for entry in zipfile.ZipFile(io.BytesIO(raw)).infolist())
+        except zipfile.BadZipFile:
+            return len(raw)
+    total, start = len(raw), 128  # bytes of the header of a .mat file
+    is_little, is_binary = raw[126:128] == b"IM", b"\0" in raw[:128]
+    while is_binary and start + 8 <= len(raw) and total <= limit:
+        kind, size = struct.unpack_from("<II" if is_little else ">II", raw, start)
+        if kind == _COMPRESSED:
+            content = zlib.decompressobj()
+            try:
+                total += len(content.decompress(raw[start + 8 : start + 8 + size], limit + 1))
+            except zlib.error:
+                return total
+        start += 8 + size
+    return total
+
+
 def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
     """Text of each sheet of an .xlsx file, by name."""
     require("openpyxl")
@@ -83,6 +109,11 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
         book = load_workbook(io.BytesIO(raw), data_only=True)
     except Exception as error:  # noqa: BLE001 of several libraries
         raise ValueError(f"{source}: can't be read as .xlsx: {_line(error)}") from None
+    for sheet in book.worksheets:
+        if sheet.max_row * sheet.max_column > _MAX_CELLS:
+            size = f"{sheet.max_row} rows and {sheet.max_column} columns"
+            remedy = "delete the empty ones, or export the readings as CSV"
+            raise ValueError(f"{source}: sheet `{sheet.title}` has {size}: {remedy}.")
     return {
         sheet.title: "".join(
             "\t".join(map(cell_text, row)) + "\n" for row in sheet.iter_rows(values_only=True)

@@ -116,8 +116,8 @@ def load(
     return records[0] if len(records) == 1 else join(records)
 
 
-def loads(text: str, source: str = "<text>", **options: Any) -> Record:
-    """Read a dynamometer's table from text.
+def loads(text: str | bytes, source: str = "<text>", **options: Any) -> Record:
+    """Read a dynamometer's table from text, or from the bytes of a file.
 
     **Arguments:**
 
@@ -129,7 +129,8 @@ def loads(text: str, source: str = "<text>", **options: Any) -> Record:
 
     **Raises:** `ValueError` as `load`.
     """
-    return _read_record(text.encode(), source, source, _overrule(Sidecar(), **options), ())
+    raw = text.encode() if isinstance(text, str) else text
+    return _read_record(raw, source, source, _overrule(Sidecar(), **options), ())
 
 
 def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[Path]:

@@ -9,6 +9,7 @@ import fascicle as fs
 from fascicle import records
 from fascicle.explorer.data_tab import DataView
 from fascicle.explorer.measured import (
+    LARGEST_CONTENT,
     LARGEST_FILE,
     MOST_CURVES,
     MOST_ROWS,
@@ -180,6 +181,43 @@ def test_readings_are_read_and_have_curves():
 def test_a_large_file_is_refused_with_its_limit(raw, limit):
     with pytest.raises(ValueError, match=str(limit)):
         read_record(raw, "d.csv", MUSCLE)
+
+
+def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
+    from openpyxl import Workbook
+    from scipy.io import savemat
+
+    P, F, x = [100.0] * 5, [40.0, 30, 20, 10, 5], [0.0, 0.02, 0.04, 0.06, 0.08]
+    book = Workbook()
+    book.active.append(["pressure [kPa]", "force [N]", "strain"])
+    for row in zip(P, F, x, strict=True):
+        book.active.append(row)
+    path = tmp_path / "d.xlsx"
+    book.save(path)
+    assert read_headers(path.read_bytes(), path.name) == ("pressure [kPa]", "force [N]", "strain")
+    assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
+    book.active["XFD1048576"] = 1
+    book.save(path)
+    with pytest.raises(ValueError, match="1048576 rows"):
+        read_record(path.read_bytes(), path.name, MUSCLE)
+    path = tmp_path / "d.mat"
+    columns = {"pressure_kPa": P, "force_N": F, "strain": x}
+    savemat(path, columns, do_compression=True)
+    assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
+    savemat(path, columns | {"image": np.zeros(LARGEST_CONTENT // 8)}, do_compression=True)
+    assert path.stat().st_size < LARGEST_FILE
+    with pytest.raises(ValueError, match=f"more than {LARGEST_CONTENT}"):
+        read_record(path.read_bytes(), path.name, MUSCLE)
+    savemat(path, {"up": columns, "down": columns})
+    with pytest.raises(ValueError, match="several tables, `up`, `down`: save one"):
+        read_record(path.read_bytes(), path.name, MUSCLE)
+    with pytest.raises(ValueError, match="export it as CSV"):
+        read_record(b"TDSm" + bytes(100), "d.tdms", MUSCLE)
+
+
+def test_utf_16_of_excel_is_read():
+    text = "pressure [kPa]\tforce [N]\tstrain\n100\t40,5\t0\n100\t20\t0,05\n"
+    assert read_record(text.encode("utf-16"), "d.txt", MUSCLE).force.tolist() == [40.5, 20]
 
 
 def test_a_name_is_never_opened():
