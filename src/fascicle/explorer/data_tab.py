@@ -62,8 +62,8 @@ _TEXT = (
     "Open a dynamometer's CSV, .xlsx or .mat: pressure, force, and strain, length or displacement,"
     " with units in its header. Its readings appear here beside this muscle's curves; then the"
     " muscle is tuned to them, with an interval for each constant. At most"
-    f" {MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a synthetic"
-    " one of this muscle, a little thicker and steeper than drawn."
+    f" {MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a"
+    " synthetic one of this muscle, a little thicker and steeper than drawn."
 )
 # a form to fill in: nobody's readings
 _FORM = """pressure [kPa],strain [-],force [N]
