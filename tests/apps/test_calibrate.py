@@ -257,3 +257,31 @@ def test_the_readmes_calibration_finds_the_angle_that_was_built(fascicle, tmp_pa
     found = [units.parse(one[key], "angle") for key in ("low", "value", "high")]
     assert found[0] < np.radians(float(built)) < found[2]
     assert f"{np.degrees(found[1]):.1f}" == f"{float(built):.1f}"
+
+
+def test_a_joint_with_a_torque_sensor_is_a_bench(fascicle, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    muscle = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(27), "latex")
+    # a synthetic joint: the arm r = 0.02 sin(angle + 5 deg) [m] nearly vanishes at its end
+    angle = np.radians(np.arange(0, 91, 3.0))
+    arm, noise = 0.02 * np.sin(angle + np.radians(5)), np.random.default_rng(3)
+    eps = 0.02 * (np.cos(np.radians(5)) - np.cos(angle + np.radians(5))) / 0.2
+    rows = [
+        f"{P},{np.degrees(a)},{float(muscle.force(P * 1e3, x)) * r + noise.normal(0, 5e-3)},{r}"
+        for P in (0, 100, 200, 300)
+        for a, x, r in zip(angle, eps, arm, strict=True)
+    ]
+    (tmp_path / "knee.csv").write_text(
+        "P [kPa],angle [deg],torque [Nm],moment arm [m]\n" + "\n".join(rows)
+    )
+    code, out, _ = fascicle(
+        "calibrate", "knee.csv", "--length", "200mm", "--outer-radius", "10mm",
+        "--wall-thickness", "2mm", "--braid-angle", "30deg", "--material", "latex",
+        "--zero", "angle=0deg", "--fit", "braid_angle", "--no-profile",
+    )  # fmt: skip
+    assert code == 0
+    assert "of torque (" in out and "4 readings left out: the moment arm is below 10 %" in out
+    (one,) = provenance(tmp_path / "calibrated-knee" / "muscle.toml")["parameter"]
+    low, high = (units.parse(one[key], "angle") for key in ("low", "high"))
+    # three times the half-width of 90 % is five standard deviations
+    assert abs(units.parse(one["value"], "angle") - np.radians(27)) < 3 * (high - low) / 2

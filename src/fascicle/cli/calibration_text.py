@@ -17,7 +17,7 @@ _LABEL_WIDTH = 35  # characters: a table fits next to it
 # in notes without a doubt
 _CERTAIN = (" read as ", " read with it", ": note: ", ": source: ", "columns not read",
             "all readings at ", "corrected for ", "its name gives ",
-            "lines above the header")  # fmt: skip
+            "lines above the header", "time from X0")  # fmt: skip
 _DOUBTS = 3  # in a line that is still read
 _CRITERIA = (
     "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"

@@ -131,7 +131,8 @@ def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     if not count:
         return mask, ()
     limit = f"{100 * LEAST_ARM:g} % of the largest, {pretty(largest, 'length')}"
-    return mask, (f"{count} readings left out: their moment arm is below {limit}",)
+    noun = "reading" if count == 1 else "readings"
+    return mask, (f"{count} {noun} left out: the moment arm is below {limit}",)
 
 
 def _invalid(rule: str, remedy: str, shown: str) -> InvalidInputError:

@@ -123,7 +123,7 @@ def test_arms_that_are_too_short_or_unknown():
     # trapezoids over 30 deg each
     shortening = np.radians(30) * 0.025 * np.array([0, 1, 1])
     assert_allclose(record.strain, shortening / REST)
-    assert any("1 readings left out: their moment arm is below 10 %" in x for x in record.notes)
+    assert any("1 reading left out: the moment arm is below 10 %" in x for x in record.notes)
     noisy = text.replace("200,40.0,3.0,30\n", "200,40.0,3.0,30\n200,40.0,0.5,5\n")
     with pytest.raises(ValueError, match="no function of the angle"):
         loads(noisy, **options)
