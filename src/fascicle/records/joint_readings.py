@@ -45,6 +45,8 @@ def read_joint(readings: Readings, info: Sidecar) -> JointReadings | None:
         before = f"{where}: {article} {on_joint[-1].role} needs the moment arm of the muscle: give "
         after = ", or a table [moment_arm] of angle and arm in the TOML beside it"
         raise MissingMetadataError(before, ("moment_arm", "", "25 mm", after))
+    if not np.any(arm):
+        raise ValueError(f"{where}: all moment arms are 0: check their column or table.")
     shortening = None
     if angle is not None and position.role == "angle":
         shortening = _shortening(where, angle, arm, arms, info)

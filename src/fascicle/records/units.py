@@ -289,4 +289,6 @@ def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
             continue
         if factor != column.factor:
             return f": did you mean {unit}?"
-    return ": check its unit."
+    return (
+        ": check its unit and the moment arm." if column.role == "torque" else ": check its unit."
+    )

@@ -132,6 +132,10 @@ def test_arms_that_are_too_short_or_unknown():
     table = {"angle": ["0 deg", "50 deg"], "arm": ["20 mm", "30 mm"]}
     with pytest.raises(ValueError, match=r"line 4, column `angle \[deg\]`: 70 deg lies beyond"):
         loads(TEXT, **JOINT | {"moment_arm": table})
+    with pytest.raises(ValueError, match="all moment arms are 0"):
+        loads("P [kPa],angle [deg],torque [Nm],arm [mm]\n9,0,0,0\n9,1,0,0\n", **options)
+    with pytest.raises(ValueError, match="check its unit and the moment arm"):
+        loads(TEXT, **JOINT | {"moment_arm": "0.025 mm"})
     with pytest.raises(ValueError, match="`moment_arm` must be positive"):
         loads(TEXT, **JOINT | {"moment_arm": 0.0})
 
