@@ -16,7 +16,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
-from .cascade import DAMPED, FASTEST, Cascade, Gains
+from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains
 from .crossing import Crossing, Path, crossing, hand_over_time
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
@@ -83,7 +83,7 @@ def cascade(
         raise InvalidInputError("of", "must be force where the motion is given", of)
     closed = (True, False)
     for name, value in gains._asdict().items():
-        if name != "pressure_time":
+        if name not in ("pressure_time", "observer_time"):
             check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
@@ -110,7 +110,12 @@ def cascade(
     derived = gains.pressure_time is None
     pressure_time = FASTEST if derived else gains.pressure_time
     pressure_time = check_positive(pressure_time, "pressure_time", "s")
-    gains = Gains(*map(np.float64, gains._replace(pressure_time=pressure_time)))
+    observer = gains.observer_time
+    if observer is None:
+        observer = OBSERVER if policy in ("hand_over", "pre_charge") else np.inf
+    observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=(False, True))
+    gains = gains._replace(pressure_time=pressure_time, observer_time=observer)
+    gains = Gains(*map(np.float64, gains))
     tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
     controller = Cascade(
         plant, units, policies, gains, np.float64(highest), np.float64(limit),

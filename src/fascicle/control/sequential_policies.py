@@ -17,12 +17,14 @@ pressurized when it must be. Units are vented by the same rule, at a demand lowe
 The reserve at which a hand-over begins is
 
 $$\rho = \rho_{near} + (1 + m) D + \dot F \left[s \max\left(\frac{p_d}{p_{on}} t_c, t_k\right)
-    + \tau \frac{D}{c\, P_s\, n_k F'_k}\right], \qquad
+    + \tau\right], \qquad
   t_k = \int_{P_k}^{0.95 P_s} \frac{\mathrm{d}m_k}{\dot m_k}: \tag{X6}$$
 
 at the deepest dip unit $k$ must have climbed, wide open, in $t_k$, as far as its valve still flows
 well; the force that it lacks there, $\rho_{near}$, is never available in time. $m$ is a margin, $s$
-the valves' slack; the last term is the delay of the ramp by a unit $k$ that is late by $\tau$.
+how much longer than with open valves a hand-over lasts, $\tau$ the lag of the pressures. A slow
+hand-over leaves the observer, (K2a), time for what the model gets wrong; where the reserve falls
+too fast for it, the ramp is as much faster, up to the valves' own.
 
 **Source:** derived here.
 """
@@ -38,19 +40,24 @@ from ..core.validation import check_positive
 from .units import SLACK, UnitCapability, UnitDemand, Units, hand_over_times, select, share_demand
 
 
-_MARGIN = 0.02  # of the dip: the error of the tables
+_MARGIN = 0.1  # of the dip: a model's error, as of 10 % of its stiffness
+_SLOW = 10.0  # times of the valve: what a slower ramp gets wrong is corrected in time
 _ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
 _SHORT = 0.02  # of the supply: a unit before that is so far off stops the next one's ramp
+_NOISE = 5e-3  # s, of a filter of pressures: 5 kPa of noise at 1 kHz become 1.6
 
 
 class SequentialState(NamedTuple):
     """Memory of a sequential policy: the number of `recruited` units, the `direction` of its
-    change, 1, 0 or -1, and the `target` of each unit [Pa].
+    change, 1, 0 or -1, and of each unit the `target`, the pressure `expected` from it by now, and
+    what is `missing` of that, filtered [Pa].
     """
 
     recruited: Batch
     direction: Batch
     target: Numbers
+    expected: Numbers
+    missing: Numbers
 
 
 class SequentialPolicy(Module):
@@ -58,7 +65,8 @@ class SequentialPolicy(Module):
 
     `band` [N] of the demand, by which a unit is vented later; `early`: 1 if it hands over before
     it must; `lead`: how much earlier, in times of the valve; `wide`: 1 if it opens the valve wide;
-    `parked`: 1 if recruited units stay at their onset.
+    `parked`: 1 if recruited units stay at their onset; `margin`: of the dip; `slow`: longest
+    hand-over, in times of the valve.
     """
 
     band: Batch
@@ -66,11 +74,13 @@ class SequentialPolicy(Module):
     lead: Batch
     wide: Batch
     parked: Batch
+    margin: Batch
+    slow: Batch
 
     def begin(self, units: Units) -> SequentialState:
         """Initial memory for `units`."""
         zero = 0.0 * units.counts
-        return SequentialState(zero[0] + 1.0, zero[0], zero)
+        return SequentialState(zero[0] + 1.0, zero[0], zero, zero, zero)
 
     def __call__(
         self, memory: SequentialState, units: Units, demand: UnitDemand, capability: UnitCapability
@@ -93,22 +103,27 @@ class SequentialPolicy(Module):
         down = (k > 1) & (fraction == 0) & (reserve[1] > need[1] + self.band)
         direction = where(up, 1.0, where(down, -1.0, where(fraction > 0, memory.direction, 0.0)))
 
-        # the further off the unit before is, the slower the ramp; its lag behind a rising demand
-        # alone doesn't count
-        follows = demand.lag * minimum(
-            maximum(demand.rate, 0.0) / capability.slope, capability.speed
-        )
-        behind = maximum(xp.abs(memory.target - demand.pressures) - follows, 0.0)
-        off = xp.sum(last[0] * behind) / (_SHORT * top)
-        ramp_speed = maximum(1.0 - off, 0.0)
         pulls = units.counts * units.branches.force(demand.pressures, demand.strains)
         gained = xp.sum(next_[0] * (pulls - capability.empty))
         rush = late | (reserve[0] + gained < 0)
+        # the further off the unit before is, the slower the ramp; the lag of its loop alone
+        # doesn't count, and in a rush only what it has too much of
+        expected = where(xp.sum(memory.expected) > 0, memory.expected, demand.pressures)
+        missing = expected - demand.pressures - memory.missing
+        missing = memory.missing + missing * demand.dt / (demand.dt + _NOISE)
+        counted = where(rush, minimum(missing, 0.0), missing)
+        hold = maximum(1.0 - xp.sum(last[0] * xp.abs(counted)) / (_SHORT * top), 0.0)
+        # a unit before that has nothing left to give up: the ramp waits for a higher demand
+        excess = xp.sum(last[0] * (memory.target - capability.onset)) / (_SHORT * top)
+        hold = where(memory.direction > 0, minimum(hold, maximum(excess, 0.0)), hold)
         falls = down | ((fraction > 0) & (direction < 0))
         times = where(falls, capability.vent, capability.time)
-        time = SLACK * xp.sum(where(down, next_[1], next_[0]) * times)
-        slow = (self.early > 0) & ~(rush & (direction > 0))
-        speed = where(slow, ramp_speed / maximum(time, demand.dt), 1 / demand.dt)
+        time = maximum(xp.sum(where(down, next_[1], next_[0]) * times), demand.dt)
+        pace = self._pace(
+            units, capability, demand, (last[0], next_[0]), reserve[0], fraction, time
+        )
+        pace = where(direction > 0, where(rush, 1 / time, pace), 1 / (SLACK * time))
+        speed = where(self.early > 0, hold * pace, 1 / demand.dt)
         recruited = memory.recruited + direction * speed * demand.dt
         recruited = minimum(maximum(recruited, where(down, k - 1, k)), where(down, k, k + 1))
         recruited = minimum(recruited, float(units.count))
@@ -124,11 +139,44 @@ class SequentialPolicy(Module):
         measured = maximum(demand.pressures, 0.0)
         throttled = where((indices > 0) & (self.early > 0) & (hurried | vented), measured, low)
         target, _ = share_demand(units, capability, demand, low, high, throttled)
+        target = where(
+            self.early > 0, _first_below_onset(units, capability, demand, target), target
+        )
         # wide open to the onset, and no further
         opened = (
             (self.wide > 0) & (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
         )
-        return SequentialState(recruited, direction, target), where(opened, top, target)
+        expected = expected + (target - expected) * demand.dt / (demand.dt + demand.lag)
+        following = SequentialState(recruited, direction, target, expected, missing)
+        return following, where(opened, top, target)
+
+    def _pace(
+        self, units: Units, capability: UnitCapability, demand: UnitDemand,
+        pair: tuple[Numbers, Numbers], reserve: Batch, fraction: Batch, time: Batch,
+    ) -> Batch:  # fmt: skip
+        """Rate [1/s] of a hand-over at a `fraction` of it, between the `pair` of units, with a
+        `reserve` [N] and the valve's `time` [s].
+
+        It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time,
+        and no faster than the unit before, wide open, makes up for it.
+        """
+        last, next_ = pair
+        dip, rise = select(next_, capability.dip), maximum(demand.rate, 1e-9)
+        onset = maximum(select(next_, capability.onset), 1.0)
+        deepest = select(next_, capability.dip_pressure) / onset
+        spare = reserve - dip
+        late_force = self.margin * dip + select(last, capability.shortfall)
+        spare = maximum(maximum(spare - late_force, spare / 2), 1e-9)
+        needed = maximum(
+            maximum(deepest - fraction, 0.0) * rise / spare,
+            (1 - fraction) * rise / maximum(reserve, 1e-9),
+        )
+        muscles = units.branches.muscles.at(fraction * capability.onset, demand.strains)
+        falls_by = -onset * select(next_, units.counts * muscles.force_by_pressure)
+        climbs = select(last, capability.slope * capability.speed) / SLACK - rise
+        pace = maximum(needed, 1 / (self.slow * time))
+        limit = maximum(climbs / maximum(falls_by, 1e-9), pace / 2)
+        return minimum(minimum(pace, limit), 1 / (SLACK * time))
 
     def _reserves(
         self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers
@@ -142,16 +190,35 @@ class SequentialPolicy(Module):
             select(next_, capability.dip),
         )
         rise = maximum(demand.rate, 0.0)
-        # delay of the ramp while the unit before follows it; the first unit has none before it
-        slope = maximum(select(last, capability.slope), 1e-12)
-        delay = demand.lag * dip / slope / (_SHORT * demand.supply)
         deepest, end = (
-            (SLACK * time + delay) * rise for time in hand_over_times(capability, last, next_)
+            (self.slow * time + demand.lag) * rise
+            for time in hand_over_times(capability, last, next_)
         )
-        need = maximum(dip * (1 + _MARGIN) + deepest, end)
+        need = maximum(dip * (1 + self.margin) + deepest, end)
         lead = self.lead * rise * select(next_, capability.time)
         need = need + select(last, capability.shortfall) + lead
         return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
+
+
+def _first_below_onset(
+    units: Units, capability: UnitCapability, demand: UnitDemand, target: Numbers
+) -> Numbers:
+    """The `target` [Pa] with a first unit below its onset that stays where it is needed there.
+
+    Vented, it would pull more: between the pressure of its dip and its onset force rises, too.
+    """
+    xp = array_namespace(target)
+    empty = xp.sum(units.counts * units.branches.force(target, demand.strains))
+    lacking = (demand.force - empty) / maximum(capability.dip[0], 1e-9)
+    lower = capability.onset + lacking * (capability.onset - capability.dip_pressure)
+    is_on = demand.pressures[0] > capability.dip_pressure[0]
+    stays = (target[0] == 0) & (lacking > -1) & is_on
+    return where((xp.arange(units.count) == 0) & stays, lower, target)
+
+
+_DEFAULTS = {
+    "early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0, "margin": _MARGIN, "slow": _SLOW,
+}  # fmt: skip
 
 
 def _sequential_policy(**options: float) -> Any:
@@ -159,7 +226,7 @@ def _sequential_policy(**options: float) -> Any:
 
     def policy_with_band(band: Any) -> SequentialPolicy:
         """Policy that vents a unit when the demand has fallen by a `band` [N]."""
-        values = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | options
+        values = _DEFAULTS | options
         numbers = map(np.float64, values.values())
         return SequentialPolicy(check_positive(band, "band", "N"), *numbers)
 
@@ -169,7 +236,7 @@ def _sequential_policy(**options: float) -> Any:
 def orderly(band: Any = None) -> SequentialPolicy:
     """The plain inverse; it has no `band` [N]."""
     del band
-    return SequentialPolicy(*np.zeros(5))
+    return SequentialPolicy(*np.zeros(7))
 
 
 threshold = _sequential_policy()

@@ -1,0 +1,48 @@
+"""A hand-over of muscles that its controller knows wrongly: a sample of
+`benchmarks/hand_over_reach.py`.
+"""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fascicle import control
+from fascicle.control import Gains
+
+
+@pytest.fixture(scope="module")
+def reach():
+    path = Path(__file__).parents[3] / "benchmarks" / "hand_over_reach.py"
+    spec = importlib.util.spec_from_file_location("hand_over_reach", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_random_muscles_are_handed_over_with_small_dips(reach):
+    result = reach.study(1, 0.2, 6)
+    plain, handed = result["threshold"], result["hand_over"]
+    # the first crossing's target: a median of a tenth, nine of ten within a quarter
+    assert np.median(handed.dip) <= 0.1 and handed.dip.max() <= 0.25
+    assert np.median(plain.dip) > 0.8
+    assert np.all(handed.air <= 1.15 * plain.air)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("lag", "delay"), [(20e-3, 0.0), (None, 20e-3)])
+def test_late_loops_hand_over_better_than_threshold(reach, lag, delay):
+    result = reach.study(1, 0.2, 6, lag, delay)
+    plain, handed = result["threshold"], result["hand_over"]
+    assert np.all(handed.dip < plain.dip) and np.quantile(handed.dip, 0.9) <= 0.3
+
+
+def test_the_observer_is_one_of_policies_that_hand_over(reach):
+    plant = reach.make_plant(reach.NOMINAL, 1, 0.2)
+    assert control.cascade(plant, "hand_over").gains.observer_time == 5e-3
+    assert control.cascade(plant, "threshold").gains.observer_time == np.inf
+    chosen = control.cascade(plant, "threshold", gains=Gains(observer_time=0.02))
+    assert chosen.gains.observer_time == 0.02
+    with pytest.raises(ValueError, match="observer_time"):
+        control.cascade(plant, "threshold", gains=Gains(observer_time=0.0))
