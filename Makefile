@@ -31,6 +31,7 @@ picture: reproduce browser
 	cp out/kim2021/claims.json docs/_static/claims.json
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 	$(BIN)/python docs/runs.py docs/_static/runs.json
+	$(BIN)/python docs/walker_leg.py docs/_static/walker_leg.gif
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint
