@@ -14,6 +14,10 @@ from .frequency_response import POWER_UNITS as POWER_UNITS
 from .frequency_response import FrequencyResponse as FrequencyResponse
 from .frequency_response import frequency_response as frequency_response
 from .frequency_response import shaft_work as shaft_work
+from .identify import LoopMargins as LoopMargins
+from .identify import StepResponse as StepResponse
+from .identify import identify as identify
+from .identify import loop_margins as loop_margins
 from .metrics import ControlMetrics as ControlMetrics
 from .metrics import Reachability as Reachability
 from .metrics import control_metrics as control_metrics

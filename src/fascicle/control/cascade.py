@@ -46,6 +46,7 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..muscle.hysteresis import AbstractHysteresis
+from .identify import LoopMargins, loop_margins
 from .units import UnitDemand, Units, evaluate_capability
 
 
@@ -121,6 +122,12 @@ class Cascade(Module):
         """Total lateness of valves, measurements and samples [s], the bracket of (K3a)."""
         valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
         return valve + float(self.dt) * (self.delay + self.every)
+
+    @property
+    def margins(self) -> LoopMargins:
+        """Gain margin [-] and phase margin [rad] of its pressure loops, (K8)."""
+        valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
+        return loop_margins(self.gains.pressure_time, valve, self.lateness - valve)
 
     @property
     def warnings(self) -> tuple[str, ...]:

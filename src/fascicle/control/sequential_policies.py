@@ -98,7 +98,7 @@ class SequentialPolicy(Module):
         reserve, dip, need = self._reserves(capability, demand, last, next_)
         next_unit = xp.sum(next_[0] * where(capability.gains, 1.0, 0.0)) > 0
         late = reserve[0] < 0
-        in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
+        in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0] / 2)
         up = next_unit & (late | in_time)
         down = (k > 1) & (fraction == 0) & (reserve[1] > need[1] + self.band)
         direction = where(up, 1.0, where(down, -1.0, where(fraction > 0, memory.direction, 0.0)))
