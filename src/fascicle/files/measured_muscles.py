@@ -168,8 +168,8 @@ class CatalogEntry:
         figure = force_strain(self.muscle, levels, strains)
         if record is not None and levels is not None:
             for level, color in zip(levels, pressure_colors(levels.size), strict=True):
-                shown = (record.pressure == level) & ~record.censored
-                x, y = record.strain[shown] * self.strain_ratio, record.force[shown]
+                is_drawn = (record.pressure == level) & ~record.censored
+                x, y = record.strain[is_drawn] * self.strain_ratio, record.force[is_drawn]
                 figure.axes[0].plot(x, y, "o", color=color, markersize=3, clip_on=False)
         if strain is not None:  # pushes were not measured
             figure.axes[0].set_ylim(bottom=0.0)

@@ -50,10 +50,10 @@ class ArmTable(NamedTuple):
         """Arm at each `angle` [m]."""
         return np.asarray(self._spline()(angle))
 
-    def shortening(self, angle: np.ndarray, rest: float) -> np.ndarray:
+    def shortening(self, angle: np.ndarray, rest_angle: float) -> np.ndarray:
         """Shortening of the muscle from the angle `rest` [rad] to each `angle` [m], (J1)."""
         integral = self._spline().antiderivative()
-        return np.asarray(integral(angle) - integral(rest))
+        return np.asarray(integral(angle) - integral(rest_angle))
 
     def _spline(self) -> Any:
         from scipy.interpolate import make_interp_spline
@@ -96,8 +96,8 @@ def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
         columns.append(np.array(values))
     angle, arm = columns
     if angle.size != arm.size or angle.size < 2:
-        shown = f"{angle.size} and {arm.size}"
-        raise _invalid("must have as many arms as angles, at least 2", "", shown)
+        text = f"{angle.size} and {arm.size}"
+        raise _invalid("must have as many arms as angles, at least 2", "", text)
     if not (np.isfinite(angle).all() and np.isfinite(arm).all() and np.any(arm)):
         raise _invalid("must have finite angles and arms that aren't all 0", "", "others")
     order = np.argsort(angle, kind="stable")
@@ -135,5 +135,5 @@ def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     return mask, (f"{count} {noun} left out: the moment arm is below {limit}",)
 
 
-def _invalid(rule: str, remedy: str, shown: str) -> InvalidInputError:
-    return InvalidInputError("moment_arm", rule, None, remedy, shown=shown)
+def _invalid(rule: str, remedy: str, text: str) -> InvalidInputError:
+    return InvalidInputError("moment_arm", rule, None, remedy, shown=text)

@@ -31,7 +31,7 @@ def read_joint(readings: Readings, info: Sidecar) -> JointReadings | None:
         excess = arms.excess(angle)
         if np.any(excess > 0):
             row = int(np.argmax(excess))
-            rule = f"{raws['angle'][row]:.6g} {columns['angle'].unit} {_beyond(arms)}."
+            rule = f"{raws['angle'][row]:.6g} {columns['angle'].unit} {_outside_message(arms)}."
             raise readings.cell_error(row, columns["angle"], rule)
         arm = arms.arm_at(angle)
     elif arm is not None:
@@ -58,18 +58,20 @@ def _shortening(
     where: str, angle: np.ndarray, arm: np.ndarray, arms: ArmTable | None, info: Sidecar
 ) -> np.ndarray:
     """Shortening of the muscle at each `angle` [rad] from that at rest [m]."""
-    rest = info.angle_at_rest
-    if rest is None:
+    rest_angle = info.angle_at_rest
+    if rest_angle is None:
         before = f"{where}: an angle needs the one at which the muscle has its rest length: give "
         raise MissingMetadataError(before, ("zeros", "angle", "0 deg", ", or its value"))
     if arms is None:
-        return arm * (angle - rest)
-    if arms.excess(np.array(rest)) > 0:
-        raise ValueError(f"{where}: {pretty(rest, 'angle')}, at rest, {_beyond(arms)}.")
-    return arms.shortening(angle, rest)
+        return arm * (angle - rest_angle)
+    if arms.excess(np.array(rest_angle)) > 0:
+        raise ValueError(
+            f"{where}: {pretty(rest_angle, 'angle')}, at rest, {_outside_message(arms)}."
+        )
+    return arms.shortening(angle, rest_angle)
 
 
-def _beyond(arms: ArmTable) -> str:
+def _outside_message(arms: ArmTable) -> str:
     low, high = (pretty(float(x), "angle") for x in (arms.angle[0], arms.angle[-1]))
     return f"lies beyond the angles of the moment arms, {low} to {high}"
 

@@ -168,10 +168,10 @@ def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
 def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
     """Time [s] from the start and the step that LabVIEW writes instead of a column, and a note."""
     table = readings.table
-    words = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
-    is_time = set(words.get("X_Dimension", ["Time"])) == {"Time"}
+    entries = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
+    is_time = set(entries.get("X_Dimension", ["Time"])) == {"Time"}
     starts, steps = (
-        {table.numbers.value(cell) for cell in words.get(key, [])} - {None}
+        {table.numbers.value(cell) for cell in entries.get(key, [])} - {None}
         for key in ("X0", "Delta_X")
     )
     is_one = is_time and len(starts) == len(steps) == 1  # not of channels at several rates

@@ -288,7 +288,7 @@ def _read_record(
 def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...]]:
     """Numbers of the columns and constants of a `table`, and notes."""
     constants = info.constants
-    given = constants.keys() | ({"moment_arm"} if info.arm_table else set())
+    constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     names, notes = info.names, ()
     if table.origins:
         level = read_header(table.header[-1])[0][0]  # pressure or length
@@ -296,10 +296,10 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
             names = (*names, *[""] * (len(table.header) - len(names) - 1), level)
         notes = (f"columns for each {level} read as readings at these {level}s",)
     columns, column_notes = choose_columns(
-        table, info.columns, info.units, given,
+        table, info.columns, info.units, constant_roles,
         names=names, atmosphere=info.atmosphere is not None,
     )  # fmt: skip
-    columns = {role: column for role, column in columns.items() if role not in given}
+    columns = {role: column for role, column in columns.items() if role not in constant_roles}
     notes += column_notes
     cells, misread = _read_cells(table, columns, info)
     for column in misread:

@@ -72,8 +72,8 @@ def read_wide_header(
     residues = [_residue(rows[i][j], kind) for *_, indices in groups for j in indices]
     roles = [_likely_role(text) for text in (*header, *residues)]
     of_shared = set(roles[: len(shared)])
-    alike = {"pressure"} if kind == "pressure" else set(POSITIONS)
-    if alike & set(roles) or ("force" in of_shared and of_shared & set(POSITIONS)):
+    repeated = {"pressure"} if kind == "pressure" else set(POSITIONS)
+    if repeated & set(roles) or ("force" in of_shared and of_shared & set(POSITIONS)):
         return None
     sizes = {len(indices) for *_, indices in groups}
     if len(sizes) > 1:
@@ -109,14 +109,14 @@ def unfold(
     rows = [split_cells(text, delimiter, trim=False) for _, text in head]
     firsts = [is_number(row[0]) for row in rows[start : start + 2]]
     start += firsts == [False, True]  # a row of pressures that begins with their name
-    above = max(start - _REACH, 0)
+    header_start = max(start - _REACH, 0)
     try:
-        header = read_wide_header(rows[above:start], rows[start:])
+        header = read_wide_header(rows[header_start:start], rows[start:])
     except ValueError as error:
         raise ValueError(f"{source}, line {head[start - 1][0]}: {error}.") from None
     if header is None or len(names) >= len(header.names):
         return None
-    first, top = head[start][0] if start < len(head) else len(lines) + 1, head[above][0]
+    first, top = head[start][0] if start < len(head) else len(lines) + 1, head[header_start][0]
     body = [
         [] if is_remark(line) else split_cells(line, delimiter, trim=False)
         for line in lines[first - 1 :]
@@ -125,9 +125,12 @@ def unfold(
     is_row = [any(map(is_number, row)) and not (is_led and row[0][:1].isalpha()) for row in body]
     number_rows = [row if flag else [] for row, flag in zip(body, is_row, strict=True)]
     readings = header.long_rows(number_rows)
-    words = [(i, row[:1]) for i, row in enumerate(body) if any(row) and not is_row[i]]
-    below, titles = [*readings, *words], [
-        (line, text) for (line, text), row in zip(head[above:start], rows[above:start], strict=True)
+    texts = [(i, row[:1]) for i, row in enumerate(body) if any(row) and not is_row[i]]
+    below, titles = [*readings, *texts], [
+        (line, text)
+        for (line, text), row in zip(
+            head[header_start:start], rows[header_start:start], strict=True
+        )
         if sum(map(bool, row)) == 1
     ]  # fmt: skip
     text = [*lines[: top - 1], *(title for _, title in titles), "\t".join(header.names)]
@@ -139,7 +142,7 @@ def unfold(
 def _column_names(rows: Sequence[Sequence[str]], i: int, kind: str) -> list[str]:
     """Name of each column, from the rows but the one of index `i`, and the rest of that one."""
     unit_rows = [row for row in rows if _is_unit_row(row)]
-    others = [
+    other_rows = [
         row
         for k, row in enumerate(rows)
         if k != i and row not in unit_rows and sum(map(bool, row)) > 1
@@ -147,9 +150,9 @@ def _column_names(rows: Sequence[Sequence[str]], i: int, kind: str) -> list[str]
     ]  # fmt: skip
     label, names = _label(rows[i]), []
     for j, cell in enumerate(rows[i]):
-        above = next((row[j] for row in reversed(others) if row[j]), "")
+        header_text = next((row[j] for row in reversed(other_rows) if row[j]), "")
         is_pressure = j == label and score(cell, "", "pressure")
-        text = above or ("" if is_pressure else _residue(cell, kind))
+        text = header_text or ("" if is_pressure else _residue(cell, kind))
         unit = strip_brackets(unit_rows[0][j]) if unit_rows else ""
         names.append(f"{text} [{unit}]" if unit else text)
     return names
@@ -168,8 +171,8 @@ def _levels(row: Sequence[str], kind: str) -> list[tuple[float, str] | None]:
     if label is not None and kind == "pressure":
         unit = next((unit for _, unit in read_header(row[label]) if is_unit(unit, (kind,))), "")
         return [(_number(cell), unit) if _PLAIN.fullmatch(cell) else None for cell in row]
-    found = (_level(cell, kind) for cell in row)
-    return [(_number(match[1]), match[2]) if match else None for match in found]
+    matches = (_level(cell, kind) for cell in row)
+    return [(_number(match[1]), match[2]) if match else None for match in matches]
 
 
 def _label(row: Sequence[str]) -> int | None:

@@ -155,16 +155,16 @@ def _replace_actuator(model: Any, tendon: str) -> str:
     on_tendon = (model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON) & (
         model.actuator_trnid[:, 0] == model.tendon(tendon).id
     )
-    found = np.flatnonzero(on_tendon & (model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE))
-    if len(found) != 1 or not model.actuator(int(found[0])).name:
+    indices = np.flatnonzero(on_tendon & (model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE))
+    if len(indices) != 1 or not model.actuator(int(indices[0])).name:
         raise InvalidInputError(
             "spec",
             "must be an MjSpec, or an MjModel with one named `motor` on the tendon",
-            len(found),
+            len(indices),
             f'add <motor name="{tendon}_bundle" tendon="{tendon}"/> to the XML',
-            shown=f"{len(found)} of them",
+            shown=f"{len(indices)} of them",
         )
-    index = int(found[0])
+    index = int(indices[0])
     model.actuator_gaintype[index] = mujoco.mjtGain.mjGAIN_FIXED
     model.actuator_biastype[index] = mujoco.mjtBias.mjBIAS_NONE
     model.actuator_gainprm[index] = np.eye(1, model.actuator_gainprm.shape[1])[0] * _PULL

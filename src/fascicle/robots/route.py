@@ -55,10 +55,10 @@ def trace_route(
     **Raises:** `InvalidInputError` for unknown names, and a joint without a range.
     """
     names = [model.tendon(i).name for i in range(model.ntendon)]
-    index = names.index(_known(tendon, names, "tendon"))
+    index = names.index(_check_name(tendon, names, "tendon"))
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
-    rest = data.qpos.copy()
+    rest_position = data.qpos.copy()
 
     def length(q: np.ndarray) -> float:
         data.qpos[:] = q
@@ -69,34 +69,34 @@ def trace_route(
     single = [i for i in range(model.njnt) if int(model.jnt_type[i]) in kinds]
     adr = {model.joint(i).name: int(model.jnt_qposadr[i]) for i in single}
     limits = {model.joint(i).name: _limits(model, i, ranges) for i in single}
-    moving = [name for name in adr if _moves(length, rest, adr[name], limits[name])]
-    if not moving:
+    moving_joints = [name for name in adr if _moves(length, rest_position, adr[name], limits[name])]
+    if not moving_joints:
         rule = f"{tendon!r} isn't moved by any hinge or slide joint"
         raise InvalidInputError("tendon", rule, tendon, shown="")
     for name in (*(ranges or {}), *([] if joint is None else [joint])):
-        _known(name, moving, "joint")
-    if joint is None and len(moving) > 1:
-        rule = f"must be named for {tendon!r}, which several move: {', '.join(moving)}"
+        _check_name(name, moving_joints, "joint")
+    if joint is None and len(moving_joints) > 1:
+        rule = f"must be named for {tendon!r}, which several move: {', '.join(moving_joints)}"
         raise InvalidInputError("joint", rule, None)
-    about = moving[0] if joint is None else joint
-    if free := [name for name in moving if limits[name] is None]:
+    about = moving_joints[0] if joint is None else joint
+    if free := [name for name in moving_joints if limits[name] is None]:
         remedy = f"pass ranges={{{free[0]!r}: (low, high)}}, or limit it in the model"
         raise InvalidInputError("ranges", f"must have the joint {free[0]!r}", None, remedy)
-    grids = [np.linspace(*(limits[name] or (0.0, 0.0)), points) for name in moving]
+    grids = [np.linspace(*(limits[name] or (0.0, 0.0)), points) for name in moving_joints]
     poses = np.array(list(itertools.product(*grids)))
     lengths, arms = np.empty(len(poses)), np.empty(len(poses))
     step = np.eye(model.nq)[adr[about]] * _STEP
     for row, pose in enumerate(poses):
-        q = rest.copy()
-        q[[adr[name] for name in moving]] = pose
+        q = rest_position.copy()
+        q[[adr[name] for name in moving_joints]] = pose
         lengths[row] = length(q)
         arms[row] = -(length(q + step) - length(q - step)) / (2 * _STEP)
     hinge = int(model.joint(about).type[0]) == kinds[0]
     fixed = int(model.wrap_type[model.tendon_adr[index]]) == int(mujoco.mjtWrap.mjWRAP_JOINT)
-    return Route(tuple(moving), about, poses, lengths, arms, hinge, not fixed)
+    return Route(tuple(moving_joints), about, poses, lengths, arms, hinge, not fixed)
 
 
-def _known(name: str, names: list[str], argument: str) -> str:
+def _check_name(name: str, names: list[str], argument: str) -> str:
     """The `name` if it is among `names`; else `InvalidInputError` suggests one."""
     if name in names:
         return name
@@ -122,12 +122,12 @@ def _limits(model: Any, joint: int, ranges: dict[str, Any] | None) -> tuple[floa
     return float(low), float(high)
 
 
-def _moves(length: Any, rest: np.ndarray, address: int, limits: Any) -> bool:
+def _moves(length: Any, rest_position: np.ndarray, address: int, limits: Any) -> bool:
     """True if a joint moves the tendon somewhere in its range."""
     low, high = limits or (-0.5, 0.5)
     lengths = []
     for value in np.linspace(low, high, 7):  # a wrapped tendon may leave a joint here and there
-        q = rest.copy()
+        q = rest_position.copy()
         q[address] = value
         lengths.append(length(q))
     return float(np.ptp(lengths)) > _MOVES * (high - low)

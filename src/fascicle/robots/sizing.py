@@ -166,7 +166,7 @@ def size(
     if hasattr(model, "compile"):
         model = model.compile()
     P = float(check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa"))
-    share = float(check_interval(stretch, 0.0, 0.1, "stretch", "-", closed=(True, True)))
+    stretch_ratio = float(check_interval(stretch, 0.0, 0.1, "stretch", "-", closed=(True, True)))
     route = trace_route(model, tendon, joint, ranges, int(points))
     demand = _demand(route, torque)
     needed = _needed_pull(route, demand, tendon)
@@ -174,7 +174,7 @@ def size(
     if longest is None:
         room = _LONGEST * stroke
         if route.spatial:  # at rest the muscle is no longer than the tendon
-            room = min(room, float(route.lengths.max()) / (1 + share))
+            room = min(room, float(route.lengths.max()) / (1 + stretch_ratio))
     else:
         room = float(check_positive(longest, "longest", "m"))
     named = _named(muscles)
@@ -184,7 +184,7 @@ def size(
             candidate
             for name, entry in named.items()
             for candidate in _fit(
-                name, _muscle_of(entry), route, needed, P, counts, margin, share, room
+                name, _muscle_of(entry), route, needed, P, counts, margin, stretch_ratio, room
             )
         ]
     good = sorted((c for c in tried if c.margin >= margin), key=lambda c: c.fluid)
@@ -266,10 +266,12 @@ def _fit(
 
     def candidate(length: float, count: int) -> Candidate:
         sized = muscle.replace(length=length)
-        rest = float(route.lengths.max()) - stretch * length
-        made = Candidate(name, sized, count, length, rest, 0.0, count * float(sized.volume(0.0)))
-        pull = made.pull(pressure, route.lengths[active])
-        return replace(made, margin=float(np.min(pull / needed[active])) - 1.0)
+        rest_length = float(route.lengths.max()) - stretch * length
+        candidate = Candidate(
+            name, sized, count, length, rest_length, 0.0, count * float(sized.volume(0.0))
+        )
+        pull = candidate.pull(pressure, route.lengths[active])
+        return replace(candidate, margin=float(np.min(pull / needed[active])) - 1.0)
 
     def shortest(count: int) -> Candidate:
         best, low = candidate(room, count), 0.0
@@ -306,10 +308,10 @@ def _refuse(
             " arm, which shortens the stroke, or let them be stretched (`stretch`)"
         )
     else:
-        least = math.ceil(best.count * (1 + margin) / (1 + best.margin))
+        min_count = math.ceil(best.count * (1 + margin) / (1 + best.margin))
         remedy = (
             f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
-            f" where {100 * margin:.0f} % is asked for: take {least} in parallel (`counts`),"
+            f" where {100 * margin:.0f} % is asked for: take {min_count} in parallel (`counts`),"
             f" thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"
         )
     raise InvalidInputError("muscles", rule, None, remedy)

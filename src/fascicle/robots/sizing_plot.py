@@ -26,17 +26,17 @@ def plot_sizing(sizing: "Sizing") -> Figure:
     left.plot(x, 1e3 * route.lengths[order], color=BLUE, **line)
     left.axhline(1e3 * chosen.rest_length, color=GRAY, linestyle=":", linewidth=1)
     left.set_ylabel("Length of the tendon [mm]")
-    rest, length = 1e3 * chosen.rest_length, 10 * chosen.length  # mm, and mm for 1 %
-    functions = (lambda y: (rest - y) / length, lambda e: rest - e * length)
+    rest_length, length = 1e3 * chosen.rest_length, 10 * chosen.length  # mm, and mm for 1 %
+    functions = (lambda y: (rest_length - y) / length, lambda e: rest_length - e * length)
     left.secondary_yaxis("right", functions=functions).set_ylabel("Contraction [%]")
     middle.plot(x, 1e3 * route.moment_arms[order], color=BLUE, **line)
     middle.axhline(0, color=GRAY, linewidth=0.6)
     middle.set_ylabel("Moment arm [mm]" if route.hinge else "Transmission [mm/m]")
     unit = "N·m" if route.hinge else "N"
-    asked = sizing.torque != 0
+    loaded = sizing.torque != 0
     right.plot(x, sizing.available_torque[order], color=BLUE, label="available", **line)
     right.plot(
-        x[asked[order]], sizing.torque[order][asked[order]], color=VERMILION, label="asked for",
+        x[loaded[order]], sizing.torque[order][loaded[order]], color=VERMILION, label="asked for",
         **line,
     )  # fmt: skip
     right.set_ylabel(f"{'Torque' if route.hinge else 'Force'} [{unit}]")
