@@ -7,7 +7,7 @@ WORKERS ?= 2
 # some hundred processes begin in the tests: what one of them compiles, the next finds
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: setup reproduce picture test lint types layers unit core browser docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit core package browser docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -73,6 +73,11 @@ $(CORE)/.installed: requirements.lock pyproject.toml $(STAMP)
 core: $(CORE)/.installed
 	PYTHONPATH=src OPENBLAS_NUM_THREADS=1 $(CORE)/bin/python -m pytest -q -p no:cacheprovider \
 		tests/unit/core tests/unit/io --ignore=tests/unit/core/test_lazy.py  # which loads every package
+	.ci/package core
+
+# wheel and sdist in fresh environments, with each extra
+package: $(STAMP)
+	.ci/package
 
 # compiled as a user's programs are, where `unit` spares the compiler
 slow: $(STAMP)

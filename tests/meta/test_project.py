@@ -65,3 +65,35 @@ def test_the_lock_covers_what_is_declared():
     for declared in PROJECT["dependencies"] + extras["dev"] + extras["docs"]:
         name = re.split(r"[><=\[]", declared)[0].lower()
         assert re.search(rf"^{re.escape(name)}==", lock, re.MULTILINE), name
+
+
+def test_workflows_call_targets_that_exist_on_supported_pythons():
+    makefile = (ROOT / "Makefile").read_text()
+    targets = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
+    texts = [path.read_text() for path in (ROOT / ".github/workflows").glob("*.yml")]
+    assert len(texts) == 3
+    for text in texts:
+        assert {"name", "jobs"} <= yaml.safe_load(text).keys()
+        for command in re.findall(r"run: make ([a-z ]+)", text):
+            assert set(command.split()) <= targets
+    nightly = yaml.safe_load((ROOT / ".github/workflows/nightly.yml").read_text())
+    assert set(nightly["jobs"]["suite"]["strategy"]["matrix"]["target"]) <= targets
+    test = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text())
+    pythons = test["jobs"]["core"]["strategy"]["matrix"]["python"]
+    tested = {f"Programming Language :: Python :: {version}" for version in pythons}
+    assert {c for c in PROJECT["classifiers"] if ":: Python ::" in c} <= tested
+
+
+def test_templates_of_issues_can_be_filled_in():
+    templates = list((ROOT / ".github/ISSUE_TEMPLATE").glob("*.yml"))
+    assert templates
+    for path in templates:
+        form = yaml.safe_load(path.read_text())
+        assert form["name"] and form["description"]
+        assert all(field["attributes"]["label"] for field in form["body"])
+
+
+def test_each_extra_is_tried_in_a_fresh_environment():
+    script = (ROOT / ".ci/package").read_text()
+    extras = set(PROJECT["optional-dependencies"]) - {"all", "dev", "docs"}
+    assert set(re.findall(r"\[(\w+)\]=", script)) == extras
