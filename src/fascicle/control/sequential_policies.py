@@ -119,9 +119,7 @@ class SequentialPolicy(Module):
         falls = down | ((fraction > 0) & (direction < 0))
         times = where(falls, capability.vent, capability.time)
         time = maximum(xp.sum(where(down, next_[1], next_[0]) * times), demand.dt)
-        pace = self._pace(
-            units, capability, demand, (last[0], next_[0]), reserve[0], fraction, time
-        )
+        pace = self._pace(capability, demand, (last[0], next_[0]), reserve[0], fraction, time)
         pace = where(direction > 0, where(rush, 1 / time, pace), 1 / (SLACK * time))
         speed = where(self.early > 0, hold * pace, 1 / demand.dt)
         recruited = memory.recruited + direction * speed * demand.dt
@@ -151,14 +149,13 @@ class SequentialPolicy(Module):
         return following, where(opened, top, target)
 
     def _pace(
-        self, units: Units, capability: UnitCapability, demand: UnitDemand,
+        self, capability: UnitCapability, demand: UnitDemand,
         pair: tuple[Numbers, Numbers], reserve: Batch, fraction: Batch, time: Batch,
     ) -> Batch:  # fmt: skip
         """Rate [1/s] of a hand-over at a `fraction` of it, between the `pair` of units, with a
         `reserve` [N] and the valve's `time` [s].
 
-        It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time,
-        and no faster than the unit before, wide open, makes up for it.
+        It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time.
         """
         last, next_ = pair
         dip, rise = select(next_, capability.dip), maximum(demand.rate, 1e-9)
@@ -171,12 +168,7 @@ class SequentialPolicy(Module):
             maximum(deepest - fraction, 0.0) * rise / spare,
             (1 - fraction) * rise / maximum(reserve, 1e-9),
         )
-        muscles = units.branches.muscles.at(fraction * capability.onset, demand.strains)
-        falls_by = -onset * select(next_, units.counts * muscles.force_by_pressure)
-        climbs = select(last, capability.slope * capability.speed) / SLACK - rise
-        pace = maximum(needed, 1 / (self.slow * time))
-        limit = maximum(climbs / maximum(falls_by, 1e-9), pace / 2)
-        return minimum(minimum(pace, limit), 1 / (SLACK * time))
+        return minimum(maximum(needed, 1 / (self.slow * time)), 1 / (SLACK * time))
 
     def _reserves(
         self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers
