@@ -123,6 +123,7 @@ class Calibration(Fit):
         """Covariance of the coordinates from noise, readings and the model's error [-]."""
         noise = self.minimum.covariance - self.minimum.from_curves
         total = self.diagnosis.inflation * noise + self.minimum.from_curves
+        total = total + self.diagnosis.from_pressure
         model = self.diagnosis.covariance
         return total if model is None else total + model
 

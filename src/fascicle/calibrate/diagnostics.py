@@ -166,6 +166,7 @@ class Diagnosis:
     - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
       readings remain.
     - `inflation`: factor on the covariance from noise for correlated residuals [-].
+    - `from_pressure`: contribution of the pressures' scatter to the covariance of the coordinates.
     - `covariance`: contribution of the model's error to the covariance of the coordinates; `None`
       without a significant trend.
     - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
@@ -181,6 +182,7 @@ class Diagnosis:
     least_strain: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
     inflation: float = 1.0
+    from_pressure: np.ndarray | float = 0.0
     covariance: np.ndarray | None = None
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     causes: tuple[Cause, ...] = ()
@@ -282,6 +284,7 @@ def diagnose(fit: Fit) -> Diagnosis:
     diagnosis = replace(
         diagnosis,
         inflation=autocorrelation_inflation(residuals, diagnosis),
+        from_pressure=pressure_covariance(fit, residuals),
         covariance=covariance,
         discrepancy=discrepancy,
         causes=_likely_causes(fit, residuals, diagnosis, effects),
@@ -504,6 +507,29 @@ def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> flo
     rho = min(max(rho, 0.0), 0.99)
     # three standard errors of a correlation of white noise
     return (1 + rho) / (1 - rho) if rho > 3 / np.sqrt(max(y.size, 1)) else 1.0
+
+
+def pressure_covariance(fit: Fit, residuals: Residuals) -> np.ndarray:
+    """Covariance of the coordinates [-] from the standard errors of the levels' mean pressures.
+
+    All readings of a level are fitted at its mean pressure, so its error is common to them: more
+    readings don't average it out.
+    """
+    data, problem, k = fit.fit_data, fit.problem, len(fit.coordinates)
+    measured, P = problem.grid.measured, problem.grid.pressure
+    pressure, count = data.record.pressure, np.bincount(data.level)
+    scatter = pressure - (np.bincount(data.level, pressure) / count)[data.level]
+    square = np.bincount(data.level, scatter**2)
+    error = np.sqrt(square / np.maximum(count - 1, 1) / count)
+    if not np.any(error):
+        return np.zeros((k, k))
+    shifted = replace(problem, grid=replace(problem.grid, pressure=P + error[:, None]))
+    change = np.nan_to_num(shifted.force(fit.coordinates) - fit.minimum.linear.force)
+    effects = np.zeros((len(residuals.residual), len(P)))
+    level = np.nonzero(measured)[0]
+    effects[np.arange(len(level)), level] = np.sqrt(problem.grid.count[measured]) * change[measured]
+    by_level = np.linalg.pinv(residuals.slopes[:, :k]) @ effects
+    return by_level @ by_level.T
 
 
 def discrepancy_sizes(residuals: Residuals, diagnosis: Diagnosis) -> list[tuple[float, int]]:
