@@ -2,7 +2,8 @@
 
 Force and volume of one muscle from the table of doubles, 65 × 81 nodes, and of floats, 33 × 41;
 nanoseconds of processor time a call, a million calls a round. Beside them a controller's step: the
-force's cascade with "threshold", of a bundle of 1 + 4 muscles, at measurements that wander.
+force's cascade with "threshold", of a bundle of 1 + 4 muscles, at measurements that wander; and the
+inverse of that bundle, at demands up to its largest force and beyond.
 
     python benchmarks/exported.py
 """
@@ -50,6 +51,7 @@ int main(void)
         TIMED(at[0] = P[i]; at[1] = P[N - 1 - i];
               knee_step(&memory, 3e-4 * P[i], 1e-4 * P[i], at, 4e5, 0.1 + 0.1 * eps[i], 0.01, u);
               sum += u[0]);
+        TIMED(knee_pressures(2e-3 * P[i] - 20, eps[i], 413.7e3, at, 0, 0); sum += at[0]);
     }
     return sum == 0;
 }
@@ -71,6 +73,7 @@ def rows(small: bool = False) -> list[Row]:
         "one volume, a table of doubles in C",
         "one force, a table of floats in C",
         "one controller's step in C, 1 + 4 muscles",
+        "pressures for one force by a table in C, 1 + 4 muscles",
     )
     gcc = shutil.which("gcc")
     if gcc is None:
@@ -95,12 +98,12 @@ def rows(small: bool = False) -> list[Row]:
         subprocess.run(build, check=True)  # noqa: S603 as above
         told = subprocess.run([program], capture_output=True, text=True, check=True)  # noqa: S603 as above
     taken = [float(x) for x in told.stdout.split()]
-    rooms = sizes["wide"], sizes["wide"], sizes["slim"], sizes["knee"]
-    reaches = 48.0, 48.0, 48.0, None
+    rooms = sizes["wide"], sizes["wide"], sizes["slim"], sizes["knee"], sizes["knee"]
+    reaches = 48.0, 48.0, 48.0, None, 5000.0
     return [
         Row(
             question,
-            Measured.of(taken[i::4]),
+            Measured.of(taken[i :: len(questions)]),
             "ns",
             reach=reach,
             side="≤",

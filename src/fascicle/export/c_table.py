@@ -68,6 +68,11 @@ class MuscleTables(NamedTuple):
         return _LOWEST, min(float(surface.highest_pressure) for surface in self.surfaces)
 
     @property
+    def highest_supply(self) -> float:
+        """Highest supply pressure of the inverse [Pa]."""
+        return float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
+
+    @property
     def limits_as_text(self) -> dict[str, str]:
         """Limits of strain [-] and pressure [Pa] as text, by their names in templates."""
         low, high = self.strains
@@ -127,9 +132,8 @@ class MuscleTables(NamedTuple):
         if self.precision == "float":
             errors = [_rounding_error(surfaces[kind]) for kind in self.kinds]
             meets = float(np.dot(self.counts, errors))
-        highest = float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
         values |= inverse_code(
-            self.bundle, name, highest, meets, _AGREEMENT, self.precision, number
+            self.bundle, name, self.highest_supply, meets, _AGREEMENT, self.precision, number
         )
         values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:

@@ -1,8 +1,9 @@
 """A functional mock-up unit, FMI 2.0 for co-simulation, from a table's C: sources and binary.
 
-Inputs are the units' pressures and the plates' strain, outputs the force and volumes; with a
-controller also what a bench measures and the valves' commands, once a sample time. The unit only
-calls the header's functions, so that numbers are equal bit for bit.
+Inputs are the units' pressures, the plates' strain, a demanded force and the supply's pressure;
+outputs are the force, the volumes, and the pressures that give the demand. With a controller it
+also has what a bench measures and the valves' commands, once a sample time. The unit only calls the
+header's functions, so that numbers are equal bit for bit.
 
 **Source:** Functional Mock-up Interface 2.0.4 (Modelica Association, 2022).
 """
@@ -25,7 +26,7 @@ from ..bundle import Bundle
 from ..control import Cascade
 from ..core.errors import InvalidInputError
 from ..core.types import Values
-from ..core.validation import check_positive
+from ..core.validation import check_choice, check_positive
 from ..io.atomic import write
 from ..muscle import Muscle
 from .c_files import check_name, render_template
@@ -36,6 +37,8 @@ _STEP = 1e-3  # s, suggested to a host: a millisecond resolves a valve
 # suffix of a shared library on each of FMI's platforms
 _SUFFIXES = {"linux64": "so", "darwin64": "dylib", "win64": "dll"}
 _COMPILERS = ("gcc", "cc", "clang")  # the first that is installed builds the binary
+# compilers here for another platform, and the package that brings them
+_CROSS_COMPILERS = {"win64": ("x86_64-w64-mingw32-gcc", "mingw-w64")}
 _DATE = (2020, 1, 1, 0, 0, 0)  # of all files in the archive: equal numbers give equal files
 _UNITS: dict[str, dict[str, str]] = {
     "Pa": {"kg": "1", "m": "-1", "s": "-2"}, "N": {"kg": "1", "m": "1", "s": "-2"},
@@ -48,12 +51,12 @@ class UnbuiltUnitError(Exception):
 
 
 class Variable(NamedTuple):
-    """A number of the unit: its `name`, SI `unit`, whether it is an input, its `description`, and
-    its initial value, `start` [SI].
+    """A number of the unit: its `name`, SI `unit` (none of an integer), whether it is an input, its
+    `description`, and its initial value, `start` [SI].
     """
 
     name: str
-    unit: str
+    unit: str | None
     is_input: bool
     description: str
     start: float = 0.0
@@ -75,13 +78,14 @@ def write_fmu(
     - `name`: name of the model, a name in C.
     - `sample_time`: step that the unit suggests to its host [s]; default: 1 ms, or the
       controller's.
-    - `platform`: platform of the binary, as FMI names it; default: this one.
+    - `platform`: platform of the binary, as FMI names it; default: this one. MinGW builds that of
+      Windows elsewhere.
 
     **Returns:** the path.
 
-    **Raises:** `ValueError` as `table_code`, and for a sample time that isn't positive, or a
-    platform that can't be built here; `UnbuiltUnitError` if there is no compiler: the file is
-    written with its sources.
+    **Raises:** `ValueError` as `table_code`, and for a sample time that isn't positive, or an
+    unknown platform; `UnbuiltUnitError` if there is no compiler for it: the file is written with
+    its sources.
     """
     path = Path(path)
     folder = _platform(platform)
@@ -114,8 +118,8 @@ def write_fmu(
     try:
         if folder is None:
             raise UnbuiltUnitError("this machine has no name in FMI 2.0")
-        suffix = _SUFFIXES[folder]
-        files[f"binaries/{folder}/{name}.{suffix}"] = _build(sources, name, suffix)
+        library = f"binaries/{folder}/{name}.{_SUFFIXES[folder]}"
+        files[library] = _build(sources, name, folder)
     except UnbuiltUnitError as error:
         unbuilt = error
     content = BytesIO()
@@ -131,30 +135,43 @@ def write_fmu(
 def variables(tables: MuscleTables) -> list[Variable]:
     """The numbers of a unit, in the order of their references."""
     units = range(1, len(tables.kinds) + 1)
+    supply = _supply_pressure(tables)
     inputs = [Variable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
-    inputs.append(Variable("strain", "1", True, "contraction over the plates' distance at rest"))
+    inputs += [
+        Variable("strain", "1", True, "contraction over the plates' distance at rest"),
+        Variable("demand", "N", True, "demanded force"),
+        Variable("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
+    ]
     outputs = [Variable("force", "N", False, "force that pulls the plates together")]
     outputs += [
         Variable(f"volume_{i}", "m3", False, f"volume of all muscles of unit {i}") for i in units
     ]
+    outputs += [
+        Variable(f"setpoint_{i}", "Pa", False, f"gauge pressure of unit {i} for the demand")
+        for i in units
+    ]
+    outputs.append(Variable("reached_force", "N", False, "force at the setpoints"))
     if tables.controller is not None:
-        supply = _supply_pressure(tables)
         inputs += [
             Variable("strain_rate", "1/s", True, "rate of strain, measured"),
-            Variable("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
-            Variable("demand", "N", True, "demanded force"),
             Variable("measured_force", "N", True, "force, measured"),
         ]
         outputs += [
             Variable(f"command_{i}", "1", False, f"command of unit {i}'s valve, -1 to 1")
             for i in units
         ]
-    return inputs + outputs
+    status = "0: reached, 1: above what is reachable, 2: below it, 3: no supply pressure"
+    integers = [
+        Variable("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
+        Variable("demand_status", None, False, status),
+    ]
+    return inputs + outputs + integers
 
 
 def _supply_pressure(tables: MuscleTables) -> float:
-    """Gauge pressure [Pa] of a controller's supply; zero without a controller."""
-    return tables.controller.plant.supply_pressure if tables.controller else 0.0
+    """Gauge pressure [Pa] of a controller's supply, or the highest of the tables."""
+    plant = tables.controller.plant if tables.controller else None
+    return plant.supply_pressure if plant else tables.highest_supply
 
 
 def _description(tables: MuscleTables, name: str, guid: str, step: float) -> bytes:
@@ -179,18 +196,21 @@ def _description(tables: MuscleTables, name: str, guid: str, step: float) -> byt
     ET.SubElement(categories, "Category", name="logStatusError")
     ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
     model_variables = ET.SubElement(root, "ModelVariables")
-    outputs = []
-    for reference, variable in enumerate(variables(tables)):
+    outputs, references = [], {"Real": 0, "Integer": 0}
+    for index, variable in enumerate(variables(tables), start=1):
+        kind = "Real" if variable.unit else "Integer"
         scalar = ET.SubElement(
-            model_variables, "ScalarVariable", name=variable.name, valueReference=str(reference),
-            description=variable.description, variability="continuous",
+            model_variables, "ScalarVariable", name=variable.name,
+            valueReference=str(references[kind]), description=variable.description,
+            variability="continuous" if variable.unit else "discrete",
             causality="input" if variable.is_input else "output",
         )  # fmt: skip
-        real = ET.SubElement(scalar, "Real", unit=variable.unit)
+        references[kind] += 1
+        number = ET.SubElement(scalar, kind, {"unit": variable.unit} if variable.unit else {})
         if variable.is_input:
-            real.set("start", repr(variable.start))
+            number.set("start", repr(variable.start))
         else:
-            outputs.append(str(reference + 1))
+            outputs.append(str(index))
     structure = ET.SubElement(root, "ModelStructure")
     for kind in ("Outputs", "InitialUnknowns"):
         unknowns = ET.SubElement(structure, kind)
@@ -200,17 +220,31 @@ def _description(tables: MuscleTables, name: str, guid: str, step: float) -> byt
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
-def _build(sources: dict[str, str], name: str, suffix: str) -> bytes:
-    """The shared library of the C sources, by the first compiler that is installed."""
-    compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
+def _build(sources: dict[str, str], name: str, platform: str) -> bytes:
+    """The shared library of the C sources for a `platform`, by the first compiler that is
+    installed.
+    """
+    file = f"{name}.{_SUFFIXES[platform]}"
+    compilers, package = _COMPILERS, ""
+    if platform != _this_platform():
+        compiler, package = _CROSS_COMPILERS.get(platform, ("", ""))
+        compilers = (compiler,) if compiler else ()
+    compiler = next(filter(None, map(shutil.which, compilers)), None)
     if compiler is None:
-        raise UnbuiltUnitError(f"no C compiler here ({', '.join(_COMPILERS)})")
+        install = f"install {package}, or " if package else ""
+        where = f"for {platform} " if platform != _this_platform() else ""
+        there = "there " if where else ""
+        raise UnbuiltUnitError(
+            f"no C compiler {where}here ({', '.join(compilers) or 'none is known'}): {install}"
+            f"compile its sources/*.c {there}into its binaries/{platform}/{file}"
+        )
     with tempfile.TemporaryDirectory() as folder:
-        for file, text in sources.items():
-            Path(folder, file).write_text(text, encoding="utf-8")
-        library = Path(folder, f"{name}.{suffix}")
-        files = [str(Path(folder, file)) for file in sources if file.endswith(".c")]
-        options = ["-O2", "-std=c99", "-shared", "-fPIC", "-o", str(library), *files, "-lm"]
+        for source, text in sources.items():
+            Path(folder, source).write_text(text, encoding="utf-8")
+        library = Path(folder, file)
+        files = [str(Path(folder, source)) for source in sources if source.endswith(".c")]
+        options = ["-O2", "-std=c99", "-shared", "-o", str(library), *files, "-lm"]
+        options += ["-static-libgcc"] if platform == "win64" else ["-fPIC"]
         result = subprocess.run([compiler, *options], capture_output=True, text=True, check=False)  # noqa: S603 C that was just written
         if result.returncode != 0:
             message = (result.stderr.splitlines() or ["no message"])[0]
@@ -219,16 +253,16 @@ def _build(sources: dict[str, str], name: str, suffix: str) -> bytes:
 
 
 def _platform(platform: str | None) -> str | None:
-    """Name of this machine in FMI 2.0, if it has one; any other `platform` is refused."""
+    """Name of the `platform` in FMI 2.0, by default this machine's if it has one; any other is
+    refused.
+    """
+    if platform is None:
+        return _this_platform()
+    return check_choice(platform, _SUFFIXES, "platform")
+
+
+def _this_platform() -> str | None:
+    """Name of this machine in FMI 2.0, if it has one."""
     system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform)
     is_named = system is not None and machine.machine().lower() in ("x86_64", "amd64")
-    folder = f"{system}64" if is_named else None
-    if platform in (None, folder):
-        return folder
-    reason = f"only {folder}" if folder else "this machine has no name in FMI 2.0"
-    remedy = "drop it"
-    if platform in _SUFFIXES:
-        library = f"binaries/{platform}/NAME.{_SUFFIXES[platform]}"
-        remedy = f"drop it, and compile the file's sources/*.c there into its {library}"
-    rule = f"can't be built here, {reason}"
-    raise InvalidInputError("platform", rule, platform, remedy, shown=platform)
+    return f"{system}64" if is_named else None

@@ -91,16 +91,32 @@ def test_a_unit_equals_the_header_bit_for_bit(bundle, load_unit, compile_c, tmp_
     unit, references = load_unit(write_fmu(bundle, tmp_path / "knee.fmu", "knee"))
     library = compile_c(write_table(bundle, tmp_path, "knee")[1])
     rng = np.random.default_rng(1)
-    inputs = [references[name] for name in ("pressure_1", "pressure_2", "strain")]
+    names = "pressure_1", "pressure_2", "strain", "demand", "supply_pressure"
+    inputs = [references[name] for name in names]
     outputs = [references[name] for name in ("force", "volume_1", "volume_2")]
+    inverse = [references[name] for name in ("setpoint_1", "setpoint_2", "reached_force")]
+    integers = [references[name] for name in ("demand_status", "recruitment_state")]
+    # its own supply's pressure, before any is set
+    assert unit.getReal([references["supply_pressure"]]) == [SUPPLY]
+    choices = set()
     for k in range(500):
         P, eps = rng.uniform(-1e3, SUPPLY, 2), rng.uniform(-0.1, 0.35)
-        unit.setReal(inputs, [*P, eps])
+        demand, supply = rng.uniform(-50, 500), rng.uniform(0.5, 1.1) * SUPPLY
+        unit.setReal(inputs, [*P, eps, demand, supply])
         unit.doStep(k * 1e-3, 1e-3)
+        setpoints, state, reached = ARRAY(), ctypes.c_int(), NUMBER()
+        status = library.knee_pressures(
+            NUMBER(demand), NUMBER(eps), NUMBER(supply), setpoints, ctypes.byref(state),
+            ctypes.byref(reached),
+        )  # fmt: skip
+        assert unit.getReal(inverse) == [*setpoints, reached.value]
+        assert unit.getInteger(integers) == [status, state.value]
+        choices.add((status, state.value))
         force, volume = NUMBER(), ARRAY()
         library.knee_force(ARRAY(*P), NUMBER(eps), ctypes.byref(force), None, None)
         library.knee_volume(ARRAY(*P), NUMBER(eps), volume)
         assert unit.getReal(outputs) == [force.value, *volume]
+    assert choices >= {(0, 1), (0, 2), (1, 2)}
 
 
 class Memory(ctypes.Structure):
@@ -210,9 +226,35 @@ def test_on_a_full_disk_the_former_unit_stays(bundle, tmp_path, monkeypatch, is_
 
 
 @pytest.mark.parametrize("platform", ["win64", "darwin64", "linux64"])
-def test_another_platforms_unit_is_built_from_its_sources(bundle, tmp_path, monkeypatch, platform):
+def test_without_a_compiler_for_it_another_platforms_unit_has_its_sources(
+    bundle, tmp_path, monkeypatch, platform
+):
     system = "win32" if platform == "linux64" else "linux"
     monkeypatch.setattr("fascicle.export.fmu.sys.platform", system)
-    with pytest.raises(fs.InvalidInputError) as error:
-        write_fmu(bundle, tmp_path / "knee.fmu", "knee", platform=platform)
-    assert "sources" in error.value.remedy and f"binaries/{platform}/" in error.value.remedy
+    native = shutil.which
+    monkeypatch.setattr(shutil, "which", lambda name: None if "mingw" in name else native(name))
+    path = tmp_path / "knee.fmu"
+    with pytest.raises(UnbuiltUnitError) as error:
+        write_fmu(bundle, path, "knee", platform=platform)
+    assert "sources/*.c there" in str(error.value) and f"binaries/{platform}/knee." in str(
+        error.value
+    )
+    assert ("install mingw-w64" in str(error.value)) == (platform == "win64")
+    assert "sources/knee.c" in names_in(path)
+    assert not any(name.startswith("binaries") for name in names_in(path))
+
+
+@gcc
+def test_mingw_builds_the_unit_for_windows(bundle, tmp_path, monkeypatch):
+    """Where it is installed; else gcc takes its place, to see that it is asked and with what."""
+    native, mingw = shutil.which, shutil.which("x86_64-w64-mingw32-gcc")
+    compiler = mingw or native("gcc")
+    monkeypatch.setattr("fascicle.export.fmu.sys.platform", "linux")
+    monkeypatch.setattr(
+        shutil, "which", lambda name: compiler if name == "x86_64-w64-mingw32-gcc" else native(name)
+    )
+    path = write_fmu(bundle, tmp_path / "knee.fmu", "knee", platform="win64")
+    with zipfile.ZipFile(path) as archive:
+        library = archive.read("binaries/win64/knee.dll")
+    assert library.startswith(b"MZ" if mingw else b"\x7fELF")
+    assert b"fmi2DoStep" in library

@@ -13,11 +13,11 @@ from ..outputs import check_file, print_line, replace_output, status, write_text
 def run(
     file: str = options.TARGET,
     c: str | None = option(
-        "Folder for the force law in C: a header and a source file without dependencies.",
+        "Folder for the force law and its inverse in C, without dependencies.",
         metavar="FOLDER",
     ),
     table: str | None = option(
-        "Folder for a table of force and volume in C: tens of nanoseconds per call.",
+        "Folder for a table of force, volume and inverse in C: tens of nanoseconds per force.",
         metavar="FOLDER",
     ),
     fmu: str | None = option(
@@ -34,7 +34,8 @@ def run(
         "Communication step of the FMU; default: 1 ms, or the controller's.", metavar="TIME"
     ),
     platform: str | None = option(
-        "Platform of the FMU by its FMI name; default: this machine's.", metavar="NAME"
+        "Platform of the FMU's binary; default: this machine's. MinGW builds win64 elsewhere.",
+        metavar="linux64|darwin64|win64",
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
@@ -42,9 +43,10 @@ def run(
 
     `--c` writes the force law itself, its derivatives and its free strain; it needs
     `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a
-    scenario with force control it adds one step of the controller. `--fmu` packs that table for
-    Simulink, OpenModelica and other hosts; it needs a C compiler. Later changes of FILE don't
-    change what was exported.
+    scenario with force control it adds one step of the controller. Both have the inverse,
+    `NAME_pressures`: the pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
+    packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
+    platform it holds sources only. Later changes of FILE don't change what was exported.
     """
     if c is None and table is None and fmu is None:
         raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")
@@ -81,7 +83,7 @@ def run(
             except UnbuiltUnitError as error:
                 message = f"{error}"
         if message:
-            raise UserError(f"--fmu {fmu}: {message}: the file holds sources only.")
+            raise UserError(f"--fmu {fmu}: {message}; the file holds sources only.")
         print_line(f"wrote {fmu}")
 
 

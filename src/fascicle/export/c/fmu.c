@@ -31,26 +31,30 @@ typedef struct {
 enum {
     PRESSURE = 0,
     STRAIN = @guard@_UNITS,
+    DEMAND,
+    SUPPLY_PRESSURE,
 #if @controls@
     STRAIN_RATE,
-    SUPPLY_PRESSURE,
-    DEMAND,
     MEASURED_FORCE,
 #endif
     INPUTS,
     FORCE = INPUTS,
     VOLUME,
+    SETPOINT = VOLUME + @guard@_UNITS,
+    REACHED_FORCE = SETPOINT + @guard@_UNITS,
 #if @controls@
-    COMMAND = VOLUME + @guard@_UNITS,
+    COMMAND,
     NUMBERS = COMMAND + @guard@_UNITS
 #else
-    NUMBERS = VOLUME + @guard@_UNITS
+    NUMBERS
 #endif
 };
+enum { RECRUITMENT_STATE, DEMAND_STATUS, INTEGERS };
 
 typedef struct {
     const callbacks *host;
     double of[NUMBERS];
+    int choice[INTEGERS];
     double next; /* sample of the controller, counted from the start */
     double start;
 #if @controls@
@@ -64,10 +68,11 @@ static const double sample_time = @sample_time@;
 static void begin(slave *it)
 {
     memset(it->of, 0, sizeof it->of);
+    memset(it->choice, 0, sizeof it->choice);
+    it->of[SUPPLY_PRESSURE] = @supply_pressure@;
     it->next = 0;
     it->start = 0;
 #if @controls@
-    it->of[SUPPLY_PRESSURE] = @supply_pressure@;
     @name@_begin(&it->memory);
 #endif
 }
@@ -88,6 +93,9 @@ static status look(slave *it)
         || @name@_volume(of + PRESSURE, of[STRAIN], of + VOLUME))
         return refuse(it, "a strain or pressure is outside of the table: strains @low@ to @high@,"
                           " pressures @lowest_pressure@ to @highest@ Pa");
+    it->choice[DEMAND_STATUS] =
+        @name@_pressures(of[DEMAND], of[STRAIN], of[SUPPLY_PRESSURE], of + SETPOINT,
+                         it->choice + RECRUITMENT_STATE, of + REACHED_FORCE);
     return OK;
 }
 
@@ -186,6 +194,20 @@ EXPORT status fmi2SetReal(void *c, const unsigned vr[], size_t n, const double v
     return OK;
 }
 
+EXPORT status fmi2GetInteger(void *c, const unsigned vr[], size_t n, int value[])
+{
+    slave *it = (slave *)c;
+    status now = OK;
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        if (vr[i] >= INTEGERS) return refuse(it, "there is no integer of this reference");
+        if (now == OK) now = look(it);
+        value[i] = it->choice[vr[i]];
+    }
+    return now;
+}
+
 EXPORT status fmi2DoStep(void *c, double time, double step, int kept)
 {
     slave *it = (slave *)c;
@@ -200,12 +222,11 @@ EXPORT status fmi2DoStep(void *c, double time, double step, int kept)
 /* what it doesn't have: numbers of other kinds, states to be kept, derivatives, steps that wait */
 #define NONE(name, type) \
     EXPORT status fmi2Get##name(void *c, const unsigned vr[], size_t n, type value[]) \
-    { UNUSED(vr); UNUSED(value); return n ? refuse((slave *)c, "all numbers are real") : OK; }
+    { UNUSED(vr); UNUSED(value); return n ? refuse((slave *)c, "it has no such numbers") : OK; }
 #define NONE_SET(name, type) \
     EXPORT status fmi2Set##name(void *c, const unsigned vr[], size_t n, const type value[]) \
-    { UNUSED(vr); UNUSED(value); return n ? refuse((slave *)c, "all numbers are real") : OK; }
+    { UNUSED(vr); UNUSED(value); return n ? refuse((slave *)c, "only real numbers can be set") : OK; }
 typedef const char *text;
-NONE(Integer, int)
 NONE(Boolean, int)
 NONE(String, text)
 NONE_SET(Integer, int)
