@@ -21,7 +21,7 @@ from PIL import Image
 
 import fascicle as fs
 from fascicle import fluid
-from fascicle.plot.theme import BLUE, GRAY, GREEN, VERMILION, new_figure, styled, to_bytes
+from fascicle.plot.theme import BLACK, BLUE, GRAY, GREEN, VERMILION, new_figure, styled, to_bytes
 from fascicle.robots import Drive, Sizing, attach, size
 
 
@@ -184,7 +184,7 @@ def draw(leg: Leg, seen: list[dict[str, Any]], frame: int) -> Image.Image:
     left.plot(*lines["foot"].T, color=GRAY, linewidth=7, alpha=0.45)
     for i, points in enumerate(lines["tendons"]):
         pressure = now["pressures"][i] / SUPPLY
-        left.plot(*points.T, color="black", linewidth=0.8)
+        left.plot(*points.T, color=BLACK, linewidth=0.8)
         # the muscle at the upper end of its cord, as long as its contraction leaves it
         length = leg.sizings[i].chosen.length
         along = points[1] - points[0]

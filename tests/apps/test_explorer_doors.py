@@ -145,6 +145,8 @@ async def send_patches(port):
         answer = json.loads(await socket.read_message())
         assert answer["msgtype"] == "ERROR"
         socket.close()
+        while await socket.read_message() is not None:
+            pass  # until the server has closed it, too
 
 
 def test_malformed_patches_are_a_line_each_in_the_terminal():
@@ -188,8 +190,11 @@ def test_the_first_of_many_visitors_does_not_wait_for_the_last(port, monkeypatch
     async def visit(url):
         begin = time.perf_counter()
         visitor = await Visitor.opened(url)
+        wait = time.perf_counter() - begin
         visitor.close()
-        return time.perf_counter() - begin
+        while await visitor._connection.read_message() is not None:
+            pass  # until the server has closed it, too
+        return wait
 
     async def visit_at_once(count):
         return await asyncio.gather(*(visit(f"http://127.0.0.1:{port}/") for _ in range(count)))
