@@ -70,7 +70,8 @@ def make_plant(
 
 def start_at(plant: dynamics.Plant, force: float, strain: float) -> dynamics.State:
     """The plant at rest, its first unit at the pressure that gives a `force` [N]."""
-    branches = control.Branches.tabulated(plant.muscles, SUPPLY)
+    tables: Any = plant.muscles
+    branches = control.Branches.tabulated(tables, SUPPLY)
     count = float(plant.counts[1])
     empty = count * float(branches.force(np.zeros(2), np.full(2, strain))[1])
     pressure = branches.pressure(np.array([force - empty, 0.0]), np.full(2, strain)).pressure
