@@ -18,17 +18,20 @@ if TYPE_CHECKING:
     from .outcome import Outcome
     from .refine import refine_sizes
     from .remedies import Remedy
-    from .robust import Spread, sensitivities, spread
+    from .robust import sensitivities
+    from .safety import secure, spread
+    from .scatter import DesignScatter, Spread, Uncertainty
     from .space import Space, compositions, partitions
     from .summary import Cases, Summary, summarize
     from .sweep import Store, Study
     from .task import Task, example_task
 
 __all__ = [
-    "OBJECTIVES", "Cases", "Catalog", "Designs", "Limit", "Outcome", "Product", "Remedy",
-    "SearchResult", "Space", "Spread", "Store", "Study", "Summary", "Task", "compositions",
-    "evaluate", "evolve", "example_task", "hypervolume", "non_dominated", "objective",
-    "partitions", "refine_sizes", "search", "sensitivities", "spread", "summarize",
+    "OBJECTIVES", "Cases", "Catalog", "DesignScatter", "Designs", "Limit", "Outcome", "Product",
+    "Remedy", "SearchResult", "Space", "Spread", "Store", "Study", "Summary", "Task",
+    "Uncertainty", "compositions", "evaluate", "evolve", "example_task", "hypervolume",
+    "non_dominated", "objective", "partitions", "refine_sizes", "search", "secure",
+    "sensitivities", "spread", "summarize",
 ]  # fmt: skip
 
 _HOMES = {
@@ -42,7 +45,9 @@ _HOMES = {
     "Outcome": "outcome",
     "refine_sizes": "refine",
     "Remedy": "remedies",
-    **dict.fromkeys(("Spread", "sensitivities", "spread"), "robust"),
+    "sensitivities": "robust",
+    **dict.fromkeys(("secure", "spread"), "safety"),
+    **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty"), "scatter"),
     **dict.fromkeys(("Space", "compositions", "partitions"), "space"),
     **dict.fromkeys(("Cases", "Summary", "summarize"), "summary"),
     **dict.fromkeys(("Store", "Study"), "sweep"),

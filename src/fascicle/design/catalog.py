@@ -12,7 +12,7 @@
 The first of these that differs between two designs decides. Missing prices are never guessed.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -119,23 +119,53 @@ def cheapest(
     name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
     indices; `catalog`: prices [-]; `drawings`: of all designs, by name.
     """
-    muscles_known, all_known = catalog.known_prices(drawings)
-    if candidates.size and not all_known:
+    if candidates.size and not catalog.known_prices(drawings)[1]:
         # no other count matters before this one
         valves = values["valves"][candidates]
         candidates = candidates[valves == valves.min()]
     ranks = []
     for start in range(0, len(candidates), _BLOCK):
         indices = candidates[start : start + _BLOCK]
-        block = designs(indices)
-        valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
-        price = catalog.muscle_price(block) if muscles_known else muscles
-        costs = (catalog.price(block),) if all_known else (valves, price)
-        margin = np.round(values["relative_margin"][indices], _DIGITS)
-        keys = (*costs, -margin, valves, muscles, values["mean_energy"][indices])
+        keys = _price_keys(indices, values, designs(indices), catalog, drawings)
         first = int(np.lexsort(keys[::-1])[0])
         ranks.append((*(float(key[first]) for key in keys), int(indices[first])))
     return min(ranks)[-1] if ranks else None
+
+
+def cheapest_first(
+    candidates: Int[np.ndarray, " candidate"],
+    values: Values,
+    designs: Callable[[Int[np.ndarray, " index"]], Designs],
+    catalog: Catalog,
+    drawings: Mapping[str, Muscle],
+) -> Iterator[Int[np.ndarray, " group"]]:
+    """Candidates from the cheapest on, in groups of as many valves unless all prices are known.
+
+    Arguments as of `cheapest`.
+    """
+    groups = [candidates]
+    if not catalog.known_prices(drawings)[1]:
+        valves = values["valves"][candidates]
+        groups = [candidates[valves == number] for number in np.unique(valves)]
+    for indices in groups:
+        keys = _price_keys(indices, values, designs(indices), catalog, drawings)
+        yield indices[np.lexsort(keys[::-1])]
+
+
+def _price_keys(
+    indices: Int[np.ndarray, " index"],
+    values: Values,
+    block: Designs,
+    catalog: Catalog,
+    drawings: Mapping[str, Muscle],
+) -> tuple[np.ndarray, ...]:
+    """Keys that rank the designs of a `block`, with these `indices`: the first decides."""
+    muscles_known, all_known = catalog.known_prices(drawings)
+    valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
+    price = catalog.muscle_price(block) if muscles_known else muscles
+    costs = (catalog.price(block),) if all_known else (valves, price)
+    margin = np.round(values["relative_margin"][indices], _DIGITS)
+    return (*costs, -margin, valves, muscles, values["mean_energy"][indices])
 
 
 def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:

@@ -19,7 +19,6 @@ from functools import cached_property
 import numpy as np
 
 from ..core.types import Bool, Float, Int
-from ..core.validation import check_choice
 from .catalog import Catalog, cheapest
 from .designs import Designs
 from .evaluation import Values, evaluate
@@ -27,18 +26,20 @@ from .objectives import (
     SHARES,
     Limit,
     Limits,
+    Matrix,
+    as_minimization,
     check_search,
+    non_dominated,
     other_limits,
     reaches_task,
     recorded_objectives,
     with_reach_limits,
     within_limits,
 )
+from .scatter import Safety
 from .space import Space
 from .task import Task
 
-
-Matrix = Float[np.ndarray, "design objective"]
 
 # usual objectives; depth and resolution tell how well the bundle can be controlled
 USUAL = {
@@ -51,33 +52,6 @@ MAX_DESIGNS = 20_000_000  # designs of one search: their objectives are in memor
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
-
-
-def as_minimization(
-    values: Mapping[str, Float[np.ndarray, " design"]], senses: Mapping[str, str]
-) -> Matrix:
-    """Objectives with `senses` as columns in which smaller is better, a row for each design [SI].
-
-    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name, else `ValueError`.
-    """
-    for name, sense in senses.items():
-        check_choice(sense, ("min", "max"), name)
-    columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
-    return np.stack(columns, axis=1) + 0.0
-
-
-def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
-    """Mask of the points that no other point dominates.
-
-    **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
-
-    **Returns:** the mask; all of several equal points are in it.
-    """
-    import moocore
-
-    mask = ~np.any(np.isnan(points), axis=1)
-    mask[mask] = moocore.is_nondominated(points[mask], keep_weakly=True)
-    return mask
 
 
 def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
@@ -138,6 +112,7 @@ class SearchResult:
     - `extra`: further objectives to report.
     - `catalog`: products and prices.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
+    - `safety`: of `secure`: draws of scatter and the model's error; `None` if it wasn't judged.
     """
 
     space: Space
@@ -155,6 +130,7 @@ class SearchResult:
     extra: tuple[str, ...] = ()
     catalog: Catalog = field(default_factory=Catalog)
     least_margin: float = LEAST_MARGIN
+    safety: Safety | None = None
 
     @property
     def reported(self) -> Int[np.ndarray, " reported"]:

@@ -276,6 +276,7 @@ class Limit(NamedTuple):
 
 Limits = Mapping[str, Limit]
 Values = Mapping[str, Float[np.ndarray, " design"]]
+Matrix = Float[np.ndarray, "design objective"]
 
 
 def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
@@ -348,3 +349,28 @@ def within_miss_limit(
     missed, limit = spare < -FORCE_TOLERANCE, Limit(most=may_miss)
     by_weight = np.sum(missed * weight, axis=-1) / np.sum(weight)
     return limit.holds(missed.mean(axis=-1)) & limit.holds(by_weight)
+
+
+def as_minimization(values: Values, senses: Mapping[str, str]) -> Matrix:
+    """Objectives with `senses` as columns in which smaller is better, a row for each design [SI].
+
+    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name, else `ValueError`.
+    """
+    for name, sense in senses.items():
+        check_choice(sense, ("min", "max"), name)
+    columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
+    return np.stack(columns, axis=1) + 0.0
+
+
+def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
+    """Mask of the points that no other point dominates.
+
+    **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
+
+    **Returns:** the mask; all of several equal points are in it.
+    """
+    import moocore
+
+    mask = ~np.any(np.isnan(points), axis=1)
+    mask[mask] = moocore.is_nondominated(points[mask], keep_weakly=True)
+    return mask

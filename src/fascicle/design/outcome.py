@@ -63,7 +63,8 @@ class Demand(Module):
 
     def work(self, length: Numbers) -> Numbers:
         """Work [J] of each point, for a bundle of `length` [m]."""
-        work = with_axes(self.force * self.travel, np.ndim(length))
+        axes = np.ndim(length)
+        work = with_axes(self.force, axes) * with_axes(self.travel, axes)
         return work if self.by_stroke else work * length
 
     def is_possible(self, length: Numbers) -> Marks:

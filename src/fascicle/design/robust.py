@@ -1,13 +1,10 @@
-r"""Spread of a design's objectives over bundles as they are made.
+r"""Draws of a design one after another, by one compiled program, and Sobol's indices.
 
-A draw changes what is not known well: the material and the laws' numbers, from a calibrated
-muscle's covariance, and what no two muscles have alike, from fabrication scatter, (D2). Sizes
-that were calibrated change in proportion. **Assumes** that the muscles of a unit come out
-alike, so that their scatter doesn't average out, and that a bundle's are cut to one length.
+Calibrated muscles, whose constants are drawn too, and objectives that need curves can't share a
+batch's tables: each draw is a design of its own here, as in `scatter`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -18,136 +15,93 @@ from jax import Array, lax
 
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
-from ..core.types import Bool, Float, Int, Values
+from ..core.types import Float, Int, Values
 from ..core.validation import check_choice
 from ..muscle import Muscle
-from ..records.dynamometer import Scatter
 from .designs import Designs, Sizes
 from .evaluation import design_outcome, evaluated_units
-from .exhaustive_search import as_minimization, non_dominated
-from .objectives import (
-    Limits,
-    check_objectives,
-    needs,
-    objective_values,
-    with_reach_limits,
-    within_limits,
-)
+from .objectives import check_objectives, needs, objective_values
 from .outcome import Demand
+from .scatter import LARGEST_ANGLE, SMALLEST_ANGLE, Draws, rescale_forces
 from .tables import MIXED, Resolution
 from .task import Task
 
 
 _MATERIAL = ("c10", "c01", "youngs_modulus")
 VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
-_SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
-_LARGEST_ANGLE = 0.95  # rad, just below the neutral angle, at which a muscle doesn't contract
 _TOGETHER = 8  # draws computed in one call of the compiled program: as fast as more
 _INDICES = ("S1", "S1_conf", "ST", "ST_conf")  # SALib's keys
 
 
 class Scales(NamedTuple):
-    """Factors of a draw on the drawing's sizes, and what it adds to angles [rad]."""
+    """Factors of a draw on the drawing's sizes and on forces, and what it adds to angles [rad]."""
 
     length: Float[Array, " draw"]
     radius: Float[Array, "draw unit"]
     wall: Float[Array, "draw unit"]
     angle: Float[Array, "draw unit"]
+    force: Float[Array, " draw"]
 
 
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """Objectives of designs over draws: `values` [SI] by name, draws last; `met`: mask of the draws
-    that reach the task and keep all limits.
-    """
-
-    values: dict[str, Float[np.ndarray, "design draw"]]
-    met: Bool[np.ndarray, "design draw"]
-
-    @property
-    def probability(self) -> Float[np.ndarray, " design"]:
-        """Share of the draws that meet the task and the limits [-]."""
-        return self.met.mean(axis=1)
-
-    def quantile(self, fraction: float) -> dict[str, Float[np.ndarray, " design"]]:
-        """A quantile of every objective [SI]; `fraction`: of the draws below it [-]."""
-        return {name: np.quantile(draws, fraction, axis=1) for name, draws in self.values.items()}
-
-    def front(
-        self, senses: Mapping[str, str], confidence: float = 0.9
-    ) -> Bool[np.ndarray, " design"]:
-        """Mask of the designs that no other dominates in sure values, those that most draws attain.
-
-        **Arguments:**
-
-        - `senses`: "min" or "max" by objective.
-        - `confidence`: share of the draws that do at least as well as a sure value [-].
-
-        **Returns:** the mask.
-        """
-        low, high = self.quantile(1 - confidence), self.quantile(confidence)
-        sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
-        return non_dominated(as_minimization(sure, senses))
-
-
-def spread(
+def compiled_objectives(
     designs: Designs,
     task: Task,
-    objectives: tuple[str, ...],
-    limits: Limits | None = None,
-    scatter: Scatter | None = None,
+    names: tuple[str, ...],
+    draws: Draws,
     muscles: Muscle | None = None,
-    draws: int = 200,
     seed: int = 0,
-) -> Spread:
-    """Objectives of designs under fabrication scatter and uncertain constants.
+) -> Float[np.ndarray, "objective design draw"]:
+    """Objectives of designs in every draw [SI], each draw evaluated by itself.
 
     **Arguments:**
 
-    - `designs`: of one drawing.
+    - `designs`: any; of one drawing, if `muscles` are given.
     - `task`: what is demanded.
-    - `objectives`: by name.
-    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
-    - `scatter`: of length and braid angle; default: none.
-    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; default:
-      the drawing itself.
-    - `draws`: their number [-], the same for every design.
-    - `seed`: random seed.
+    - `names`: of the objectives.
+    - `draws`: of fabrication and forces.
+    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-], of which
+      one is picked for each draw; default: the drawing itself.
+    - `seed`: random seed, of the picks.
 
-    **Returns:** values over the draws [SI].
+    **Returns:** the values [SI].
 
-    **Raises:** `ValueError` for designs of several drawings and unknown objectives.
+    **Raises:** `ValueError` for `muscles` and designs of several drawings.
     """
-    limits = with_reach_limits(limits)
-    names = check_objectives([*objectives, *limits], task.scheme)
-    drawing, scatter = _single_drawing(designs), Scatter() if scatter is None else scatter
-    generator, shape = np.random.default_rng(seed), (draws, designs.counts.shape[1])
-    kinds = _repeat(drawing, draws)
+    number, demand = len(draws.length), Demand.from_task(task)
+    values = np.empty((len(names), len(designs), number))
     if muscles is not None:
-        size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
-        kinds = _pick_draws(muscles, drawing, generator.integers(0, size, draws))
-    length_factor = 1 + scatter.length * generator.standard_normal(draws)
-    tilt = scatter.braid_angle * generator.standard_normal(shape)
+        _single_drawing(designs)
+    for kind in np.unique(designs.kind):
+        (rows,) = np.nonzero(designs.kind == kind)
+        drawing = list(designs.drawings.values())[kind]
+        kinds = _repeat(drawing, number)
+        if muscles is not None:
+            size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
+            picks = np.random.default_rng(seed).integers(0, size, number)
+            kinds = _pick_draws(muscles, drawing, picks)
+        scales = _scales(kinds, drawing, draws)
+        for index in map(int, rows):
+            counts, sizes = _counts_and_sizes(designs, index, task)
+            values[:, index] = drawn_objectives(
+                kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
+            )
+    return values
+
+
+def _scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
+    """Factors of the draws, with those of the drawn constants' sizes over the drawing's."""
     length, radius, wall = (
         np.asarray(getattr(kinds, name) / getattr(drawing, name))
         for name in ("length", "outer_radius", "wall_thickness")
     )
     turn = np.asarray(kinds.braid_angle - drawing.braid_angle)
-    scales = Scales(
-        jnp.asarray(length_factor * length),
-        jnp.asarray(radius[:, None] * np.ones(shape)),
-        jnp.asarray(wall[:, None] * np.ones(shape)),
-        jnp.asarray(tilt + turn[:, None]),
+    return Scales(
+        jnp.asarray(draws.length * length),
+        jnp.asarray(radius[:, None] * np.ones(draws.wall.shape)),
+        jnp.asarray(wall[:, None] * draws.wall),
+        jnp.asarray(draws.angle + turn[:, None]),
+        jnp.asarray(draws.force),
     )
-    demand, values = Demand.from_task(task), np.empty((len(names), len(designs), draws))
-    for index in range(len(designs)):
-        counts, sizes = _counts_and_sizes(designs, index, task)
-        values[:, index] = drawn_objectives(
-            kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
-        )
-    by_name = dict(zip(names, values, strict=True))
-    satisfied = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
-    return Spread(by_name, satisfied.reshape(len(designs), draws))
 
 
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))
@@ -175,10 +129,12 @@ def drawn_objectives(
             sizes.length * scale.length,
             sizes.radius * scale.radius[:units],
             sizes.wall * scale.wall[:units],
-            jnp.clip(sizes.angle + scale.angle[:units], _SMALLEST_ANGLE, _LARGEST_ANGLE),
+            jnp.clip(sizes.angle + scale.angle[:units], SMALLEST_ANGLE, LARGEST_ANGLE),
         )
-        outcome = design_outcome(kind, counts, drawn, demand, needs, resolution)
-        return objective_values(outcome, names)
+        demanded = with_fields(demand, force=demand.force / scale.force)
+        outcome = design_outcome(kind, counts, drawn, demanded, needs, resolution)
+        scaled = rescale_forces(outcome, demand, drawn.length[0], scale.force)
+        return objective_values(scaled, names)
 
     return lax.map(objectives, (kinds, scales), batch_size=_TOGETHER).T
 
@@ -236,6 +192,7 @@ def sensitivities(
         jnp.asarray(factors["outer_radius"][:, None] * every_unit),
         jnp.asarray(factors["wall_thickness"][:, None] * every_unit),
         jnp.asarray((factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)),
+        jnp.ones(len(draws)),
     )
     values = drawn_objectives(
         kinds, counts, sizes, scales, Demand.from_task(task), names=names, needs=needs(names)

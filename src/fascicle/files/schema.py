@@ -499,10 +499,15 @@ class SweepSection(TableModel):
 
 
 class ScatterSection(TableModel):
-    """`[scatter]`: fabrication scatter; `calibrated`: true to draw constants, too."""
+    """`[scatter]`: fabrication scatter and the model's error; `calibrated`: true to draw the
+    calibration's constants, too; `enabled`: false to judge designs as they are drawn.
+    """
 
+    enabled: StrictBool | None = None
     length: Number | None = None
+    wall_thickness: Number | None = None
     braid_angle: Angle | None = None
+    model_error: Number | None = None
     draws: Annotated[StrictInt, Field(ge=2, le=_MAX_DRAWS)] | None = None
     calibrated: StrictBool | None = None
 

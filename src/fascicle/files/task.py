@@ -7,7 +7,7 @@ material and laws. One product of one length becomes one drawing.
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,11 +28,17 @@ from ..design.objectives import (
     check_search,
     with_reach_limits,
 )
+from ..design.scatter import (
+    USUAL_DRAWS,
+    USUAL_SCATTER,
+    USUAL_SHARE,
+    DesignScatter,
+    Uncertainty,
+)
 from ..design.space import SPLITS, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
-from ..records.dynamometer import Scatter
 from ..units import parse, pretty
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
@@ -56,27 +62,17 @@ from .shipped_files import example_text, named_muscles, shipped_names, shipped_t
 _DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}  # keys of a limit, and their names in `Limit`
 _WARNING = "warn_below"  # key of a margin, in its table
+_SAFETY = "safety"  # key of [limits] that isn't an objective's
 _LISTS = ("force", "strain", "stroke", "weight")  # keys whose single value stands for all points
 # keys of [design] that products have themselves
 _PRODUCT_KEYS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
 _RADII = ("outer_radius", "outer_diameter", "inner_diameter")  # of which a product has one
 _BLOCK = 4096  # designs evaluated together: some 100 MB
-_DRAWS = 200  # of the scatter: quantiles of 5 % rest on ten of them
 _MAX_VALVES = 1e6  # a limit above is none
 _MAX_DRAWINGS = 10_000  # more products are a slip in a list of lengths
 # more than any product's, a slip in the unit
 _MAX_VALUES = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
                "mass_per_length": (1e6, "kg/m")}  # fmt: skip
-
-
-class Uncertainty(NamedTuple):
-    """Uncertainty of a design: fabrication `scatter`, number of `draws`, and `muscles` sampled from
-    a calibration, or `None`.
-    """
-
-    scatter: Scatter
-    draws: int
-    muscles: Muscle | None
 
 
 class Offer(NamedTuple):
@@ -97,7 +93,7 @@ class TaskFile:
     - `task`, `space`: the task, and the designs to choose from.
     - `senses`, `limits`: "min" or "max", and bounds, by objective.
     - `catalog`: products with their prices.
-    - `uncertainty`: scatter to evaluate, or `None`.
+    - `uncertainty`: scatter and model error to judge designs by, or `None`.
     - `block`: number of a study's designs that are evaluated together.
     - `data`: the file's tables.
     - `notes`: on products that aren't available, and on fit errors.
@@ -149,7 +145,9 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     root = FileLocation(source, data)
     task = _task(file.task, root.child("task"))
     limits_location = root.child("limits", kind="limits")
-    limits, least_margin = _limits(file.limits or {}, limits_location)
+    limit_entries = dict(file.limits or {})
+    share = _safety(limit_entries.pop(_SAFETY, USUAL_SHARE), limits_location)
+    limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     with limits_location.error_context():
         check_search(senses, with_reach_limits(limits))
@@ -161,12 +159,10 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
+    section, scatter_location = file.scatter or ScatterSection(), root.child("scatter")
     uncertainty = None
-    if file.scatter is not None:
-        scatter_location = root.child("scatter")
-        if len(space.drawings) > 1 or len(design.muscle) > 1:
-            raise scatter_location.error((), "needs a space of one muscle, search each alone.")
-        uncertainty = _uncertainty(file.scatter, design, scatter_location, folder)
+    if section.enabled is not False:
+        uncertainty = _uncertainty(section, design, scatter_location, folder, share)
     notes = _fit_notes(design.muscle, folder, task, space)
     notes += () if offer is None else offer.notes
     return TaskFile(
@@ -318,26 +314,69 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
         return muscle
 
 
-def _uncertainty(
-    section: ScatterSection, design: DesignSection, location: FileLocation, folder: Path
-) -> Uncertainty:
-    muscles = None
-    with location.error_context():
-        scatter = Scatter(
-            **section.model_dump(exclude_none=True, include={"length", "braid_angle"})
-        )
-        if section.calibrated:
-            from .calibration_files import sample_muscles
+def _safety(entry: Any, location: FileLocation) -> float:
+    """Share of the draws in which a recommended design must hold [-]."""
+    try:
+        share = parse(entry, "number", _SAFETY)
+    except ValueError:
+        share = -1.0
+    if not 0 < share < 1:
+        rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
+        raise location.error((_SAFETY,), rule)
+    return share
 
-            path = folder / design.muscle[0]
-            if not path.exists():
-                rule = f"needs a muscle file, {design.muscle[0]!r} is none"
-                raise InvalidInputError("calibrated", rule, None)
-            if design.buckling is not None:
-                rule = "constants hold for the law they were fitted with"
-                raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
-            muscles = sample_muscles(path)
-        return Uncertainty(scatter, section.draws or _DRAWS, muscles)
+
+def _uncertainty(
+    section: ScatterSection,
+    design: DesignSection,
+    location: FileLocation,
+    folder: Path,
+    share: float,
+) -> Uncertainty:
+    given = section.model_dump(
+        exclude_none=True, include={"length", "wall_thickness", "braid_angle", "model_error"}
+    )
+    errors = [_fit_error(name, folder) for name in design.muscle]
+    fitted = all(error is not None for error in errors)
+    basis = "error of the fit" if fitted else Uncertainty().basis
+    usual = {field.name: getattr(USUAL_SCATTER, field.name) for field in fields(USUAL_SCATTER)}
+    if fitted:
+        usual["model_error"] = max(error or 0.0 for error in errors)
+    path, single = folder / design.muscle[0], len(design.muscle) == 1 and not design.catalog
+    with location.error_context():
+        scatter = DesignScatter(**usual | given)
+        calibrated = section.calibrated
+        if calibrated is None:
+            drawable = single and path.exists() and design.buckling is None
+            calibrated = drawable and "covariance" in provenance(path)
+        muscles = _calibrated_draws(path, design, single) if calibrated else None
+    basis = "given" if "model_error" in given else basis
+    return Uncertainty(scatter, section.draws or USUAL_DRAWS, muscles, share, basis)
+
+
+def _fit_error(name: str, folder: Path) -> float | None:
+    """Error of a fitted muscle over the largest force [-]; `None` if it is unknown."""
+    if entry := measured_muscles.get(name):
+        return entry.error.relative_rmse
+    if name in named_muscles() or not (folder / name).exists():
+        return None
+    error = provenance(folder / name).get("relative_rmse")
+    return error if isinstance(error, float) and 0 <= error < 1 else None
+
+
+def _calibrated_draws(path: Path, design: DesignSection, single: bool) -> Muscle:
+    """Draws of the constants of the calibrated muscle in the file `path`."""
+    from .calibration_files import sample_muscles
+
+    name = design.muscle[0]
+    if not single:
+        raise InvalidInputError("calibrated", "needs one muscle and no catalog", None)
+    if not path.exists():
+        raise InvalidInputError("calibrated", f"needs a muscle file, {name!r} is none", None)
+    if design.buckling is not None:
+        rule = "constants hold for the law they were fitted with"
+        raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
+    return sample_muscles(path)
 
 
 def _catalog(

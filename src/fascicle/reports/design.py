@@ -9,8 +9,7 @@ from markupsafe import Markup
 from ..bundle.recruitment import overlap, workspace
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
-from ..design.robust import Spread
-from ..design.summary import Summary
+from ..design.summary import Summary, summarize_result
 from ..files import dumps
 from ..plot.workspace import task as draw_task
 from ..units import pretty
@@ -19,7 +18,9 @@ from .design_summary import (
     MISSED,
     InfeasibleResult,
     case_rows,
+    composition_text,
     design_facts,
+    design_name,
     format_objective,
     headline,
     margin_warning,
@@ -27,6 +28,8 @@ from .design_summary import (
     objective_head,
     objective_label,
     summarize_search,
+    sure_margin,
+    sure_margin_heads,
     task_requirement,
 )
 from .interactive import parallel_coordinates, scaled, scatter
@@ -35,6 +38,7 @@ from .page import mark, picture, render
 
 _SHOWN = 30  # designs of the front in a table: a page's length
 _CASES = 60  # load cases in the table: as many as are read
+_CASES_OF_EACH = 10  # load cases of each design of the front
 _LINKS = 8  # files beside the page: a line of links
 _POINTS = 3000  # drawn behind the front: more make the page large
 _CURVES = 7  # pressures of the force-strain space, as of `fascicle space`
@@ -45,7 +49,6 @@ def report(
     date: str,
     files: list[str],
     seconds: float | None = None,
-    spread: Spread | None = None,
     notes: tuple[str, ...] = (),
     answer: Summary | InfeasibleResult | None = None,
 ) -> str:
@@ -57,7 +60,6 @@ def report(
     - `date`: of the day, such as "2026-05-04".
     - `files`: names of the files beside the page.
     - `seconds`: duration of the search [s], or `None`.
-    - `spread`: scatter of the front's designs, or `None`.
     - `notes`: on omitted products and fit errors.
     - `answer`: of `summarize_search`; default: it is computed.
     """
@@ -79,15 +81,14 @@ def report(
             "headline": headline(result, summary),
             "warning": margin_warning(result, summary),
             "facts": [f"{name}: {text}" for name, text in facts.items()],
-            "compromise": compromise(result),
-            **_pictures(result),
-            **_tables(result, spread),
         }
+    if result.reported.size:
+        values |= {"compromise": compromise(result), **_pictures(result), **_tables(result)}
     return render(
         "design.html", title=f"Which bundle: {objective_label(result.task.name)}", date=date,
         result=result, infeasible=infeasible, seconds=seconds, heads=HEADS, caption=caption,
-        counts=counts, notes=notes, scatter=spread,
-        rows=[[*row[:-1], mark(row[-1] != MISSED, row[-1], row[-1], "fails")] for row in rows],
+        counts=counts, notes=notes, safety=result.safety,
+        rows=[_marked(row) for row in rows],
         space=_plane(result, index, summary), files=files[:_LINKS], limit=_SHOWN,
         supply=pretty(result.task.supply_pressure, "pressure"),
         requirement=requirement, terms=_terms(result), **values,
@@ -109,7 +110,8 @@ def design_text(result: SearchResult, index: int) -> str:
     designs, row = result.designs, result.reported[index]
     number = int(result.index[row])
     return "\n".join([
-        designs.labels[index] + (f"  (design {number})" if number >= 0 else ""),
+        f"{design_name(index)}: {designs.labels[index]}"
+        + (f"  (number {number} of the space)" if number >= 0 else ""),
         muscle_sizes(result, designs, index),
         *["recommended"] * (index == result.recommended),
         *["best compromise"] * (index == result.compromise),
@@ -166,44 +168,77 @@ def _pictures(result: SearchResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _tables(result: SearchResult, spread: Spread | None) -> dict[str, Any]:
-    """Tables of the front, of its scatter, and the bundles' files."""
+def _tables(result: SearchResult) -> dict[str, Any]:
+    """Tables of the front and of its scatter, and a section for each design."""
     designs, names = result.designs, result.reported_objectives
     indices = sorted({*range(min(len(result.front), _SHOWN)), result.recommended or 0})
     bold = Markup("<strong>{}</strong>").format
-    files = sorted({*range(min(len(designs), _SHOWN)), result.recommended or 0})
     tables: dict[str, Any] = {
-        "front_heads": ["", "units", "muscles", *map(objective_head, names)],
+        "front_heads": [
+            "design", "units", "muscles", *map(objective_head, names), *sure_margin_heads(result),
+        ],
         "front_rows": [
             [
-                index + 1,
+                _link(index),
                 (bold if index == result.recommended else str)(designs.labels[index]),
                 muscle_sizes(result, designs, index),
                 *(format_objective(name, float(result.values[name][result.reported[index]]))
                   for name in names),
+                *sure_margin(result, index),
             ]
             for index in indices
         ],
-        "bundles": [
-            (index + 1, designs.labels[index], dumps(designs.bundle(index, result.task)),
-             index == result.recommended)
-            for index in files
-        ],
+        "sections": [_section(result, index) for index in indices],
     }  # fmt: skip
-    if spread is not None:
-        low, high, stays = spread.quantile(0.05), spread.quantile(0.95), spread.front(result.senses)
-        heads = map(objective_label, result.senses)
-        tables["scatter_heads"] = ["", "units", "meets the task", *heads, "robust"]
+    if result.safety is not None:
+        spread = result.safety.spread
+        drawn = [name for name in result.senses if name in spread.values]
+        low, high = spread.quantile(0.05), spread.quantile(0.95)
+        stays = spread.front({name: result.senses[name] for name in drawn}) if drawn else None
+        tables["scatter_heads"] = [
+            "design",
+            "units",
+            "meets the task",
+            *map(objective_label, drawn),
+            "robust",
+        ]
         tables["scatter_rows"] = [
             [
-                index + 1, designs.labels[index], f"{100 * spread.probability[index]:.0f} %",
+                _link(index), designs.labels[index], f"{100 * spread.probability[index]:.0f} %",
                 *(f"{format_objective(name, low[name][index])} to"
-                  f" {format_objective(name, high[name][index])}" for name in result.senses),
-                "yes" if stays[index] else "no",
+                  f" {format_objective(name, high[name][index])}" for name in drawn),
+                "yes" if stays is None or stays[index] else "no",
             ]
-            for index in range(min(len(spread.met), _SHOWN))
+            for index in indices
         ]  # fmt: skip
     return tables
+
+
+def _link(index: int) -> Markup:
+    """Number of a reported design, as a link to its section."""
+    return Markup('<a href="#design-{0}">{0}</a>').format(index + 1)
+
+
+def _section(result: SearchResult, index: int) -> dict[str, Any]:
+    """Section of a reported design: name, composition, facts, load cases, and the bundle's file."""
+    summary = summarize_result(result, int(result.reported[index]))
+    rows, caption = case_rows(summary, _CASES_OF_EACH)
+    facts = design_facts(result, summary)
+    return {
+        "anchor": f"design-{index + 1}",
+        "name": f"{design_name(index)}: {composition_text(summary)}",
+        "marks": design_text(result, index).splitlines()[1:],
+        "facts": [f"{name}: {text}" for name, text in facts.items()],
+        "rows": [_marked(row) for row in rows],
+        "caption": caption,
+        "toml": dumps(result.designs.bundle(index, result.task)),
+        "open": index == result.recommended,
+    }
+
+
+def _marked(row: list[str]) -> list[Any]:
+    """Row of a load case with a mark for reached or missed."""
+    return [*row[:-1], mark(row[-1] != MISSED, row[-1], row[-1], "fails")]
 
 
 def _terms(result: SearchResult) -> list[str]:

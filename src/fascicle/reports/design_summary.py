@@ -11,6 +11,7 @@ from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction, other_limits
 from ..design.remedies import Remedy, remedies
+from ..design.scatter import Safety
 from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
 from ..units import DIMENSIONS, figures, pretty
 
@@ -63,6 +64,11 @@ def task_requirement(result: SearchResult) -> str:
     return f"miss no more than {100 * miss:.4g} % of the load cases, by number and by weight"
 
 
+def design_name(index: int) -> str:
+    """Name of a reported design, by its `index` counted from 0: that of its row and its file."""
+    return f"design {index + 1}"
+
+
 def composition_text(summary: Summary) -> str:
     """Composition of a design in words."""
     muscles = "muscle" if summary.muscles == 1 else "muscles"
@@ -72,10 +78,10 @@ def composition_text(summary: Summary) -> str:
 
 
 def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
-    """Lines on the recommended design for the terminal: at most ten, if there is no warning."""
-    recommendation, margin, reason = headline(result, summary)
+    """Lines on the recommended design for the terminal: at most eleven without a warning."""
+    recommendation, margin, *reasons = headline(result, summary)
     facts, warning = design_facts(result, summary), margin_warning(result, summary)
-    lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), reason]
+    lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), *reasons]
     gaps = []
     for name, text in facts.items():
         if text.startswith(_UNKNOWN):
@@ -87,8 +93,8 @@ def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
     if (index := result.compromise) is not None and index != result.recommended:
         sizes = muscle_sizes(result, result.designs, index)
         lines.append(
-            f"alternative: {result.designs.labels[index]}, {sizes}: the best compromise of all"
-            " objectives"
+            f"alternative: {design_name(index)}: {result.designs.labels[index]}, {sizes}: the best"
+            " compromise of all objectives"
         )
     return lines
 
@@ -98,6 +104,7 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
     index = result.recommended
     assert index is not None
     allowed, complete = int(result.allowed.sum()), result.judged == len(result.index)
+    passed_over = 0 if result.safety is None else result.safety.judged - 1
     requirement, sizes = task_requirement(result), muscle_sizes(result, result.designs, index)
     if allowed == 1 and complete:
         reason = (
@@ -110,7 +117,40 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
             f"It is the cheapest of {designs} designs that {requirement} and keep all limits;"
             f" cheapest: {describe_cheapest(result.catalog, result.space.drawings)}."
         )
-    return [f"Take {composition_text(summary)}, {sizes}.", f"margin: {_margin(summary)}.", reason]
+        if passed_over:
+            verb = "doesn't" if passed_over == 1 else "don't"
+            reason = (
+                f"{reason.removesuffix('.')}; {passed_over} before it {verb} hold in enough draws."
+            )
+    take = f"Take {design_name(index)}: {composition_text(summary)}, {sizes}."
+    return [take, f"margin: {_margin(summary)}.", *safety_lines(result), reason]
+
+
+def sure_margin_heads(result: SearchResult) -> list[str]:
+    """Head of the column of `sure_margin`, if designs were judged in draws."""
+    return [] if result.safety is None else ["its 5th percentile [-]"]
+
+
+def sure_margin(result: SearchResult, index: int) -> list[str]:
+    """Margin that 95 % of the draws of a reported design with an `index` have, if there are any."""
+    if result.safety is None:
+        return []
+    low = result.safety.spread.quantile(0.05)["relative_margin"][index]
+    return [format_objective("relative_margin", float(low))]
+
+
+def safety_lines(result: SearchResult) -> list[str]:
+    """A line on the draws in which the recommended design holds, and what was assumed."""
+    safety, index = result.safety, result.recommended
+    if safety is None or index is None:
+        return []
+    low = float(safety.spread.quantile(0.05)["relative_margin"][index])
+    uncertainty = safety.uncertainty
+    return [
+        f"safety: holds in {_percent(safety.probability)} of {uncertainty.draws} draws"
+        f" ({_percent(uncertainty.share)} needed); margin {_percent(low)} at the 5th percentile;"
+        f" standard deviations: {uncertainty.assumptions}."
+    ]
 
 
 def _margin(summary: Summary) -> str:
@@ -288,13 +328,15 @@ class InfeasibleResult:
         """All sentences: verdict, limits, nearest design, remedies."""
         lines = [self.verdict(), *self.limit_counts(), self.nearest()]
         if self.changes:
-            lines += ["Changes that would reach it, each by itself:", *self.remedies()]
+            lines += ["Changes that would reach it as drawn, each by itself:", *self.remedies()]
         return lines
 
     def verdict(self) -> str:
         """Sentence that no design is recommended."""
         result, requirement = self.result, task_requirement(self.result)
         complete, reaching = result.judged == len(result.index), int(result.reaches_task.sum())
+        if result.safety is not None:
+            return self._unsafe_verdict(result.safety)
         if reaching and complete:
             return (
                 f"{reaching} of {result.judged} designs {requirement}, but none of them"
@@ -304,6 +346,18 @@ class InfeasibleResult:
         return (
             f"No design is recommended: none of the {result.judged} evaluated designs can"
             f" {requirement}{limits}."
+        )
+
+    def _unsafe_verdict(self, safety: Safety) -> str:
+        uncertainty, allowed = safety.uncertainty, int(self.result.allowed.sum())
+        judged = "" if safety.complete else f" of the {safety.judged} cheapest"
+        return (
+            f"No design is recommended: {allowed} of {self.result.judged} designs"
+            f" {task_requirement(self.result)} and keep all limits as drawn, but none{judged} holds"
+            f" in {_percent(uncertainty.share)} of {uncertainty.draws} draws: the surest in"
+            f" {_percent(safety.probability)}. Standard deviations: {uncertainty.assumptions}."
+            " Larger or more muscles and more pressure are surer; to accept less, write"
+            f' safety = "{np.floor(100 * safety.probability):.0f} %" in [limits].'
         )
 
     def limit_counts(self) -> list[str]:
@@ -326,6 +380,9 @@ class InfeasibleResult:
         cases, broken = self.summary.cases, self._broken_limits()
         text = f"{composition_text(self.summary)}, {muscle_sizes(self.result, self.design, 0)}"
         limits = f" It breaks other limits: {', '.join(broken)}." if broken else ""
+        if self.result.safety is not None:
+            percent = _percent(self.summary.relative_margin)
+            return f"The surest is {text}. Its margin as drawn is {percent}."
         if self.reaches:
             return f"The nearest reaches every load case: {text}.{limits}"
         i, missed = cases.worst, int(np.sum(~cases.reached))

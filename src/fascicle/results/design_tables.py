@@ -5,7 +5,6 @@ import numpy as np
 from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES
-from ..design.robust import Spread
 from ..design.summary import Summary
 from .labelled import Table, Variable, build_table
 
@@ -14,12 +13,12 @@ _INDEX = "index in the space of designs"
 _ON_FRONT = "true if no other design is better in all objectives"
 
 
-def front_variables(result: SearchResult, spread: Spread | None = None) -> dict[str, Variable]:
+def front_variables(result: SearchResult) -> dict[str, Variable]:
     """Table of the front, a design a row, and of the recommended design if it isn't on the front.
 
-    `spread`: the designs' scatter, or `None`. Objectives come first, then composition and sizes.
+    Objectives come first, then those under scatter if the `result` has any, composition and sizes.
     """
-    indices = result.reported
+    indices, spread = result.reported, None if result.safety is None else result.safety.spread
     recommended = np.zeros(len(indices), bool)
     if result.recommended is not None:
         recommended[result.recommended] = True

@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
-from fascicle.design.robust import sensitivities, spread
+from fascicle.design.robust import sensitivities
+from fascicle.design.safety import spread
 from fascicle.records.dynamometer import Scatter
 
 

@@ -123,7 +123,7 @@ def test_catalog_file_with_its_own_muscles(tmp_path):
         (THIN + '[prices]\nvalve = "90 USD"\n', "another price is in EUR: give all in one"),
         (THIN + THIN.replace("thin", "b").replace("12 EUR", "12 USD").replace("10 EUR", "1 USD"),
          "prices in EUR and USD"),
-        (THIN + '[scatter]\nlength = "1 %"\n', "needs a space of one muscle"),
+        (THIN + "[scatter]\ncalibrated = true\n", "needs one muscle and no catalog"),
     ],
 )  # fmt: skip
 def test_invalid_catalogs_are_one_line(more, message):

@@ -36,7 +36,12 @@ def test_units_and_lists():
     assert len(file.space) == 3 * (2 + 4)
     # what usually matters
     assert file.senses["mean_efficiency"] == "max" and file.senses["valves"] == "min"
-    assert file.block == 4096 and file.uncertainty is None
+    assert file.block == 4096
+    assumed = file.uncertainty
+    assert (assumed.share, assumed.draws, assumed.muscles) == (0.95, 2000, None)
+    assert (assumed.scatter.length, assumed.scatter.wall_thickness) == (0.01, 0.05)
+    assert_allclose(np.degrees(assumed.scatter.braid_angle), 1.5)
+    assert assumed.scatter.model_error == 0.15 and "isn't calibrated" in assumed.basis
 
 
 def test_limits_have_units_and_valves_bound_the_space():
@@ -109,6 +114,9 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     ("more", "message"),
     [
         ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must be"),
+        ("muscles = 2\n[limits]\nsafety = 95\n", "a share of the draws above 0 and below 1"),
+        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "a share of the draws above 0 and below 1"),
+        ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "`wall_thickness` must lie in"),
         ("muscles = 2\n[scatter]\ncalibrated = true\n", "needs a muscle file"),
         ('muscles = 2\n[scatter]\nlength = "30 %"\n', "`length` must lie in"),
         ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
@@ -211,3 +219,21 @@ def test_the_thin_bundle_from_the_field():
     if not path.is_file():
         pytest.skip(f"no {path.name} in FASCICLE_DATA or beside the checkout")
     assert len(load_task(path).space) == 489_406
+
+
+def test_safety_and_scatter_are_read_and_switched_off():
+    file = loads_task(
+        PLAIN + 'muscles = 2\n[limits]\nsafety = "80 %"\n[scatter]\nmodel_error = 0\n'
+    )
+    assert file.uncertainty.share == 0.8 and "safety" not in file.limits
+    # what isn't given keeps its default
+    assert file.uncertainty.scatter.model_error == 0 and file.uncertainty.scatter.length == 0.01
+    assert file.uncertainty.basis == "given"
+    assert loads_task(PLAIN + "muscles = 2\n[scatter]\nenabled = false\n").uncertainty is None
+
+
+def test_fitted_muscle_has_the_error_of_its_fit():
+    text = PLAIN.replace("kim2021_figure_6", "festo-dmsp-20-300")
+    uncertainty = loads_task(text + "muscles = 2\n").uncertainty
+    assert uncertainty.scatter.model_error == 0.005673  # relative_rmse of the file
+    assert uncertainty.basis == "error of the fit"

@@ -94,28 +94,21 @@ def run(
                 watch=lambda done: update(f"{done} of {generations} generations"),
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
-        update("evaluating the best of them")
-        scatter, uncertainty = None, file.uncertainty
-        if uncertainty is not None and result.reported.size:
-            from ...design.robust import spread
+        if file.uncertainty is not None:
+            from ...design.safety import secure
 
-            scatter = spread(
-                result.designs, result.task, tuple(result.values), result.limits,
-                uncertainty.scatter, uncertainty.muscles, uncertainty.draws,
-            )  # fmt: skip
+            update("judging designs from the cheapest on in draws of scatter")
+            result = secure(result, file.uncertainty)
         seconds = time.perf_counter() - begin
         answer = summarize_search(result)
     paths: list[str] = []
     if folder is not None:
         with status("drawing the report"):
-            paths = _write(result, answer, scatter, file.notes, seconds, folder, overwrite)
+            paths = _write(result, answer, file.notes, seconds, folder, overwrite)
     if as_json:
-        print(_json(result, answer, scatter, file.notes))
+        print(_json(result, answer, file.notes))
         return 0 if result.recommended is not None else INCOMPLETE
     code = print_answer(result, answer, file.notes)
-    if scatter is not None and result.recommended is not None:
-        probability = 100 * scatter.probability[result.recommended]
-        print(f"with fabrication scatter, {probability:.0f} % of such bundles meet the task")
     if paths:
         page, *data_files = paths
         print_line(f"wrote {page} with all details, and {len(data_files)} other files beside it")
@@ -143,10 +136,9 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
     rows, caption = design_summary.case_rows(summary, _CASES)
     title = f"Load cases, {design_summary.composition_text(summary)}"
     print_table(title, list(design_summary.HEADS), rows, caption)
-    if not is_feasible:
-        return INCOMPLETE
-    _print_front(result)
-    return 0
+    if result.reported.size:
+        _print_front(result)
+    return 0 if is_feasible else INCOMPLETE
 
 
 def _split(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
@@ -177,25 +169,28 @@ def _print_front(result: "SearchResult") -> None:
             result.designs.labels[index],
             *(design_summary.format_objective(name, float(values[name][reported[index]]))
               for name in result.reported_objectives),
+            *design_summary.sure_margin(result, index),
             design_summary.muscle_sizes(result, result.designs, index),
         ]
         for index in sorted(map(int, indices))
     ]  # fmt: skip
-    objectives = map(design_summary.objective_head, result.reported_objectives)
+    objectives = list(map(design_summary.objective_head, result.reported_objectives))
+    objectives += design_summary.sure_margin_heads(result)
     caption = f"{result.judged} designs,{counts} {len(result.front)} on the front"
-    caption += "; *: recommended, c: best compromise"
-    if result.cheapest not in result.front:
+    caption += "; *: recommended, c: best compromise" if result.cheapest is not None else ""
+    if result.safety is not None:
+        caption += f"; percentiles of {result.safety.spread.met.shape[1]} draws"
+    if result.cheapest is not None and result.cheapest not in result.front:
         caption += "; the recommended one isn't on the front"
     if omitted := len(result.reported) - len(rows):
         caption += f"; {omitted} more are in the files"
-    heads = ["", "units", *objectives, "muscles"]
+    heads = ["design", "units", *objectives, "muscles"]
     print_table("Front: no other design is better in all objectives", heads, rows, caption)
 
 
 def _write(
     result: "SearchResult",
     answer: Any,
-    scatter: Any,
     notes: tuple[str, ...],
     seconds: float,
     folder: Path,
@@ -216,12 +211,12 @@ def _write(
     if infeasible is None and result.recommended is not None:
         recommended = dumps(result.designs.bundle(result.recommended, result.task))
         bundles = {"recommended.toml": recommended, **bundles}
-        data["front.nc"] = design_tables.front_variables(
-            result, scatter
-        ) | design_tables.case_variables(summary)
+        data["front.nc"] = design_tables.front_variables(result) | design_tables.case_variables(
+            summary
+        )
     files = [*data, *bundles]
     today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-    page = report(result, today, files, seconds, scatter, notes, answer)
+    page = report(result, today, files, seconds, notes, answer)
     attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
     attributes |= {"notes": " ".join(notes)} if notes else {}
 
@@ -235,7 +230,7 @@ def _write(
     return [str(folder / name) for name in ("report.html", *files)]
 
 
-def _json(result: "SearchResult", answer: Any, scatter: Any, notes: tuple[str, ...]) -> str:
+def _json(result: "SearchResult", answer: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     from ...reports.design_summary import margin_warning
     from ...results.design_tables import case_variables, design_variables, front_variables
@@ -250,8 +245,14 @@ def _json(result: "SearchResult", answer: Any, scatter: Any, notes: tuple[str, .
         "least_margin": result.least_margin,
         "warnings": [warning] if warning else [],
     }
+    if (safety := result.safety) is not None:
+        data["safety"] = {
+            "holds": safety.holds, "probability": safety.probability,
+            "least_probability": safety.uncertainty.share, "draws": safety.uncertainty.draws,
+            "judged": safety.judged, "assumptions": safety.uncertainty.assumptions,
+        }  # fmt: skip
     if infeasible is None:
-        variables = front_variables(result, scatter) | case_variables(summary)
+        variables = front_variables(result) | case_variables(summary)
         return dump_json(data | json.loads(to_json(variables)))
     nearest = design_variables(infeasible.design) | case_variables(summary)
     data |= {"recommended": None, "nearest": json.loads(to_json(nearest))}

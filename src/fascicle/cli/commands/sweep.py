@@ -91,6 +91,7 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
     import numpy as np
 
     from ...design.exhaustive_search import conclude
+    from ...design.safety import secure
     from ...reports.design_summary import InfeasibleResult, summarize_search
     from ...results.design_tables import case_variables, front_variables
     from ...results.labelled import write
@@ -100,6 +101,8 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
             task.space, task.task, task.senses, task.limits, np.arange(len(task.space)),
             store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
+        if task.uncertainty is not None:
+            result = secure(result, task.uncertainty)
         answer = summarize_search(result)
         if not isinstance(answer, InfeasibleResult):
             variables = front_variables(result) | case_variables(answer)

@@ -1,0 +1,189 @@
+"""Recommendation of a design that holds its task in most draws, not only as it is drawn.
+
+Designs are judged from the cheapest on: first in a few draws, in which those that fail too often
+are dropped, then in all of them. The first that meets the task and all limits in the demanded share
+is recommended. If none does, none is: the surest of those that were judged is the nearest.
+
+Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
+"""
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+
+from ..core.types import Float, Int
+from ..muscle import Muscle
+from ..records.dynamometer import Scatter
+from .catalog import cheapest_first
+from .designs import Designs
+from .exhaustive_search import SearchResult
+from .objectives import (
+    OBJECTIVES,
+    Limits,
+    check_objectives,
+    needs,
+    with_reach_limits,
+    within_limits,
+)
+from .outcome import states_for
+from .scatter import Safety, Spread, Uncertainty, batch_objectives, sample_draws
+from .task import Task
+
+
+_FEWER_DRAWS = (64, 512)  # drop designs that fail in a third, and in a tenth of the draws
+_DEVIATIONS = 4.0  # of the share in few draws, by which it may be too low: 3 of 100 000 more
+_TOGETHER = 64  # designs judged in a few draws at once: some 0.1 s
+_MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
+_MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
+_SLOWER = 8  # how many times as long a draw takes that JAX evaluates by itself
+
+
+def spread(
+    designs: Designs,
+    task: Task,
+    objectives: tuple[str, ...],
+    limits: Limits | None = None,
+    scatter: Scatter | None = None,
+    muscles: Muscle | None = None,
+    draws: int = 200,
+    seed: int = 0,
+) -> Spread:
+    """Objectives of designs under fabrication scatter, model error and uncertain constants.
+
+    **Arguments:**
+
+    - `designs`: any; of one drawing, if `muscles` are given.
+    - `task`: what is demanded.
+    - `objectives`: by name.
+    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
+    - `scatter`: of length and braid angle, with a `DesignScatter` also of the wall and of all
+      forces; default: none.
+    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; default:
+      the drawing itself.
+    - `draws`: their number [-], the same for every design.
+    - `seed`: random seed.
+
+    **Returns:** values over the draws [SI].
+
+    **Raises:** `ValueError` for `muscles` and designs of several drawings, and unknown objectives.
+    """
+    limits, scatter = with_reach_limits(limits), Scatter() if scatter is None else scatter
+    names = check_objectives([*objectives, *limits], task.scheme)
+    sample = sample_draws(scatter, designs.counts.shape[1], draws, seed)
+    if muscles is None and _batches_apply(designs, task, names):
+        values = batch_objectives(designs, task, names, sample)
+    else:
+        from .robust import compiled_objectives  # loads JAX
+
+        values = compiled_objectives(designs, task, names, sample, muscles, seed)
+    by_name = dict(zip(names, values, strict=True))
+    met = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
+    return Spread(by_name, met.reshape(len(designs), draws))
+
+
+def secure(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
+    """Recommend the cheapest design that holds the task in most draws.
+
+    **Arguments:**
+
+    - `result`: of a search; one without a recommended design is returned as it is.
+    - `uncertainty`: what is drawn, and the share of draws in which a design must hold.
+
+    **Returns:** the result with `safety`; without a recommended design if none holds, the surest
+    one is the `nearest` then.
+
+    **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
+    """
+    if result.cheapest is None:
+        return result
+    row, probability, judged, complete = _first_that_holds(result, uncertainty)
+    if probability >= uncertainty.share:
+        result = replace(result, cheapest=row)
+    else:
+        result = replace(result, cheapest=None, nearest=row)
+    number = len(result.reported)
+    draws = _budget(uncertainty, _MOST_REPORTED) // number
+    draws = max(_FEWER_DRAWS[0], min(uncertainty.draws, draws))
+    reported = _spread(result, result.reported, uncertainty, draws)
+    return replace(result, safety=Safety(uncertainty, probability, judged, complete, reported))
+
+
+def _first_that_holds(
+    result: SearchResult, uncertainty: Uncertainty
+) -> tuple[int, float, int, bool]:
+    """Index of the cheapest design that holds, or of the surest; the share of draws in which it
+    does [-], the number of judged designs, and whether these were enough.
+    """
+    share, budget = uncertainty.share, _budget(uncertainty, _MOST_DRAWN)
+    judged, surest = 0, (0, 0.0, -1)  # draws, share of them that are met, index
+    groups = cheapest_first(
+        np.flatnonzero(result.allowed), result.values, result.all_designs, result.catalog,
+        result.space.drawings,
+    )  # fmt: skip
+    for group in groups:
+        start = 0
+        while start < len(group) and budget > 0:
+            # one at first: the cheapest often holds
+            rows = group[start : start + min(_TOGETHER, judged + 1)]
+            start, positions = start + len(rows), judged + 1 + np.arange(len(rows))
+            judged += len(rows)
+            for draws in (n for n in _FEWER_DRAWS if n < uncertainty.draws):
+                shares = _probability(result, rows, uncertainty, draws)
+                budget -= draws * len(rows)
+                best = int(np.argmax(shares))
+                surest = max(surest, (draws, float(shares[best]), int(rows[best])))
+                keep = shares >= share - _DEVIATIONS * sqrt(share * (1 - share) / draws)
+                rows, positions = rows[keep], positions[keep]
+                if not rows.size:
+                    break
+            for row, position in zip(rows, positions, strict=True):
+                probability = float(_probability(result, row[None], uncertainty, None)[0])
+                budget -= uncertainty.draws
+                surest = max(surest, (uncertainty.draws, probability, int(row)))
+                if probability >= share:
+                    return int(row), probability, int(position), True
+    row = surest[2]
+    probability = float(_probability(result, np.array([row]), uncertainty, None)[0])
+    return row, probability, judged, judged == int(result.allowed.sum())
+
+
+def _budget(uncertainty: Uncertainty, most: int) -> int:
+    """Number of designs in a draw that are evaluated, at `most` by NumPy."""
+    return most // (1 if uncertainty.muscles is None else _SLOWER)
+
+
+def _probability(
+    result: SearchResult,
+    rows: Int[np.ndarray, " design"],
+    uncertainty: Uncertainty,
+    draws: int | None,
+) -> Float[np.ndarray, " design"]:
+    """Share of draws in which designs with these `rows` meet the task and limits [-]; `draws`:
+    their number, or `None` for all.
+    """
+    return _spread(result, rows, uncertainty, draws or uncertainty.draws, ()).probability
+
+
+def _spread(
+    result: SearchResult,
+    rows: Int[np.ndarray, " design"],
+    uncertainty: Uncertainty,
+    draws: int,
+    names: tuple[str, ...] | None = None,
+) -> Spread:
+    """Spread of the designs with these `rows`; `names` of objectives: default, the recorded."""
+    names = tuple(result.values) if names is None else names
+    drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
+    limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
+    # the same random numbers for all, so that designs are compared in the same draws
+    return spread(
+        result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
+        uncertainty.muscles, draws,
+    )  # fmt: skip
+
+
+def _batches_apply(designs: Designs, task: Task, names: tuple[str, ...]) -> bool:
+    """True if draws can be evaluated together, by the largest force of each unit alone."""
+    states = states_for(task.scheme, designs.counts.shape[1])
+    return states.gapless and states.separable and "curves" not in needs(names)

@@ -1,0 +1,243 @@
+r"""Spread of a design's objectives over bundles as they are made, and over the model's error.
+
+A draw changes what no two muscles have alike, from fabrication, (D2); the material and the laws'
+numbers, from a calibrated muscle's covariance; and all forces by one factor,
+$\exp(\sigma z)$ with a standard normal $z$, the model's error $\sigma$. Calibrated sizes change in
+proportion. **Assumes** that the muscles of a unit come out alike, so that their scatter doesn't
+average out, that a bundle's are cut to one length, and that the model is wrong by the same share
+everywhere.
+
+A bundle whose forces are $f$ times as large meets the demand $F$ in the state in which the
+drawn one meets $F/f$: draws are evaluated together as designs are, with demands of their own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.module import with_fields
+from ..core.types import Bool, Float
+from ..core.validation import check_interval
+from ..muscle import Muscle
+from ..records.dynamometer import Scatter
+from .designs import Designs, Sizes
+from .evaluation import evaluated_units
+from .objectives import (
+    as_minimization,
+    needs,
+    non_dominated,
+    objective_values,
+)
+from .outcome import Demand, Outcome, outcome, with_axes
+from .tables import MIXED, largest_force_table
+from .task import Task
+
+
+SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
+LARGEST_ANGLE = 0.95  # rad, just below the neutral angle, at which a muscle doesn't contract
+USUAL_SHARE = 0.95  # of the draws that must meet the task
+USUAL_DRAWS = 2000  # a share of 95 % is then known within 0.5 %, a standard error
+_THINNEST, _THICKEST = 0.05, 0.95  # of a drawn wall, over drawing and radius: stays a tube
+_LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
+_BATCH = 2**20  # numbers computed together, some ten megabytes
+
+
+@dataclass(frozen=True)
+class DesignScatter(Scatter):
+    """Standard deviations of `length` [-] and `wall_thickness` [-], over their values, of
+    `braid_angle` [rad], and of the logarithm of all forces, `model_error` [-].
+    """
+
+    wall_thickness: float = 0.0
+    model_error: float = 0.0
+
+    def __post_init__(self):
+        """**Raises:** `InvalidInputError` for a scatter that is negative or huge."""
+        super().__post_init__()
+        for name in ("wall_thickness", "model_error"):
+            check_interval(getattr(self, name), 0.0, _LARGEST_SCATTER, name, "-",
+                           closed=(True, True))  # fmt: skip
+
+
+# of a task file without [scatter]; the docs (design, Uncertainty) say why
+USUAL_SCATTER = DesignScatter(0.01, float(np.radians(1.5)), 0.05, 0.15)
+
+
+class Draws(NamedTuple):
+    """Factors on `length`, `wall` and `force` [-], and what is added to the braid `angle` [rad]."""
+
+    length: Float[np.ndarray, " draw"]
+    wall: Float[np.ndarray, "draw unit"]
+    angle: Float[np.ndarray, "draw unit"]
+    force: Float[np.ndarray, " draw"]
+
+    def take(self, index: slice) -> "Draws":
+        """The draws with an `index`."""
+        return Draws(*(x[index] for x in self))
+
+
+def sample_draws(scatter: Scatter, units: int, draws: int, seed: int = 0) -> Draws:
+    """Draw the fabrication of bundles with so many motor `units`, and the model's error.
+
+    **Arguments:**
+
+    - `scatter`: standard deviations; `Scatter` has no wall and no model error.
+    - `units`: number of motor units [-].
+    - `draws`: number of draws [-].
+    - `seed`: random seed.
+
+    **Returns:** the draws.
+    """
+    wall = getattr(scatter, "wall_thickness", 0.0)
+    error = getattr(scatter, "model_error", 0.0)
+    z = np.random.default_rng(seed).standard_normal((draws, 2 + 2 * units))
+    return Draws(
+        1 + scatter.length * z[:, 0],
+        np.maximum(1 + wall * z[:, 2 : 2 + units], _THINNEST),
+        np.asarray(scatter.braid_angle) * z[:, 2 + units :],
+        np.exp(error * z[:, 1]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Objectives of designs over draws: `values` [SI] by name, draws last; `met`: mask of the draws
+    that reach the task and keep all limits.
+    """
+
+    values: dict[str, Float[np.ndarray, "design draw"]]
+    met: Bool[np.ndarray, "design draw"]
+
+    @property
+    def probability(self) -> Float[np.ndarray, " design"]:
+        """Share of the draws that meet the task and the limits [-]."""
+        return self.met.mean(axis=1)
+
+    def quantile(self, fraction: float) -> dict[str, Float[np.ndarray, " design"]]:
+        """A quantile of every objective [SI]; `fraction`: of the draws below it [-]."""
+        return {name: np.quantile(draws, fraction, axis=1) for name, draws in self.values.items()}
+
+    def front(
+        self, senses: Mapping[str, str], confidence: float = 0.9
+    ) -> Bool[np.ndarray, " design"]:
+        """Mask of the designs that no other dominates in sure values, those that most draws attain.
+
+        **Arguments:**
+
+        - `senses`: "min" or "max" by objective.
+        - `confidence`: share of the draws that do at least as well as a sure value [-].
+
+        **Returns:** the mask.
+        """
+        low, high = self.quantile(1 - confidence), self.quantile(confidence)
+        sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
+        return non_dominated(as_minimization(sure, senses))
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """What is uncertain of a design, and how sure it must be.
+
+    - `scatter`: of fabrication, and the model's error.
+    - `draws`: number of random draws.
+    - `muscles`: draws of a calibrated muscle, on the first axis of its numbers, or `None`.
+    - `share`: of the draws that must meet the task and all limits [-].
+    - `basis`: of the model's error, in words.
+    """
+
+    scatter: DesignScatter = USUAL_SCATTER
+    draws: int = USUAL_DRAWS
+    muscles: Muscle | None = None
+    share: float = USUAL_SHARE
+    basis: str = "assumed of a muscle that isn't calibrated"
+
+    @property
+    def assumptions(self) -> str:
+        """Standard deviations in a line."""
+        scatter = self.scatter
+        texts = [
+            f"{name} {100 * value:.3g} %"
+            for name, value in (("length", scatter.length), ("wall", scatter.wall_thickness))
+        ]
+        texts.append(f"braid angle {np.degrees(scatter.braid_angle):.3g}°")
+        texts.append(f"all forces {100 * scatter.model_error:.3g} % ({self.basis})")
+        if self.muscles is not None:
+            texts.append("constants by the calibration's covariance")
+        return ", ".join(texts)
+
+
+@dataclass(frozen=True, eq=False)
+class Safety:
+    """Judgement of designs in draws.
+
+    - `uncertainty`: what was drawn.
+    - `probability`: share of the draws in which the recommended design, or the surest one, meets
+      the task and all limits [-].
+    - `judged`: number of designs that were judged; `complete`: true if these are all that do the
+      task, or the recommended design was among them.
+    - `spread`: of the reported designs.
+    """
+
+    uncertainty: Uncertainty
+    probability: float
+    judged: int
+    complete: bool
+    spread: Spread
+
+    @property
+    def holds(self) -> bool:
+        """True if a design meets the task in the demanded share of the draws."""
+        return self.probability >= self.uncertainty.share
+
+
+def rescale_forces(outcome: Outcome, demand: Demand, length: np.ndarray, factor: Any) -> Outcome:
+    """Outcome of forces that are `factor` times as large [-] for a `demand`, from that of the
+    unscaled forces for the demand divided by the factor; `length`: of the bundles at rest [m].
+    """
+    axes = np.ndim(length)
+    return outcome._replace(
+        force=with_axes(demand.force, axes), work=with_axes(demand.work(length), axes),
+        shortfall=factor * outcome.shortfall, spare=factor * outcome.spare,
+        blocked=factor * outcome.blocked,
+    )  # fmt: skip
+
+
+def batch_objectives(
+    designs: Designs, task: Task, names: tuple[str, ...], draws: Draws
+) -> Float[np.ndarray, "objective design draw"]:
+    """Objectives of designs in every draw [SI], many draws in one evaluation."""
+    number, demand = len(draws.length), Demand.from_task(task)
+    values = np.empty((len(names), len(designs), number))
+    keys = np.stack([designs.kind, evaluated_units(designs, task.scheme)], axis=1)
+    for key in np.unique(keys, axis=0):
+        index, units = np.flatnonzero(np.all(keys == key, axis=1)), int(key[1])
+        step = max(1, _BATCH // (number * len(task) * units))
+        for start in range(0, len(index), step):
+            rows = index[start : start + step]
+            drawn = _drawn_outcome(designs.take(rows, units), demand, names, draws)
+            values[:, rows] = objective_values(drawn, names).reshape(-1, len(rows), number)
+    return values
+
+
+def _drawn_outcome(
+    designs: Designs, demand: Demand, names: tuple[str, ...], draws: Draws
+) -> Outcome:
+    """Outcome of designs of one drawing in every draw, draws fastest on the last axis."""
+    (D, U), N = designs.counts.shape, len(draws.length)
+    zero = np.zeros((U, D, N))
+    radius = designs.radius.T[..., None] + zero
+    wall = designs.wall.T[..., None] * draws.wall.T[:U, None]
+    angle = designs.angle.T[..., None] + draws.angle.T[:U, None]
+    length = designs.length[:, None] * draws.length
+    sizes = Sizes(
+        (length + zero).ravel(), radius.ravel(), np.minimum(wall, _THICKEST * radius).ravel(),
+        np.clip(angle, SMALLEST_ANGLE, LARGEST_ANGLE).ravel(),
+    )  # fmt: skip
+    counts = np.repeat(designs.counts.T, N, axis=1)
+    table = largest_force_table(designs.drawing(0), sizes, demand, needs(names), MIXED)
+    table = table.take(np.arange(U * D * N).reshape(U, D * N))
+    factor, length = np.tile(draws.force, D), length.ravel()
+    demanded = with_fields(demand, force=demand.force[:, None] / factor)
+    return rescale_forces(outcome(counts, table, length, demanded), demand, length, factor)
