@@ -64,6 +64,8 @@ _TIME = {"s": Fraction(1), "ms": Fraction("1e-3"), "min": Fraction(60)}
 _AREA = {f"{d}^2": factor**2 for d, factor in _LENGTH.items()}
 _LITERS = {"m^3": 1, "dm^3": Fraction("1e-3"), "L": Fraction("1e-3"), "mL": Fraction("1e-6"),
            "cm^3": Fraction("1e-6"), "mm^3": Fraction("1e-9")}  # fmt: skip
+_VOLUME_FLOW = {f"{v}/{t}": factor / seconds for v, factor in _LITERS.items()
+                for t, seconds in {**_TIME, "h": Fraction(3600)}.items()}  # fmt: skip
 _COMPLIANCE = {
     f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE
 }
@@ -126,6 +128,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
                                   _table(**{"W/K": 1, "mW/K": "1e-3"}), ("mW/K",)),
     "sonic_conductance": Dimension("a sonic conductance", "m^3/(s*Pa)", "L/(s*bar)",
                                    ("L/(s*bar)", "m^3/(s*Pa)"), _table(**_SONIC)),
+    "volume_flow": Dimension("a flow", "m^3/s", "L/min", ("L/min", "m^3/s"),
+                             _table(**_VOLUME_FLOW), ("mL/min", "m^3/s")),
     "relief_slope": Dimension("a mass flow per pressure", "kg/(s*Pa)", "g/(s*bar)",
                               ("g/(s*bar)", "kg/(s*Pa)"), _table(**_RELIEF_SLOPE)),
     "compliance": Dimension("a volume per pressure", "m^3/Pa", "mm^3/kPa",
@@ -148,9 +152,15 @@ _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure":
              "angular_stiffness": "20 N*m/rad", "inertia_moment": "0.01 kg*m^2",
              "slip": "0.02 N/kPa", "force_rate": "0.01 N/s", "wall_conductance": "0.2 W/K",
              "sonic_conductance": "0.1 L/(s*bar)", "compliance": "1e-12 m^3/Pa",
-             "relief_slope": "100 g/(s*bar)",
+             "relief_slope": "100 g/(s*bar)", "volume_flow": "100 L/min",
              "axial_compliance": "20 mm/kN",
              "viscosity": "39 mPa*s", "strain": "0.12", "number": "1.25"}  # fmt: skip
+
+_MIX_UPS = {  # by dimension and that of the unit which was written: what to do
+    ("force", "mass"): 'it is a mass: write "kgf" for its weight (1 kgf = 9.80665 N), or newtons',
+    ("sonic_conductance", "volume_flow"): "it is a flow: in a scenario write nominal_flow, Kv or Cv"
+    " instead; in Python convert it by fluid.conductance_from_nominal_flow or …_from_kv",
+}
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)(?![a-z]))\s*(.*?)\s*",
@@ -262,7 +272,7 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
         raise invalid(f"the bare number {number}", "write it with its unit")
     factor = _factor(unit, dimension)
     if isinstance(factor, str):
-        raise invalid(_quote(text), factor.removesuffix("."))
+        raise invalid(_quote(text), _mix_up(unit, dimension) or factor.removesuffix("."))
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
     if dimension == "temperature" and unit.strip("° ") in ("C", "degC"):
@@ -274,6 +284,16 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     except OverflowError:
         raise invalid(_quote(text), "it must be finite") from None
     return value
+
+
+def _mix_up(unit: str, dimension: str) -> str:
+    """Remedy for a unit of another dimension that is often meant for this one, or nothing."""
+    remedies = (
+        remedy
+        for (wanted, other), remedy in _MIX_UPS.items()
+        if dimension == wanted and unit in DIMENSIONS[other].factors
+    )
+    return next(remedies, "")
 
 
 @functools.lru_cache(maxsize=256)

@@ -243,3 +243,11 @@ def test_never_fails_in_another_way(unit):
 def test_refuses_what_trips_pint(unit):
     with pytest.raises(ValueError, match="`pressure` must be a pressure"):
         parse(f"1 {unit}", "pressure")
+
+
+def test_mass_where_a_force_is_due_asks_for_its_weight():
+    with pytest.raises(ValueError, match='write "kgf" for its weight'):
+        parse("30 kg", "force", "force")
+    assert parse("30 kgf", "force", "force") == pytest.approx(294.1995, rel=1e-12)
+    with pytest.raises(ValueError, match="nominal_flow, Kv or Cv"):
+        parse("100 L/min", "sonic_conductance", "C")

@@ -38,12 +38,15 @@ from ..fluid import (
     PumpedAccumulator,
     SonicValve,
     Tank,
+    conductance_from_cv,
+    conductance_from_kv,
+    conductance_from_nominal_flow,
     validate_commands,
 )
 from ..muscle import Muscle
 from ..table_model import did_you_mean
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
-from .scenario_schema import INNER, PARTS, PUMPED, choose_schema, pump_class
+from .scenario_schema import DATA_SHEET, INNER, PARTS, PUMPED, choose_schema, pump_class
 from .schema import FileLocation, check_kind, validate
 from .shipped_files import example_text, named_muscles
 
@@ -345,6 +348,8 @@ def _parts(
             table["units"] = units
         if kind is Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
+        if kind is SonicValve:
+            _convert_data_sheet(table, location)
         if kind is SonicValve and gas and medium is not AIR:
             # the same hole, for another gas
             ratio = AIR.specific_gas_constant / medium.specific_gas_constant
@@ -356,6 +361,23 @@ def _parts(
         with location.error_context():
             parts["chamber" if key == "fluid" else key] = kind(**table)
     return parts
+
+
+def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
+    """Replace a data sheet's figure by the conductance C, in the values of a valve's table."""
+    given = [key for key in ("C", *DATA_SHEET) if key in table]
+    if len(given) != 1:
+        rule = "give the valve's C, or one of nominal_flow (6 to 5 bar gauge), Kv and Cv"
+        raise location.error((given[-1] if given else "C",), f"{rule}, one of them.")
+    if given == ["C"]:
+        return
+    convert = {
+        "nominal_flow": conductance_from_nominal_flow,
+        "Kv": conductance_from_kv,
+        "Cv": conductance_from_cv,
+    }[given[0]]
+    with location.error_context():
+        table["C"] = convert(table.pop(given[0]), table["b"])
 
 
 def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:

@@ -82,6 +82,8 @@ _CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
     VariablePump: {"band": "pressure"},
 }
 _NAME: tuple[Any, Any] = (str | None, None)
+# keys of a valve's data sheet that stand for C; nominal flow: 6 to 5 bar gauge, normal liters
+DATA_SHEET = {"nominal_flow": "volume_flow", "Kv": "volume_flow", "Cv": "number"}
 INNER = {"stop": Stop, "line": Line}  # tables in a part's table
 PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
 
@@ -221,6 +223,9 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
             continue
         dimension = dimensions.get(name) or _DIMENSIONS[name]
         keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
+    if kind is SonicValve:
+        dimensions = DATA_SHEET | {"C": "sonic_conductance"}
+        keys |= {name: _key(kind_, part.many, False) for name, kind_ in dimensions.items()}
     if kind is Tank:  # the tank's wall, apart from that of the chambers
         keys["conductance"] = _key("wall_conductance", required=False)
     return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)

@@ -9,6 +9,9 @@ from .accumulator import Accumulator as Accumulator
 from .accumulator import PumpedAccumulator as PumpedAccumulator
 from .chamber import AbstractChamber as AbstractChamber
 from .chamber import Balance as Balance
+from .data_sheets import conductance_from_cv as conductance_from_cv
+from .data_sheets import conductance_from_kv as conductance_from_kv
+from .data_sheets import conductance_from_nominal_flow as conductance_from_nominal_flow
 from .flow_elements import Line as Line
 from .flow_elements import Orifice as Orifice
 from .flow_elements import SonicValve as SonicValve

@@ -165,7 +165,7 @@ class Orifice(Module):
 
 REFERENCE_DENSITY = 1.185  # kg/m³, as printed
 LAMINAR_FROM = 0.999  # β
-_DATA_SHEET = "take it from the valve's data sheet"
+_DATA_SHEET = "take it from the valve's data sheet; `fluid.conductance_from_kv` and others convert"
 
 
 class SonicValve(Module):
@@ -216,7 +216,7 @@ class SonicValve(Module):
         C, b = self._passage(onward, opening)
         ratio = low / guarded(high > 0, high)
         turbulent = ratio < LAMINAR_FROM
-        psi = _choking(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
+        psi = critical_flow_share(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
         driving = where(turbulent, high, (high - low) / (1 - LAMINAR_FROM))
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * psi * driving
         return where(onward, size, -size)
@@ -251,7 +251,7 @@ def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Ba
     return C, 1 - of_first**2 * (1 - b_1) - of_second**2 * (1 - b_2)
 
 
-def _choking(ratio: BatchLike, b: Batch, m: Batch) -> Batch:
-    """$\\psi$ [-] at a pressure `ratio` [-] up to $\\beta$."""
+def critical_flow_share(ratio: BatchLike, b: Batch, m: BatchLike = 0.5) -> Batch:
+    """Flow over that of a choked valve, $\\psi$ [-], at a pressure `ratio` [-] up to $\\beta$."""
     y = where(ratio > b, (ratio - b) / (1 - b), 0.0)
     return (1 - y**2) ** m

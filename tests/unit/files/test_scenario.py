@@ -63,6 +63,24 @@ def test_water_and_nitrogen_flow_as_such():
     assert nitrogen.chamber.gas == fluid.NITROGEN
 
 
+@pytest.mark.parametrize(
+    ("figure", "conductance"),
+    [
+        ('nominal_flow = "100 L/min"', fluid.conductance_from_nominal_flow("100 L/min", 0.3)),
+        ('Kv = "0.07 m^3/h"', fluid.conductance_from_kv("0.07 m^3/h", 0.3)),
+        ("Cv = 0.1", fluid.conductance_from_cv(0.1, 0.3)),
+    ],
+)
+def test_valve_takes_other_figures_of_its_data_sheet(figure, conductance):
+    assert 'C = "0.1 L/(s*bar)"' in GAS
+    plant = loads_scenario(GAS.replace('C = "0.1 L/(s*bar)"', figure, 1)).plant
+    assert_allclose(plant.valve.C, conductance)
+    both = GAS.replace('C = "0.1 L/(s*bar)"', f'C = "0.1 L/(s*bar)"\n{figure}', 1)
+    for text in (both, GAS.replace('C = "0.1 L/(s*bar)"', "", 1)):
+        with pytest.raises(ValueError, match="one of nominal_flow"):
+            loads_scenario(text)
+
+
 def test_room_reaches_every_part():
     warm = ("conductance =", 'room_temperature = "30 °C"\nroom_pressure = "90 kPa"\nconductance =')
     tank = ('kind = "constant"', 'kind = "tank"\nvolume = "5 L"')

@@ -1,0 +1,107 @@
+r"""Sonic conductance from the other figures of a valve's data sheet.
+
+**Nominal flow** $Q_n$ is measured, mostly from 6 to 5 bar gauge. By (F4), for a volume at the
+reference of ISO 8778 (20 °C, 100 kPa: ANR),
+
+$$C = \frac{Q_n}{p_1\, \psi(p_2/p_1)}, \tag{F9}$$
+
+with absolute pressures. A volume at 0 °C and 101 325 Pa (DIN 1343) holds more air, by the ratio
+of densities, 1.292/1.185 = 1.09.
+
+**Flow coefficients**: $K_v$ is the flow of water in m³/h at 1 bar, $C_v$ that in US gallons a
+minute at 1 psi. A valve that resists by its shape alone passes
+$\dot m = K_v \sqrt{\rho\, \rho_w\, \Delta p / \Delta p_w}$ of any fluid of density $\rho$ at a
+small difference of pressure $\Delta p$, with $\rho_w$ of water and $\Delta p_w$ = 1 bar. There (F4)
+is $\dot m = C \rho_0 \sqrt{2 p_1 \Delta p / (1 - b)}$, and $\rho = \rho_0\, p_1 / p_0$ at $T_0$, so
+that
+
+$$C = K_v \sqrt{\frac{1 - b}{2}\, \frac{\rho_w}{\rho_0\, p_0\, \Delta p_w}}, \tag{F10}$$
+
+$p_0$ = 100 kPa. In units: $K_v$ is a volume per time, the root's argument a density over a density
+and two pressures, so that $C$ is a volume per time and pressure. With $b$ = 0.3 a valve of $K_v$ =
+1 m³/h has $C$ = 4.77 L/(s·bar), one of $C_v$ = 1 has 4.13. **Assumes** what water and gas have in
+common at small differences, and that $b$ holds up to there: valves with soft seats or long ducts
+differ by tens of percent, so that a $C$ of the data sheet is better.
+
+**Source:** ISO 6358 (2013) for (F4); VDI/VDE 2173 and IEC 60534 define $K_v$; (F9) and (F10)
+derived here. A test holds (F9) to an example of SMC's data sheets, and (F10) to IEC 60534's choked
+flow.
+"""
+
+from ..core.array_namespace import sqrt
+from ..core.types import Batch, BatchLike
+from ..core.validation import check_choice, check_interval, check_positive
+from .fields import ROOM_PRESSURE
+from .flow_elements import REFERENCE_DENSITY, critical_flow_share
+
+
+_REFERENCE_PRESSURE = 1e5  # Pa, of ISO 8778
+_WATER_DENSITY = 998.2  # kg/m³, at 20 °C
+_BAR, _PSI = 1e5, 6894.757293168  # Pa; the latter from the exact pound and inch
+_GALLON = 3.785411784e-3  # m³, exact
+DENSITIES = {"anr": REFERENCE_DENSITY, "din1343": 1.292}  # kg/m³, of air at these references
+
+
+def conductance_from_nominal_flow(
+    flow: BatchLike,
+    b: BatchLike,
+    inlet: BatchLike = 6e5,
+    outlet: BatchLike = 5e5,
+    reference: str = "anr",
+    room_pressure: BatchLike = ROOM_PRESSURE,
+) -> Batch:
+    """Sonic conductance of a valve from its nominal flow of air, equation (F9).
+
+    **Arguments:**
+
+    - `flow`: $Q_n$, as a volume at the reference [m³/s]; 100 L/min are 1.667e-3.
+    - `b`: critical pressure ratio [-].
+    - `inlet`, `outlet`: gauge pressures at which it was measured [Pa].
+    - `reference`: state of the volume: "anr" (20 °C, 100 kPa) or "din1343" (0 °C, 101 325 Pa).
+    - `room_pressure`: absolute [Pa].
+
+    **Returns:** $C$ [m³/(s·Pa)].
+
+    **Raises:** `InvalidInputError` for values off their domains, and an outlet above the inlet.
+    """
+    flow, inlet = check_positive(flow, "flow", "m³/s"), check_positive(inlet, "inlet", "Pa")
+    b = check_interval(b, 0.0, 1.0, "b", "-")
+    density = DENSITIES[check_choice(reference, DENSITIES, "reference")]
+    room = check_positive(room_pressure, "room_pressure", "Pa")
+    outlet = check_interval(outlet, 0.0, float(inlet), "outlet", "Pa", closed=(True, False))
+    high = inlet + room
+    share = critical_flow_share((outlet + room) / high, b)
+    return flow * density / REFERENCE_DENSITY / (high * share)
+
+
+def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
+    """Sonic conductance of a valve for air from its flow coefficient, equation (F10).
+
+    **Arguments:**
+
+    - `Kv`: flow of water at 1 bar [m³/s]; 1 m³/h is 2.778e-4.
+    - `b`: critical pressure ratio [-].
+
+    **Returns:** $C$ [m³/(s·Pa)].
+
+    **Raises:** `InvalidInputError` for values off their domains.
+    """
+    Kv, b = check_positive(Kv, "Kv", "m³/s"), check_interval(b, 0.0, 1.0, "b", "-")
+    air = REFERENCE_DENSITY * _REFERENCE_PRESSURE * _BAR
+    return Kv * sqrt((1 - b) / 2 * _WATER_DENSITY / air)
+
+
+def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
+    """Sonic conductance of a valve for air from its flow coefficient in US units, equation (F10).
+
+    **Arguments:**
+
+    - `Cv`: flow of water at 1 psi [US gallons a minute], as data sheets print it.
+    - `b`: critical pressure ratio [-].
+
+    **Returns:** $C$ [m³/(s·Pa)].
+
+    **Raises:** `InvalidInputError` for values off their domains.
+    """
+    Cv = check_positive(Cv, "Cv", "-")
+    return conductance_from_kv(Cv * _GALLON / 60 * (_BAR / _PSI) ** 0.5, b)
