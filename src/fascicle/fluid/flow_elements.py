@@ -165,7 +165,7 @@ class Orifice(Module):
 
 REFERENCE_DENSITY = 1.185  # kg/m³, as printed
 LAMINAR_FROM = 0.999  # β
-_DATA_SHEET = "take it from the valve's data sheet; `fluid.conductance_from_kv` and others convert"
+_DATA_SHEET = "take it from the valve's data sheet"
 
 
 class SonicValve(Module):
