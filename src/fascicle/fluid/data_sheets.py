@@ -3,7 +3,7 @@ r"""Sonic conductance from the other figures of a valve's data sheet.
 **Nominal flow** $Q_n$ is measured, mostly from 6 to 5 bar gauge. By (F4), for a volume at the
 reference of ISO 8778 (20 °C, 100 kPa: ANR),
 
-$$C = \frac{Q_n}{p_1\, \psi(p_2/p_1)}, \tag{F9}$$
+$$C = \frac{Q_n}{p_1\, \psi(p_2/p_1)}, \tag{F24}$$
 
 with absolute pressures. A volume at 0 °C and 101 325 Pa (DIN 1343) holds more air, by the ratio
 of densities, 1.292/1.185 = 1.09.
@@ -15,7 +15,7 @@ small difference of pressure $\Delta p$, with $\rho_w$ of water and $\Delta p_w$
 is $\dot m = C \rho_0 \sqrt{2 p_1 \Delta p / (1 - b)}$, and $\rho = \rho_0\, p_1 / p_0$ at $T_0$, so
 that
 
-$$C = K_v \sqrt{\frac{1 - b}{2}\, \frac{\rho_w}{\rho_0\, p_0\, \Delta p_w}}, \tag{F10}$$
+$$C = K_v \sqrt{\frac{1 - b}{2}\, \frac{\rho_w}{\rho_0\, p_0\, \Delta p_w}}, \tag{F25}$$
 
 $p_0$ = 100 kPa. In units: $K_v$ is a volume per time, the root's argument a density over a density
 and two pressures, so that $C$ is a volume per time and pressure. With $b$ = 0.3 a valve of $K_v$ =
@@ -23,8 +23,8 @@ and two pressures, so that $C$ is a volume per time and pressure. With $b$ = 0.3
 common at small differences, and that $b$ holds up to there: valves with soft seats or long ducts
 differ by tens of percent, so that a $C$ of the data sheet is better.
 
-**Source:** ISO 6358 (2013) for (F4); VDI/VDE 2173 and IEC 60534 define $K_v$; (F9) and (F10)
-derived here. A test holds (F9) to an example of SMC's data sheets, and (F10) to IEC 60534's choked
+**Source:** ISO 6358 (2013) for (F4); VDI/VDE 2173 and IEC 60534 define $K_v$; (F24) and (F25)
+derived here. A test holds (F24) to an example of SMC's data sheets, and (F25) to IEC 60534's choked
 flow.
 """
 
@@ -50,7 +50,7 @@ def conductance_from_nominal_flow(
     reference: str = "anr",
     room_pressure: BatchLike = ROOM_PRESSURE,
 ) -> Batch:
-    """Sonic conductance of a valve from its nominal flow of air, equation (F9).
+    """Sonic conductance of a valve from its nominal flow of air, equation (F24).
 
     **Arguments:**
 
@@ -75,7 +75,7 @@ def conductance_from_nominal_flow(
 
 
 def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
-    """Sonic conductance of a valve for air from its flow coefficient, equation (F10).
+    """Sonic conductance of a valve for air from its flow coefficient, equation (F25).
 
     **Arguments:**
 
@@ -92,7 +92,7 @@ def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
 
 
 def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
-    """Sonic conductance of a valve for air from its flow coefficient in US units, equation (F10).
+    """Sonic conductance of a valve for air from its flow coefficient in US units, equation (F25).
 
     **Arguments:**
 
