@@ -79,8 +79,8 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "laws": laws,
     }
     kind = "bundle" if isinstance(target, Bundle) else "muscle"
-    values["pressure_argument"] = "pressure" if kind == "bundle" else "pressure[0]"
-    values |= _inverse(bundle, [muscles[i] for i in terms], name)
+    pressure_argument = "pressure" if kind == "bundle" else "pressure[0]"
+    values |= _inverse(bundle, [muscles[i] for i in terms], name, pressure_argument)
     doubles = work + 4 * len(muscles) + len(terms) * (2 * values["nodes"] + 2 * _KINKS)
     doubles += _LOCALS + _LIMITS * (len(terms) + len(muscles))
     values["stack"] = f"{doubles * 8 / 1024:.1f}"
@@ -108,12 +108,16 @@ def write_c(
     return write_c_files(c_code(target, name), folder, name)
 
 
-def _inverse(bundle: Bundle, muscles: list[Muscle], name: str) -> dict[str, Any]:
+def _inverse(
+    bundle: Bundle, muscles: list[Muscle], name: str, pressure_argument: str
+) -> dict[str, Any]:
     """Values of the templates for the inverse of a bundle with these different `muscles`."""
     supply = bundle.supply_pressure
     top = HIGHEST_PRESSURE if supply is None else float(supply)
     pressures = (pressure_grid([muscle.tuning for muscle in muscles], top) * top).tolist()
-    values = inverse_code(bundle, name, top, ROOT_TOLERANCE, _AGREEMENT)
+    values = inverse_code(
+        bundle, name, top, ROOT_TOLERANCE, _AGREEMENT, pressure_argument=pressure_argument
+    )
     return values | {"nodes": len(pressures), "node_pressures": join(pressures), "kinks": _KINKS}
 
 

@@ -37,8 +37,8 @@ _STEP = 1e-3  # s, suggested to a host: a millisecond resolves a valve
 # suffix of a shared library on each of FMI's platforms
 _SUFFIXES = {"linux64": "so", "darwin64": "dylib", "win64": "dll"}
 _COMPILERS = ("gcc", "cc", "clang")  # the first that is installed builds the binary
-# compilers here for another platform, and the package that brings them
-_CROSS_COMPILERS = {"win64": ("x86_64-w64-mingw32-gcc", "mingw-w64")}
+# compilers for another platform, and the package that brings them
+_CROSS_COMPILERS = {"win64": (("x86_64-w64-mingw32-gcc",), "mingw-w64")}
 _DATE = (2020, 1, 1, 0, 0, 0)  # of all files in the archive: equal numbers give equal files
 _UNITS: dict[str, dict[str, str]] = {
     "Pa": {"kg": "1", "m": "-1", "s": "-2"}, "N": {"kg": "1", "m": "1", "s": "-2"},
@@ -225,18 +225,17 @@ def _build(sources: dict[str, str], name: str, platform: str) -> bytes:
     installed.
     """
     file = f"{name}.{_SUFFIXES[platform]}"
-    compilers, package = _COMPILERS, ""
+    compilers, package, target = _COMPILERS, "", ""
     if platform != _this_platform():
-        compiler, package = _CROSS_COMPILERS.get(platform, ("", ""))
-        compilers = (compiler,) if compiler else ()
+        target = f"for {platform} "
+        compilers, package = _CROSS_COMPILERS.get(platform, ((), ""))
     compiler = next(filter(None, map(shutil.which, compilers)), None)
     if compiler is None:
         install = f"install {package}, or " if package else ""
-        where = f"for {platform} " if platform != _this_platform() else ""
-        there = "there " if where else ""
         raise UnbuiltUnitError(
-            f"no C compiler {where}here ({', '.join(compilers) or 'none is known'}): {install}"
-            f"compile its sources/*.c {there}into its binaries/{platform}/{file}"
+            f"no C compiler {target}here ({', '.join(compilers) or 'none is known'}): {install}"
+            f"compile its sources/*.c {'there ' if target else ''}into its"
+            f" binaries/{platform}/{file}"
         )
     with tempfile.TemporaryDirectory() as folder:
         for source, text in sources.items():

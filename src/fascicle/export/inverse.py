@@ -30,6 +30,7 @@ def inverse_code(
     agreement: str,
     real: str = "double",
     number: Callable[[float], str] = repr,
+    pressure_argument: str = "pressure",
 ) -> dict[str, Any]:
     """Values of the templates for the inverse of a bundle in C.
 
@@ -42,6 +43,7 @@ def inverse_code(
     - `agreement`: how near it is to `Bundle.recruit`, as a comment in C.
     - `real`: type of numbers in C.
     - `number`: formats a number in C.
+    - `pressure_argument`: first argument of the force, of the array `pressure` of all units.
 
     **Returns:** `inverse`, the declarations; `inverse_source`, the choice of state; and the
     constants of the search.
@@ -53,6 +55,7 @@ def inverse_code(
     values: dict[str, Any] = {
         "name": name,
         "guard": name.upper(),
+        "pressure_argument": pressure_argument,
         "real": real,
         "scheme": bundle.scheme.name,
         "agreement": agreement.replace("\n", "\n * "),
@@ -78,10 +81,10 @@ def inverse_code(
         rows = ("{" + ", ".join(map(number, row)) + "}" for row in coefficients.tolist())
         values["volumes"] = ",\n".join(rows)
         values["fluid_code"] = "\n" + render_template("inverse_fluid.c", values)
-    file = "inverse_sets.c" if states.independent else "inverse_states.c"
+    files = "inverse_begin.c", "inverse_sets.c" if states.independent else "inverse_states.c"
     return values | {
         "inverse": render_template("inverse.h", values),
-        "inverse_source": render_template(file, values),
+        "inverse_source": "".join(render_template(file, values) for file in files),
     }
 
 

@@ -36,18 +36,14 @@ static limits muscle_limits(const curves *at, int kind)
 int @name@_pressures(real force, real strain, real supply_pressure, real pressure[UNITS],
                      int *state, real *reached)
 {
-    const real supply = smaller(supply_pressure, inverse_top);
     const real close = larger(@close@ * (1 + size(force)), meets);
     real base = 0, least = 0, most = 0, nearest = INFINITY, least_fluid = INFINITY, target, total;
     limits of[UNITS], of_kind[KINDS];
     int unit, k, i, last, choice = 0, is_reached;
     curves at;
 
-    for (unit = 0; unit < UNITS; unit++) pressure[unit] = (real)NAN;
-    if (state) *state = 0;
-    if (reached) *reached = (real)NAN;
-    if (!inside_inverse(force, strain, supply_pressure)) return @guard@_OUTSIDE;
-    fill_curves(&at, strain, supply);
+    if (!begin_inverse(force, strain, supply_pressure, &at, pressure, state, reached))
+        return @guard@_OUTSIDE;
     for (k = 0; k < KINDS; k++) of_kind[k] = muscle_limits(&at, k);
     for (unit = 0; unit < UNITS; unit++) {
         of[unit] = of_kind[kind_of[unit]];
@@ -84,7 +80,7 @@ int @name@_pressures(real force, real strain, real supply_pressure, real pressur
     /* all its units pull most, or resist most, but one that is throttled: the last that can be */
     for (last = UNITS - 1; last >= 0; last--) {
         real fixed = 0, count[KINDS] = {0};
-        solution found;
+        solution root;
 
         if (!is_throttled[choice][last]) continue;
         for (unit = 0; unit < UNITS; unit++) {
@@ -94,8 +90,8 @@ int @name@_pressures(real force, real strain, real supply_pressure, real pressur
             if (unit != last) fixed += of[unit].force[i];
         }
         count[kind_of[last]] = count_of[last];
-        found = search(&at, count, target - fixed);
-        pressure[last] = found.pressure;
+        root = search(&at, count, target - fixed);
+        pressure[last] = root.pressure;
         total = total_force(pressure, strain);
         if (!is_reached || size(total - force) <= close) break;
     }

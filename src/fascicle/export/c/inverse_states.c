@@ -8,17 +8,13 @@ static const unsigned char is_throttled[STATES][UNITS] = {@throttled@};
 int @name@_pressures(real force, real strain, real supply_pressure, real pressure[UNITS],
                      int *state, real *reached)
 {
-    const real supply = smaller(supply_pressure, inverse_top);
     solution best = {0, INFINITY, 0};
     real least_fluid = 0, total = 0;
     int k, unit, choice = 0;
     curves at;
 
-    for (unit = 0; unit < UNITS; unit++) pressure[unit] = (real)NAN;
-    if (state) *state = 0;
-    if (reached) *reached = (real)NAN;
-    if (!inside_inverse(force, strain, supply_pressure)) return @guard@_OUTSIDE;
-    fill_curves(&at, strain, supply);
+    if (!begin_inverse(force, strain, supply_pressure, &at, pressure, state, reached))
+        return @guard@_OUTSIDE;
     for (k = 0; k < STATES; k++) {
         real count[KINDS] = {0}, fixed = 0, fluid;
         solution next;
@@ -41,7 +37,7 @@ int @name@_pressures(real force, real strain, real supply_pressure, real pressur
     }
     for (unit = 0; unit < UNITS; unit++)
         pressure[unit] = is_throttled[choice][unit] ? best.pressure
-                       : is_full[choice][unit] ? supply : 0;
+                       : is_full[choice][unit] ? at.supply : 0;
     total = total_force(pressure, strain);
     if (state) *state = choice + 1;
     if (reached) *reached = total;

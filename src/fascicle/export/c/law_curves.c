@@ -43,14 +43,6 @@ static int inside_inverse(double force, double strain, double supply)
     return force - force == 0 && strain > @name@_lowest && strain <= @name@_largest && supply > 0;
 }
 
-static double total_force(const double pressure[UNITS], double strain)
-{
-    double force;
-
-    @name@_force(@pressure_argument@, strain, &force, NULL, NULL);
-    return force;
-}
-
 static double force_at(const curves *at, int kind, double pressure, double *slope)
 {
     double force, by_strain, *res[6] = {&force, slope, &by_strain, NULL, NULL, NULL};

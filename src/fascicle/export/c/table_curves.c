@@ -36,14 +36,6 @@ static int inside_inverse(real force, real strain, real supply)
     return all;
 }
 
-static real total_force(const real pressure[UNITS], real strain)
-{
-    real force;
-
-    @name@_force(pressure, strain, &force, NULL, NULL);
-    return force;
-}
-
 static void fill_curves(curves *at, real strain, real supply)
 {
     int kind, i;
