@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .refine import refine_sizes
     from .remedies import Remedy
     from .robust import sensitivities
-    from .safety import secure, spread
+    from .safety import judge_safety, spread
     from .scatter import DesignScatter, Spread, Uncertainty
     from .space import Space, compositions, partitions
     from .summary import Cases, Summary, summarize
@@ -30,7 +30,7 @@ __all__ = [
     "OBJECTIVES", "Cases", "Catalog", "DesignScatter", "Designs", "Limit", "Outcome", "Product",
     "Remedy", "SearchResult", "Space", "Spread", "Store", "Study", "Summary", "Task",
     "Uncertainty", "compositions", "evaluate", "evolve", "example_task", "hypervolume",
-    "non_dominated", "objective", "partitions", "refine_sizes", "search", "secure",
+    "judge_safety", "non_dominated", "objective", "partitions", "refine_sizes", "search",
     "sensitivities", "spread", "summarize",
 ]  # fmt: skip
 
@@ -46,7 +46,7 @@ _HOMES = {
     "refine_sizes": "refine",
     "Remedy": "remedies",
     "sensitivities": "robust",
-    **dict.fromkeys(("secure", "spread"), "safety"),
+    **dict.fromkeys(("judge_safety", "spread"), "safety"),
     **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty"), "scatter"),
     **dict.fromkeys(("Space", "compositions", "partitions"), "space"),
     **dict.fromkeys(("Cases", "Summary", "summarize"), "summary"),

@@ -112,7 +112,7 @@ class SearchResult:
     - `extra`: further objectives to report.
     - `catalog`: products and prices.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
-    - `safety`: of `secure`: draws of scatter and the model's error; `None` if it wasn't judged.
+    - `safety`: judgement in draws of scatter and the model's error, by `judge_safety`, or `None`.
     """
 
     space: Space

@@ -7,6 +7,7 @@ is recommended. If none does, none is: the surest of those that were judged is t
 Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import sqrt
 
@@ -78,11 +79,11 @@ def spread(
 
         values = compiled_objectives(designs, task, names, sample, muscles, seed)
     by_name = dict(zip(names, values, strict=True))
-    met = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
-    return Spread(by_name, met.reshape(len(designs), draws))
+    success = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
+    return Spread(by_name, success.reshape(len(designs), draws))
 
 
-def secure(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
+def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
     """Recommend the cheapest design that holds the task in most draws.
 
     **Arguments:**
@@ -115,42 +116,55 @@ def _first_that_holds(
     """Index of the cheapest design that holds, or of the surest; the share of draws in which it
     does [-], the number of judged designs, and whether these were enough.
     """
-    share, budget = uncertainty.share, _budget(uncertainty, _MOST_DRAWN)
+    threshold, budget = uncertainty.share, _budget(uncertainty, _MOST_DRAWN)
     judged, surest = 0, (0, 0.0, -1)  # draws, share of them that are met, index
-    groups = cheapest_first(
-        np.flatnonzero(result.allowed), result.values, result.all_designs, result.catalog,
-        result.space.drawings,
-    )  # fmt: skip
-    for group in groups:
-        start = 0
-        while start < len(group) and budget > 0:
-            # one at first: the cheapest often holds
-            rows = group[start : start + min(_TOGETHER, judged + 1)]
-            start, positions = start + len(rows), judged + 1 + np.arange(len(rows))
-            judged += len(rows)
-            for draws in (n for n in _FEWER_DRAWS if n < uncertainty.draws):
-                shares = _probability(result, rows, uncertainty, draws)
-                budget -= draws * len(rows)
-                best = int(np.argmax(shares))
-                surest = max(surest, (draws, float(shares[best]), int(rows[best])))
-                keep = shares >= share - _DEVIATIONS * sqrt(share * (1 - share) / draws)
-                rows, positions = rows[keep], positions[keep]
-                if not rows.size:
-                    break
-            for row, position in zip(rows, positions, strict=True):
-                probability = float(_probability(result, row[None], uncertainty, None)[0])
-                budget -= uncertainty.draws
-                surest = max(surest, (uncertainty.draws, probability, int(row)))
-                if probability >= share:
-                    return int(row), probability, int(position), True
+    for block in _blocks(result):
+        if budget <= 0:
+            break
+        rows = block
+        positions = judged + 1 + np.arange(len(rows))
+        judged += len(rows)
+        for draws in (n for n in _FEWER_DRAWS if n < uncertainty.draws):
+            probabilities = _probability(result, rows, uncertainty, draws)
+            budget -= draws * len(rows)
+            best = int(np.argmax(probabilities))
+            surest = max(surest, (draws, float(probabilities[best]), int(rows[best])))
+            keep = probabilities >= threshold - _DEVIATIONS * sqrt(
+                threshold * (1 - threshold) / draws
+            )
+            rows, positions = rows[keep], positions[keep]
+            if not rows.size:
+                break
+        for row, position in zip(rows, positions, strict=True):
+            probability = float(_probability(result, row[None], uncertainty, None)[0])
+            budget -= uncertainty.draws
+            surest = max(surest, (uncertainty.draws, probability, int(row)))
+            if probability >= threshold:
+                return int(row), probability, int(position), True
     row = surest[2]
     probability = float(_probability(result, np.array([row]), uncertainty, None)[0])
     return row, probability, judged, judged == int(result.allowed.sum())
 
 
-def _budget(uncertainty: Uncertainty, most: int) -> int:
-    """Number of designs in a draw that are evaluated, at `most` by NumPy."""
-    return most // (1 if uncertainty.muscles is None else _SLOWER)
+def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
+    """Designs that do the task as drawn, from the cheapest on, some together: one at first, since
+    the cheapest often holds.
+    """
+    count = 0
+    for group in cheapest_first(
+        np.flatnonzero(result.allowed), result.values, result.all_designs, result.catalog,
+        result.space.drawings,
+    ):  # fmt: skip
+        start = 0
+        while start < len(group):
+            block = group[start : start + min(_TOGETHER, count + 1)]
+            start, count = start + len(block), count + len(block)
+            yield block
+
+
+def _budget(uncertainty: Uncertainty, count: int) -> int:
+    """Number of designs in a draw that are evaluated; `count`: by NumPy."""
+    return count // (1 if uncertainty.muscles is None else _SLOWER)
 
 
 def _probability(
@@ -176,7 +190,7 @@ def _spread(
     names = tuple(result.values) if names is None else names
     drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
     limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
-    # the same random numbers for all, so that designs are compared in the same draws
+    # all designs of a search have as many columns of units, so that they share their draws
     return spread(
         result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
         uncertainty.muscles, draws,

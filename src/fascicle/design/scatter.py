@@ -13,6 +13,7 @@ drawn one meets $F/f$: draws are evaluated together as designs are, with demands
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,6 +186,11 @@ class Safety:
     judged: int
     complete: bool
     spread: Spread
+
+    @cached_property
+    def low_margins(self) -> Float[np.ndarray, " design"]:
+        """Relative margin that 95 % of the draws of each reported design have [-]."""
+        return np.quantile(self.spread.values["relative_margin"], 0.05, axis=1)
 
     @property
     def holds(self) -> bool:

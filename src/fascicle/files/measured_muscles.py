@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from ..records.record import Record
 
 
-_KIND = "measured"  # of shipped files
-_KINDS = (("pressure", "pressure"), ("contraction", "strain"))  # words, and dimensions of a range
+_FOLDER = "measured"  # of shipped files
+_RANGES = (("pressure", "pressure"), ("contraction", "strain"))  # words, and dimensions
 _ROUNDING = 1e-9  # relative, of the ends of a range
 _CURVES, _POINTS = 5, 201  # more are hard to tell apart in a small picture; smooth in print
 
@@ -64,7 +64,7 @@ class MeasuredRange(NamedTuple):
         """Text with units."""
         texts = [
             "not published" if ends is None else " to ".join(pretty(x, kind, 3) for x in ends)
-            for ends, (_, kind) in zip(self, _KINDS, strict=True)
+            for ends, (_, kind) in zip(self, _RANGES, strict=True)
         ]
         return f"pressure {texts[0]}, contraction {texts[1]}"
 
@@ -123,7 +123,7 @@ class CatalogEntry:
             return None
         from ..records import load
 
-        with as_file(files("fascicle.files") / _KIND / self.record_file) as path:
+        with as_file(files("fascicle.files") / _FOLDER / self.record_file) as path:
             return load(path, rest_length=self.rest_length)
 
     def residuals(self) -> Float[np.ndarray, " reading"]:
@@ -142,7 +142,7 @@ class CatalogEntry:
         texts = [
             f"a {word} of {pretty(value, kind, 3)} (measured up to {pretty(ends[1], kind, 3)})"
             for value, ends, (word, kind) in zip(
-                (pressure, strain), self.range, _KINDS, strict=True
+                (pressure, strain), self.range, _RANGES, strict=True
             )
             if ends is not None and value > ends[1] * (1 + _ROUNDING)
         ]
@@ -183,13 +183,13 @@ class MuscleCatalog(Mapping[str, CatalogEntry]):
         return _shipped_entry(check_choice(name, self, "name"))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(shipped_names(_KIND))
+        return iter(shipped_names(_FOLDER))
 
     def __len__(self) -> int:
-        return len(shipped_names(_KIND))
+        return len(shipped_names(_FOLDER))
 
     def __contains__(self, name: object) -> bool:
-        return name in shipped_names(_KIND)
+        return name in shipped_names(_FOLDER)
 
     def get(self, name: str, default: Any = None) -> Any:
         """Entry of a name, or a `default`."""
@@ -204,7 +204,7 @@ catalog = MuscleCatalog()
 
 @cache
 def _shipped_entry(name: str) -> CatalogEntry:
-    return read_entry(shipped_text(_KIND, name), name)
+    return read_entry(shipped_text(_FOLDER, name), name)
 
 
 def read_entry(text: str, name: str) -> CatalogEntry:

@@ -363,21 +363,24 @@ def _parts(
     return parts
 
 
+# figures of a data sheet, to the conductance C
+_CONVERSIONS = {
+    "nominal_flow": conductance_from_nominal_flow,
+    "Kv": conductance_from_kv,
+    "Cv": conductance_from_cv,
+}
+
+
 def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
     """Replace a data sheet's figure by the conductance C, in the values of a valve's table."""
-    given = [key for key in ("C", *DATA_SHEET) if key in table]
-    if len(given) != 1:
+    keys = [key for key in ("C", *DATA_SHEET) if key in table]
+    if len(keys) != 1:
         rule = "give the valve's C, or one of nominal_flow (6 to 5 bar gauge), Kv and Cv"
-        raise location.error((given[-1] if given else "C",), f"{rule}, one of them.")
-    if given == ["C"]:
+        raise location.error((keys[-1] if keys else "C",), f"{rule}, one of them.")
+    if keys == ["C"]:
         return
-    convert = {
-        "nominal_flow": conductance_from_nominal_flow,
-        "Kv": conductance_from_kv,
-        "Cv": conductance_from_cv,
-    }[given[0]]
     with location.error_context():
-        table["C"] = convert(table.pop(given[0]), table["b"])
+        table["C"] = _CONVERSIONS[keys[0]](table.pop(keys[0]), table["b"])
 
 
 def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:

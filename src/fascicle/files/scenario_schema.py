@@ -225,7 +225,7 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
         keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
     if kind is SonicValve:
         dimensions = DATA_SHEET | {"C": "sonic_conductance"}
-        keys |= {name: _key(kind_, part.many, False) for name, kind_ in dimensions.items()}
+        keys |= {name: _key(unit, part.many, False) for name, unit in dimensions.items()}
     if kind is Tank:  # the tank's wall, apart from that of the chambers
         keys["conductance"] = _key("wall_conductance", required=False)
     return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)

@@ -378,7 +378,8 @@ Times = Annotated[tuple[float, ...], _quantities("time")]
 Numbers = Annotated[tuple[float, ...], _quantities("number")]
 
 
-def _two(values: tuple[float, ...]) -> tuple[float, ...]:
+def _check_ends(values: tuple[float, ...]) -> tuple[float, ...]:
+    """The `values` [SI] if they are the ends of a range."""
     if len(values) != 2 or not values[0] < values[1]:
         raise ValueError("must be a list of two, the least and the largest")
     return values
@@ -400,8 +401,8 @@ class EntrySection(TableModel):
     assumed: Names = Field(examples=['["…"]'])
     record: Annotated[StrictStr, Field(pattern=r"^[\w-]+\.csv$")] | None = None
     rest_length: Length | None = None
-    pressure: Annotated[Pressures, AfterValidator(_two)] | None = None
-    strain: Annotated[Strains, AfterValidator(_two)] | None = None
+    pressure: Annotated[Pressures, AfterValidator(_check_ends)] | None = None
+    strain: Annotated[Strains, AfterValidator(_check_ends)] | None = None
     rmse: Force | None = None
     relative_rmse: Number | None = None
     largest_error: Annotated[float, Quantity("strain")] | None = None

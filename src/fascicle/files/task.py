@@ -7,7 +7,7 @@ material and laws. One product of one length becomes one drawing.
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -146,7 +146,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     task = _task(file.task, root.child("task"))
     limits_location = root.child("limits", kind="limits")
     limit_entries = dict(file.limits or {})
-    share = _safety(limit_entries.pop(_SAFETY, USUAL_SHARE), limits_location)
+    probability = _safety(limit_entries.pop(_SAFETY, USUAL_SHARE), limits_location)
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     with limits_location.error_context():
@@ -162,7 +162,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     section, scatter_location = file.scatter or ScatterSection(), root.child("scatter")
     uncertainty = None
     if section.enabled is not False:
-        uncertainty = _uncertainty(section, design, scatter_location, folder, share)
+        uncertainty = _uncertainty(section, design, scatter_location, folder, probability)
     notes = _fit_notes(design.muscle, folder, task, space)
     notes += () if offer is None else offer.notes
     return TaskFile(
@@ -317,13 +317,13 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
 def _safety(entry: Any, location: FileLocation) -> float:
     """Share of the draws in which a recommended design must hold [-]."""
     try:
-        share = parse(entry, "number", _SAFETY)
+        probability = parse(entry, "number", _SAFETY)
     except ValueError:
-        share = -1.0
-    if not 0 < share < 1:
+        probability = -1.0
+    if not 0 < probability < 1:
         rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
         raise location.error((_SAFETY,), rule)
-    return share
+    return probability
 
 
 def _uncertainty(
@@ -331,27 +331,27 @@ def _uncertainty(
     design: DesignSection,
     location: FileLocation,
     folder: Path,
-    share: float,
+    probability: float,
 ) -> Uncertainty:
-    given = section.model_dump(
+    deviations = section.model_dump(
         exclude_none=True, include={"length", "wall_thickness", "braid_angle", "model_error"}
     )
     errors = [_fit_error(name, folder) for name in design.muscle]
     fitted = all(error is not None for error in errors)
-    basis = "error of the fit" if fitted else Uncertainty().basis
-    usual = {field.name: getattr(USUAL_SCATTER, field.name) for field in fields(USUAL_SCATTER)}
+    basis = "error of the fit" if fitted else Uncertainty.basis
+    usual = asdict(USUAL_SCATTER)
     if fitted:
         usual["model_error"] = max(error or 0.0 for error in errors)
     path, single = folder / design.muscle[0], len(design.muscle) == 1 and not design.catalog
     with location.error_context():
-        scatter = DesignScatter(**usual | given)
+        scatter = DesignScatter(**usual | deviations)
         calibrated = section.calibrated
         if calibrated is None:
             drawable = single and path.exists() and design.buckling is None
             calibrated = drawable and "covariance" in provenance(path)
         muscles = _calibrated_draws(path, design, single) if calibrated else None
-    basis = "given" if "model_error" in given else basis
-    return Uncertainty(scatter, section.draws or USUAL_DRAWS, muscles, share, basis)
+    basis = "given" if "model_error" in deviations else basis
+    return Uncertainty(scatter, section.draws or USUAL_DRAWS, muscles, probability, basis)
 
 
 def _fit_error(name: str, folder: Path) -> float | None:

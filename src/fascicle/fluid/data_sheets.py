@@ -70,8 +70,8 @@ def conductance_from_nominal_flow(
     room = check_positive(room_pressure, "room_pressure", "Pa")
     outlet = check_interval(outlet, 0.0, float(inlet), "outlet", "Pa", closed=(True, False))
     high = inlet + room
-    share = critical_flow_share((outlet + room) / high, b)
-    return flow * density / REFERENCE_DENSITY / (high * share)
+    fraction = critical_flow_share((outlet + room) / high, b)
+    return flow * density / REFERENCE_DENSITY / (high * fraction)
 
 
 def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:

@@ -23,13 +23,13 @@ from .design_summary import (
     design_name,
     format_objective,
     headline,
+    low_margin,
+    low_margin_heads,
     margin_warning,
     muscle_sizes,
     objective_head,
     objective_label,
     summarize_search,
-    sure_margin,
-    sure_margin_heads,
     task_requirement,
 )
 from .interactive import parallel_coordinates, scaled, scatter
@@ -175,7 +175,7 @@ def _tables(result: SearchResult) -> dict[str, Any]:
     bold = Markup("<strong>{}</strong>").format
     tables: dict[str, Any] = {
         "front_heads": [
-            "design", "units", "muscles", *map(objective_head, names), *sure_margin_heads(result),
+            "design", "units", "muscles", *map(objective_head, names), *low_margin_heads(result),
         ],
         "front_rows": [
             [
@@ -184,7 +184,7 @@ def _tables(result: SearchResult) -> dict[str, Any]:
                 muscle_sizes(result, designs, index),
                 *(format_objective(name, float(result.values[name][result.reported[index]]))
                   for name in names),
-                *sure_margin(result, index),
+                *low_margin(result, index),
             ]
             for index in indices
         ],

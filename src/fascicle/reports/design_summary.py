@@ -126,17 +126,16 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
     return [take, f"margin: {_margin(summary)}.", *safety_lines(result), reason]
 
 
-def sure_margin_heads(result: SearchResult) -> list[str]:
-    """Head of the column of `sure_margin`, if designs were judged in draws."""
+def low_margin_heads(result: SearchResult) -> list[str]:
+    """Head of the column of `low_margin`, if designs were judged in draws."""
     return [] if result.safety is None else ["its 5th percentile [-]"]
 
 
-def sure_margin(result: SearchResult, index: int) -> list[str]:
+def low_margin(result: SearchResult, index: int) -> list[str]:
     """Margin that 95 % of the draws of a reported design with an `index` have, if there are any."""
     if result.safety is None:
         return []
-    low = result.safety.spread.quantile(0.05)["relative_margin"][index]
-    return [format_objective("relative_margin", float(low))]
+    return [format_objective("relative_margin", float(result.safety.low_margins[index]))]
 
 
 def safety_lines(result: SearchResult) -> list[str]:
@@ -144,8 +143,7 @@ def safety_lines(result: SearchResult) -> list[str]:
     safety, index = result.safety, result.recommended
     if safety is None or index is None:
         return []
-    low = float(safety.spread.quantile(0.05)["relative_margin"][index])
-    uncertainty = safety.uncertainty
+    low, uncertainty = float(safety.low_margins[index]), safety.uncertainty
     return [
         f"safety: holds in {_percent(safety.probability)} of {uncertainty.draws} draws"
         f" ({_percent(uncertainty.share)} needed); margin {_percent(low)} at the 5th percentile;"

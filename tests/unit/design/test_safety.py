@@ -12,8 +12,8 @@ from fascicle.design import (
     Space,
     Task,
     Uncertainty,
+    judge_safety,
     search,
-    secure,
     spread,
 )
 from fascicle.design.robust import compiled_objectives
@@ -88,7 +88,7 @@ def test_scatter_has_the_given_deviations():
 def searched(muscle):
     space = Space({"m": muscle}, muscles=(3, 4, 5, 6))
     nominal = search(space, Task.of([200.0, 330.0], [0.1, 0.05], SUPPLY), {"valves": "min"})
-    return nominal, secure(nominal, Uncertainty())
+    return nominal, judge_safety(nominal, Uncertainty())
 
 
 def test_recommended_design_holds_and_cheaper_ones_do_not(searched):
@@ -117,12 +117,12 @@ def test_none_is_recommended_where_none_holds(muscle):
     space = Space({"m": muscle}, muscles=(3,))
     result = search(space, Task.of([330.0], [0.05], SUPPLY), {"valves": "min"})
     assert result.cheapest is not None
-    sure = secure(result, Uncertainty(share=0.999))
+    sure = judge_safety(result, Uncertainty(share=0.999))
     assert sure.cheapest is None and sure.nearest is not None
     assert not sure.safety.holds and sure.safety.complete
     assert sure.safety.judged == result.allowed.sum()
     # without scatter nothing changes
-    exact = secure(result, Uncertainty(DesignScatter(), draws=100))
+    exact = judge_safety(result, Uncertainty(DesignScatter(), draws=100))
     assert exact.cheapest == result.cheapest and exact.safety.probability == 1
 
 

@@ -95,10 +95,10 @@ def run(
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
         if file.uncertainty is not None:
-            from ...design.safety import secure
+            from ...design.safety import judge_safety
 
             update("judging designs from the cheapest on in draws of scatter")
-            result = secure(result, file.uncertainty)
+            result = judge_safety(result, file.uncertainty)
         seconds = time.perf_counter() - begin
         answer = summarize_search(result)
     paths: list[str] = []
@@ -169,13 +169,13 @@ def _print_front(result: "SearchResult") -> None:
             result.designs.labels[index],
             *(design_summary.format_objective(name, float(values[name][reported[index]]))
               for name in result.reported_objectives),
-            *design_summary.sure_margin(result, index),
+            *design_summary.low_margin(result, index),
             design_summary.muscle_sizes(result, result.designs, index),
         ]
         for index in sorted(map(int, indices))
     ]  # fmt: skip
     objectives = list(map(design_summary.objective_head, result.reported_objectives))
-    objectives += design_summary.sure_margin_heads(result)
+    objectives += design_summary.low_margin_heads(result)
     caption = f"{result.judged} designs,{counts} {len(result.front)} on the front"
     caption += "; *: recommended, c: best compromise" if result.cheapest is not None else ""
     if result.safety is not None:

@@ -91,7 +91,7 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
     import numpy as np
 
     from ...design.exhaustive_search import conclude
-    from ...design.safety import secure
+    from ...design.safety import judge_safety
     from ...reports.design_summary import InfeasibleResult, summarize_search
     from ...results.design_tables import case_variables, front_variables
     from ...results.labelled import write
@@ -102,7 +102,7 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
             store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
         if task.uncertainty is not None:
-            result = secure(result, task.uncertainty)
+            result = judge_safety(result, task.uncertainty)
         answer = summarize_search(result)
         if not isinstance(answer, InfeasibleResult):
             variables = front_variables(result) | case_variables(answer)
