@@ -290,8 +290,8 @@ def _mix_up(unit: str, dimension: str) -> str:
     """Remedy for a unit of another dimension that is often meant for this one, or nothing."""
     remedies = (
         remedy
-        for (wanted, other), remedy in _MIX_UPS.items()
-        if dimension == wanted and unit in DIMENSIONS[other].factors
+        for (target, source), remedy in _MIX_UPS.items()
+        if dimension == target and unit in DIMENSIONS[source].factors
     )
     return next(remedies, "")
 

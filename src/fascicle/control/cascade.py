@@ -12,9 +12,10 @@ $$\tau_o \dot{\hat d} = F - F_{model}(P, \varepsilon) - \hat d. \tag{K2a}$$
 
 A saturated or late valve doesn't wind it up, and a model whose slope $\partial F/\partial P$ is
 right within a factor of two doesn't make it unstable, however late force and pressures are measured
-together. A policy
-turns the demand into pressures, and each valve opens for the flow that brings its chamber's content
-$m$ there with a time constant $\tau$,
+together.
+
+A policy turns the demand into pressures, and each valve opens for the flow that brings its
+chamber's content $m$ there with a time constant $\tau$,
 
 $$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
   + \frac{\partial m}{\partial \varepsilon} \dot\varepsilon, \tag{K3}$$
@@ -120,14 +121,22 @@ class Cascade(Module):
     @property
     def lateness(self) -> float:
         """Total lateness of valves, measurements and samples [s], the bracket of (K3a)."""
-        valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
-        return valve + float(self.dt) * (self.delay + self.every)
+        return self._valve_lag + self._total_delay
 
     @property
     def margins(self) -> LoopMargins:
         """Gain margin [-] and phase margin [rad] of its pressure loops, (K8)."""
-        valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
-        return loop_margins(self.gains.pressure_time, valve, self.lateness - valve)
+        return loop_margins(self.gains.pressure_time, self._valve_lag, self._total_delay)
+
+    @property
+    def _valve_lag(self) -> float:
+        """Lag of the slowest spool [s]."""
+        return float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
+
+    @property
+    def _total_delay(self) -> float:
+        """Delay of measurements and samples [s]."""
+        return float(self.dt) * (self.delay + self.every)
 
     @property
     def warnings(self) -> tuple[str, ...]:

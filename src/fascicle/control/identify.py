@@ -90,16 +90,16 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     if len(t) - first < _LEAST:
         rule = f"must have at least {_LEAST} samples after the step"
         raise InvalidInputError("time", rule, len(t) - first, "record longer")
-    since, span = t - t[first], float(t[-1] - t[first])
+    elapsed, span = t - t[first], float(t[-1] - t[first])
 
-    def shape(values: np.ndarray) -> np.ndarray:
+    def response(values: np.ndarray) -> np.ndarray:
         delay, lag, ratio = np.exp(values)
         T = lag * (_RATIO + ratio)
-        u = np.maximum(since - delay, 0.0)
+        u = np.maximum(elapsed - delay, 0.0)
         return 1 - (T * np.exp(-u / T) - lag * np.exp(-u / lag)) / (T - lag)
 
-    def missing(values: np.ndarray) -> np.ndarray:
-        columns = np.stack([np.ones_like(t), shape(values)], axis=1)
+    def residuals(values: np.ndarray) -> np.ndarray:
+        columns = np.stack([np.ones_like(t), response(values)], axis=1)
         return P - columns @ np.linalg.lstsq(columns, P, rcond=None)[0]
 
     # 1e-3 of the span is less than a sample; a chamber slower than 1e3 lags fills evenly
@@ -108,12 +108,12 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     starts = [np.log([a * span, b * span, 5.0]) for a in _STARTS for b in _STARTS]
     scale = max(float(np.ptp(P)), 1.0)
     fits = [
-        least_squares(lambda x: missing(x) / scale, x, bounds=(low, high), x_scale=0.1)
+        least_squares(lambda x: residuals(x) / scale, x, bounds=(low, high), x_scale=0.1)
         for x in starts
     ]
     best = min(fits, key=lambda fit: fit.cost)
     delay, lag, ratio = np.exp(best.x)
-    error = float(np.sqrt(np.mean(missing(best.x) ** 2)))
+    error = float(np.sqrt(np.mean(residuals(best.x) ** 2)))
     return StepResponse(float(delay), float(lag), float(lag * (_RATIO + ratio)), error)
 
 

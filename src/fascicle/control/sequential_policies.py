@@ -52,15 +52,15 @@ _NOISE = 5e-3  # s, of a filter of pressures: 5 kPa of noise at 1 kHz become 1.6
 
 class SequentialState(NamedTuple):
     """Memory of a sequential policy: the number of `recruited` units, the `direction` of its
-    change, 1, 0 or -1, and of each unit the `target`, the pressure `expected` from it by now, and
-    what is `missing` of that, filtered [Pa].
+    change, 1, 0 or -1, and of each unit the `target`, the `prediction` of its pressure
+    by now, and the `deficit` below that, filtered [Pa].
     """
 
     recruited: Batch
     direction: Batch
     target: Numbers
-    expected: Numbers
-    missing: Numbers
+    prediction: Numbers
+    deficit: Numbers
 
 
 class SequentialPolicy(Module):
@@ -111,11 +111,11 @@ class SequentialPolicy(Module):
         rush = late | (reserve[0] + gained < 0)
         # the further off the unit before is, the slower the ramp; the lag of its loop alone
         # doesn't count, and in a rush only what it has too much of
-        expected = where(xp.sum(memory.expected) > 0, memory.expected, demand.pressures)
-        missing = expected - demand.pressures - memory.missing
-        missing = memory.missing + missing * demand.dt / (demand.dt + _NOISE)
-        counted = where(rush, minimum(missing, 0.0), missing)
-        hold = maximum(1.0 - xp.sum(last[0] * xp.abs(counted)) / (_SHORT * top), 0.0)
+        prediction = where(xp.sum(memory.prediction) > 0, memory.prediction, demand.pressures)
+        change = prediction - demand.pressures - memory.deficit
+        deficit = memory.deficit + change * demand.dt / (demand.dt + _NOISE)
+        error = xp.abs(where(rush, minimum(deficit, 0.0), deficit))
+        hold = maximum(1.0 - xp.sum(last[0] * error) / (_SHORT * top), 0.0)
         # a unit before that has nothing left to give up: the ramp waits for a higher demand
         excess = xp.sum(last[0] * (memory.target - capability.onset)) / (_SHORT * top)
         hold = where(memory.direction > 0, minimum(hold, maximum(excess, 0.0)), hold)
@@ -147,9 +147,9 @@ class SequentialPolicy(Module):
         opened = (
             (self.wide > 0) & (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
         )
-        expected = expected + (target - expected) * demand.dt / (demand.dt + demand.lag)
-        following = SequentialState(recruited, direction, target, expected, missing)
-        return following, where(opened, top, target)
+        prediction = prediction + (target - prediction) * demand.dt / (demand.dt + demand.lag)
+        state = SequentialState(recruited, direction, target, prediction, deficit)
+        return state, where(opened, top, target)
 
     def _pace(
         self, capability: UnitCapability, demand: UnitDemand,
@@ -206,10 +206,10 @@ def _first_below_onset(
     """
     xp = array_namespace(target)
     empty = xp.sum(units.counts * units.branches.force(target, demand.strains))
-    lacking = (demand.force - empty) / maximum(capability.dip[0], 1e-9)
-    lower = capability.onset + lacking * (capability.onset - capability.dip_pressure)
+    gap = (demand.force - empty) / maximum(capability.dip[0], 1e-9)
+    lower = capability.onset + gap * (capability.onset - capability.dip_pressure)
     is_on = demand.pressures[0] > capability.dip_pressure[0]
-    stays = (target[0] == 0) & (lacking > -1) & is_on
+    stays = (target[0] == 0) & (gap > -1) & is_on
     return where((xp.arange(units.count) == 0) & stays, lower, target)
 
 

@@ -184,12 +184,27 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
     return Surface(value, pull, volume, slope, by_pressure, volume_by)
 
 
-class Geometric(AbstractMuscles):
+class MuscleWrapper(AbstractMuscles):
+    """Other `muscles` with a change, over the same strains and pressures."""
+
+    muscles: AbstractMuscles
+
+    @property
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """Strains of its muscles [-]."""
+        return self.muscles.strains
+
+    @property
+    def highest_pressure(self) -> Numbers:
+        """End of its `muscles`' tables or laws [Pa], of each unit."""
+        return self.muscles.highest_pressure
+
+
+class Geometric(MuscleWrapper):
     """`muscles` with the volume of their straight `braid`, (V), buckled or not; `walls`: volumes of
     their bladders [m³].
     """
 
-    muscles: AbstractMuscles
     braid: Braid
     walls: Numbers
 
@@ -209,13 +224,3 @@ class Geometric(AbstractMuscles):
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
         volume = self.braid.volume(strain) - self.walls
         return Volumes(volume, self.braid.length * swept, 0.0 * surface.volume)
-
-    @property
-    def strains(self) -> tuple[Numbers, Numbers]:
-        """Strains of its muscles [-]."""
-        return self.muscles.strains
-
-    @property
-    def highest_pressure(self) -> Numbers:
-        """End of its `muscles`' tables or laws [Pa], of each unit."""
-        return self.muscles.highest_pressure

@@ -51,7 +51,7 @@ class ArmTable(NamedTuple):
         return np.asarray(self._spline()(angle))
 
     def shortening(self, angle: np.ndarray, rest_angle: float) -> np.ndarray:
-        """Shortening of the muscle from the angle `rest` [rad] to each `angle` [m], (J1)."""
+        """Shortening of the muscle from the angle `rest_angle` [rad] to each `angle` [m], (J1)."""
         integral = self._spline().antiderivative()
         return np.asarray(integral(angle) - integral(rest_angle))
 

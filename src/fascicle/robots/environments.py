@@ -104,16 +104,14 @@ class Plan(NamedTuple):
         return Box(-1.0, 1.0, (3 + units,), np.float32), Box(-1.0, 1.0, (units,), np.float32)
 
 
-def observe(
-    task: Task, position: Any, speed: Any, target: Any, pressures: Any, xp: Any = np
-) -> Any:
+def observe(task: Task, position: Any, speed: Any, target: Any, pressures: Any) -> np.ndarray:
     """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
-    each scaled to [-1, 1]; `xp`: the array library.
+    each scaled to [-1, 1].
     """
     scalars = [(position - task.middle) / task.reach, speed / task.speed,
                (target - task.middle) / task.reach]  # fmt: skip
-    rows = xp.concatenate([xp.stack(scalars, axis=-1), 2 * pressures / SUPPLY - 1], axis=-1)
-    return xp.clip(rows, -1.0, 1.0).astype(np.float32)
+    rows = np.concatenate([np.stack(scalars, axis=-1), 2 * pressures / SUPPLY - 1], axis=-1)
+    return np.clip(rows, -1.0, 1.0).astype(np.float32)
 
 
 def check_action(action: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -144,8 +142,8 @@ class Environment(gymnasium.Env):
         if render_mode is not None:
             check_choice(render_mode, self.metadata["render_modes"], "render_mode")
         self.render_mode = render_mode
-        self.model, self.drive = Plan.of(self.task)
-        self.observation_space, self.action_space = Plan(self.model, self.drive).spaces
+        self.model, self.drive = plan = Plan.of(self.task)
+        self.observation_space, self.action_space = plan.spaces
         self.data = mujoco.MjData(self.model)
         self.target = self.task.middle
         self.fluid = self.drive.start(self.model, self.data)

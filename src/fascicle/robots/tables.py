@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.types import Numbers
-from ..dynamics.muscles import AbstractMuscles
+from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
 from ..muscle.surface import Surface
 
 
@@ -41,10 +41,9 @@ _MESSAGES = {
 }
 
 
-class SoftEnds(AbstractMuscles):
+class SoftEnds(MuscleWrapper):
     """`muscles` that go on as springs of an `edge_stiffness` [N] below their lowest strain."""
 
-    muscles: AbstractMuscles
     edge_stiffness: Numbers
 
     @classmethod
@@ -72,16 +71,6 @@ class SoftEnds(AbstractMuscles):
     def rest_length(self) -> Numbers:
         """Length at rest [m], of each unit."""
         return self.muscles.table.rest_length  # pyright: ignore[reportAttributeAccessIssue]
-
-    @property
-    def strains(self) -> tuple[Numbers, Numbers]:
-        """Ends of the tables [-], of each unit."""
-        return self.muscles.strains
-
-    @property
-    def highest_pressure(self) -> Numbers:
-        """End of the tables [Pa], of each unit."""
-        return self.muscles.highest_pressure
 
 
 def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Any:

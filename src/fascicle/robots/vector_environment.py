@@ -5,6 +5,7 @@ has the targets of a single one with that seed plus `i`. After an episode's end 
 resets, whatever its action, as Gymnasium's own vector environments do.
 """
 
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import jax
@@ -88,8 +89,8 @@ class VectorEnvironment(VectorEnv):
             seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
             self._generators = [np_random(number)[0] for number in seeds]
         self._state = self._first
-        self._over[:] = True
-        self._draw_targets()
+        self._draw_targets(range(self.num_envs))
+        self._steps[:] = 0
         self._over[:] = False
         return self._results()
 
@@ -105,7 +106,7 @@ class VectorEnvironment(VectorEnv):
         """
         commands = check_action(actions, self.action_space.shape or ())
         fresh = self._over.copy()
-        self._draw_targets()
+        self._draw_targets(np.flatnonzero(fresh))
         self._state, position, inside = self._step(self._state, commands, fresh)
         self._steps += 1
         self._steps[fresh] = 0
@@ -116,11 +117,10 @@ class VectorEnvironment(VectorEnv):
         observations, info = self._results()
         return observations, np.where(fresh, 0.0, -error), terminated, truncated, info
 
-    def _draw_targets(self) -> None:
-        """Draw targets of the episodes that begin."""
-        for i in np.flatnonzero(self._over):
+    def _draw_targets(self, indices: Iterable[int]) -> None:
+        """Draw targets of the environments with these `indices`."""
+        for i in indices:
             self.targets[i] = self._generators[i].uniform(self.task.low, self.task.high)
-            self._steps[i] = 0
 
     def _advance(self, state: tuple, commands: jax.Array, fresh: jax.Array) -> tuple:
         """State after a step, positions [SI], and whether all are in their tables."""
