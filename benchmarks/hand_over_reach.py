@@ -23,7 +23,7 @@ from fascicle import control, dynamics, fluid
 SUPPLY, DT, LENGTH = 413.7e3, 1e-3, 0.127
 SHAPE = (81, 121)  # of the muscles' tables: a quarter of the memory, and as good for a dip
 CASES = ((1, 0.15), (1, 0.2), (4, 0.15), (4, 0.2))
-LATE = (
+DELAYS = (
     ("nothing", None, 0.0),
     ("valves by 20 ms", 20e-3, 0.0),
     ("measurement by 20 ms", None, 20e-3),
@@ -39,7 +39,7 @@ class Result(NamedTuple):
 
 
 def draw_muscle(generator: np.random.Generator) -> fs.Muscle:
-    """A random truth."""
+    """Muscle with random differences from the model."""
     modulus, moment, rubber, wall, radius, braid, rate = generator.standard_normal(7)
     material = NOMINAL.material
     return NOMINAL.replace(
@@ -78,27 +78,29 @@ def start_at(plant: dynamics.Plant, force: float, strain: float) -> dynamics.Sta
     return dynamics.equilibrium_state(plant, [float(pressure[0]), 0.0])
 
 
-def _stacked(trees: list[Any]) -> tuple[list[Any], list[Any], Any]:
+def _stack(trees: list[Any]) -> tuple[list[Any], list[Any], Any]:
     """Leaves of `trees` with an axis of trees where they differ, the axes, and the structure."""
     columns = list(zip(*map(jax.tree.leaves, trees), strict=True))
-    same = [all(np.array_equal(x, column[0]) for x in column) for column in columns]
-    leaves = [c[0] if s else np.stack(c) for c, s in zip(columns, same, strict=True)]
-    return leaves, [None if s else 0 for s in same], jax.tree.structure(trees[0])
+    is_equal = [all(np.array_equal(x, column[0]) for x in column) for column in columns]
+    leaves = [c[0] if s else np.stack(c) for c, s in zip(columns, is_equal, strict=True)]
+    return leaves, [None if s else 0 for s in is_equal], jax.tree.structure(trees[0])
 
 
 def run_ramp(
     plants: list[dynamics.Plant], controller: Any, demand: np.ndarray, strain: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Forces [N] and air drawn [kg/s] of all `plants`, in one batch."""
-    leaves, axes, structure = _stacked(plants)
-    starts, start_axes, start_structure = _stacked(
+    leaves, axes, structure = _stack(plants)
+    starts, start_axes, start_structure = _stack(
         [start_at(plant, demand[0], strain) for plant in plants]
     )
 
     def simulate(leaves: list[Any], start: list[Any]) -> tuple[jax.Array, jax.Array]:
         plant = jax.tree.unflatten(structure, leaves)
-        begin = jax.tree.unflatten(start_structure, start)
-        run = dynamics.simulate(plant, controller, demand, dt=DT, start=begin, substeps=2).outputs
+        start_state = jax.tree.unflatten(start_structure, start)
+        run = dynamics.simulate(
+            plant, controller, demand, dt=DT, start=start_state, substeps=2
+        ).outputs
         force = jnp.sum(plant.lengths * plant.gains * run.forces, axis=-1)
         return force[1:], jnp.maximum(run.drawn, 0.0).sum(-1)[:-1]
 
@@ -124,9 +126,9 @@ def study(
         rows = []
         for plant, force, flow in zip(plants, forces, drawn, strict=True):
             most = 0.995 * float(plant.bundles[0].force([SUPPLY, SUPPLY], strain))
-            can = demand <= most
-            dip = control.metrics.drawdown(force, demand, can) / float(state.dip)
-            rows.append((dip, float(flow[can].sum()) * DT))
+            is_reachable = demand <= most
+            dip = control.metrics.drawdown(force, demand, is_reachable) / float(state.dip)
+            rows.append((dip, float(flow[is_reachable].sum()) * DT))
         results[policy] = Result(*np.array(rows).T)
     return results
 
@@ -135,15 +137,15 @@ def main(truths: int) -> None:
     """Print the table of the docs."""
     print("| | strain | late | dip: median | 90 % | worst | `threshold`: median | more air |")
     print("|---|---|---|---|---|---|---|---|")
-    for late, lag, delay in LATE:
+    for label, lag, delay in DELAYS:
         for count, strain in CASES:
             result = study(count, strain, truths, lag, delay)
-            plain, handed = result["threshold"], result["hand_over"]
-            dips = " | ".join(f"{x:.2f}" for x in np.quantile(handed.dip, (0.5, 0.9, 1.0)))
-            more = 100 * np.median(handed.air / plain.air - 1)
+            reference, hand_over = result["threshold"], result["hand_over"]
+            dips = " | ".join(f"{x:.2f}" for x in np.quantile(hand_over.dip, (0.5, 0.9, 1.0)))
+            more_air = 100 * np.median(hand_over.air / reference.air - 1)
             print(
-                f"| 1 + {count} | {strain:.2f} | {late} | {dips} |"
-                f" {np.median(plain.dip):.2f} | {more:+.1f} % |", flush=True,
+                f"| 1 + {count} | {strain:.2f} | {label} | {dips} |"
+                f" {np.median(reference.dip):.2f} | {more_air:+.1f} % |", flush=True,
             )  # fmt: skip
 
 
