@@ -10,8 +10,6 @@ _IN_A_HURRY = (
     "--xla_backend_optimization_level=0",
     "--xla_cpu_use_fusion_emitters=false",
     "--xla_cpu_parallel_codegen_split_count=1",
-    # not `call-inliner`: large loops that XLA's option keeps whole need it
-    "--xla_disable_hlo_passes=while-loop-invariant-code-motion",
 )
 
 

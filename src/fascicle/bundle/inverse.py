@@ -23,7 +23,7 @@ import numpy as np
 from ..core.array_namespace import is_numpy, where
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
-from ..core.module import tree_map, unique_indices
+from ..core.module import tree_leaves, tree_map, unique_indices
 from ..core.roots import guarded, stop_gradient
 from ..core.types import Numbers, Values
 from ..core.validation import (
@@ -260,9 +260,7 @@ def _least_energy(
 
 
 def _status(is_reached: Array, value: Array, force: Array) -> Array:
-    """Status of each demand of a `force` [N], of which `value` [N] is the nearest that is reached.
-    reached.
-    """
+    """Status of each demand of a `force` [N], of which the nearest reached is `value` [N]."""
     return np.where(is_reached, REACHED, np.where(value < force, ABOVE, BELOW))
 
 
@@ -319,6 +317,22 @@ def _solve_traced(
         arguments = tree_map(
             lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), arguments
         )
+        axes = np.ndim(arguments[2]) - len(shape)  # of `jax.vmap`: size 1 where nothing varies
+        sizes = np.broadcast_shapes(*(np.shape(x)[:axes] for x in tree_leaves(arguments)))
+        if all(np.shape(x)[:axes] == (1,) * axes for x in tree_leaves(arguments[:2])):
+            same_bundle = tree_map(lambda x: x.reshape(x.shape[axes:]), arguments[:2])
+            demands = (np.broadcast_to(x, sizes + x.shape[axes:]) for x in arguments[2:])
+            return solve_arrays(*same_bundle, *demands)
+
+        def solve_at(index: tuple[int, ...]) -> RecruitmentResult:
+            return solve_arrays(
+                *tree_map(lambda x: np.broadcast_to(x, sizes + x.shape[axes:])[index], arguments)
+            )
+
+        results = [solve_at(index) for index in np.ndindex(sizes)]
+        return tree_map(lambda *x: np.reshape(x, sizes + x[0].shape), *results)
+
+    def solve_arrays(*arguments: Any) -> RecruitmentResult:
         result = _solve(*arguments, scheme=scheme, resistance=resistance)
         result = result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
         return tree_map(lambda x, shape: np.asarray(x, shape.dtype), result, shapes)
@@ -338,7 +352,7 @@ def _solve_traced(
         unit=array_spec(int),
     )
     arguments = stop_gradient((bundle, supply, force, strain, *present))
-    result = jax.pure_callback(solve_by_numpy, shapes, *arguments, vmap_method="sequential")
+    result = jax.pure_callback(solve_by_numpy, shapes, *arguments, vmap_method="expand_dims")
     return _derivatives_for(scheme, resistance)(bundle, force, strain, supply, result)
 
 

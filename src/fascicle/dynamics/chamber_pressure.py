@@ -118,7 +118,9 @@ def muscle_volumes(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[
     """
     n, muscles = plant.counts, plant.muscles.at(pressures, strains)
     V, by_strain, by_pressure = plant.muscles.volumes(muscles, strains, plant.lengths)
-    return muscles, Volumes(n * V, n * by_strain, n * by_pressure)
+    result = muscles, Volumes(n * V, n * by_strain, n * by_pressure)
+    # else XLA computes the table anew for each use: a quarter more to compile, a tenth to run
+    return result if array_namespace(V) is np else lax.optimization_barrier(result)
 
 
 def assemble_chambers(

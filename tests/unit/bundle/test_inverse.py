@@ -242,6 +242,13 @@ def test_vmap_equals_the_batch():
     mapped = jax.vmap(lambda f, e: recruit(bundle, f, e))(force, strain)
     assert_allclose(mapped.pressures, batch.pressures, rtol=1e-12)
     assert mapped.state.tolist() == batch.state.tolist()
+    # two axes, one of which is the supply's
+    supplies = np.array([3e5, 4e5, 5e5])
+    mapped = jax.vmap(
+        lambda p: jax.vmap(lambda f: recruit(bundle, f, 0.05, supply=p).pressures)(force)
+    )(supplies)
+    expected = [recruit(bundle, force, 0.05, supply=p).pressures for p in supplies]
+    assert_allclose(mapped, expected, rtol=1e-12)
 
 
 def test_without_resistance_no_unit_pushes():
