@@ -839,3 +839,52 @@ def test_a_server_for_other_machines_starts_and_ends(browser, server):
         assert process.stdout.read().strip() == "stopped."
         page.get_by_text("The connection to fascicle is lost").wait_for(timeout=SLOW)
         page.close()
+
+
+def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
+    sent = []
+    page = visit("?tab=time&scenario=ramp_hand_over&policies=threshold,hand_over")
+    run_button = page.get_by_role("button", name="Run", exact=True)
+    # playwright takes no built-in method
+    page.on("websocket", lambda socket: socket.on("framesent", lambda x: sent.append(x)))  # noqa: PLW0108
+    page.reload()  # its connection is watched
+    until(page, READY)
+    run_button.click()
+    frames = source(page, "time_frames", "d => d.time.length > 1 && d.time.length")
+    # the numbers are those of the command
+    command = [sys.executable, "-m", "fascicle", "simulate", "ramp_hand_over", "--csv"]
+    done = subprocess.run([*command, "--policy", "threshold"], capture_output=True, text=True)
+    run = np.genfromtxt(io.StringIO(done.stdout), delimiter=",", names=True, deletechars="")
+    rows = np.searchsorted(run["time_[s]"], np.array(frames["time"]) - 1e-9)
+    pressures = source(page, "time_pressures")["ys"]
+    for unit in (1, 2):
+        expected = run[f"pressure_{unit}_[Pa]"][rows] / 1e3
+        np.testing.assert_allclose(pressures[unit - 1], expected, rtol=1e-9, atol=1e-9)
+    # the cursor and the drawing move, and the server hears nothing
+    cursor = "() => Bokeh.documents[0].get_model_by_name('cursor_force').location"
+    drawn = "() => Bokeh.documents[0].get_model_by_name('time_tubes').data.xs[1][12]"
+    before, tube = len(sent), page.evaluate(drawn)
+    page.get_by_role("button", name="▶ Play").press("Enter")
+    until(page, f"() => ({cursor})() > 1.5")
+    page.keyboard.press("Space")  # the button has the focus
+    stopped = page.evaluate(cursor)
+    page.wait_for_timeout(300)
+    assert page.evaluate(cursor) == stopped < 2.0
+    assert len(sent) == before > 0
+    assert abs(page.evaluate(drawn) - tube) > 5.0  # mm: the middle of a muscle that was collapsed
+    states = "() => Bokeh.documents[0].get_model_by_name('time_labels').data.label[1]"
+    assert page.evaluate(states) == "unit 2\npulling"
+    slider = handle(page, "Time")
+    slider.focus()
+    slider.press("ArrowRight")
+    until(page, f"old => ({cursor})() > old", arg=stopped)
+    page.evaluate("() => document.activeElement.blur()")
+    page.keyboard.press("Space")  # and with no focus at all
+    page.get_by_role("button", name="❚❚ Pause").wait_for()
+    # the files
+    with page.expect_download() as download:
+        page.get_by_text("Save CSV").click()
+    assert Path(download.value.path()).read_text() == done.stdout
+    with page.expect_download() as download:
+        page.get_by_text("Save SVG").click()
+    assert ET.parse(download.value.path()).getroot().tag.endswith("svg")  # noqa: S314 ours

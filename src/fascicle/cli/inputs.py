@@ -50,6 +50,15 @@ def _configure_jax(jax: Any) -> None:
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
+def jax_environment() -> dict[str, str]:
+    """Environment variables that set up JAX in a process of its own, as `load_laws` does here."""
+    variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
+    if (folder := cache_folder()) is not None:
+        variables["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+        variables["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"  # as above
+    return variables
+
+
 def cache_folder() -> Path | None:
     """Folder of compiled functions; `None` if it can't be written."""
     if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):

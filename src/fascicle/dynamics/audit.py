@@ -184,6 +184,28 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     return Audit(tuple(balances), events(run))
 
 
+def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
+    """Audit of a run, `None` for a chamber without a balance; and reasons not to trust the run."""
+    audited, doubts = None, []
+    try:
+        audited = audit(plant, run)
+    except ValueError as error:
+        doubts.append(str(error).rstrip("."))
+    doubts += [
+        f"the {balance.name} doesn't close: its residual is {balance.share:.1e} of its largest"
+        f" term, more than {balance.closes_within:g}"
+        + (f": {balance.remedy}" if balance.remedy else "")
+        for balance in (audited.balances if audited else ())
+        if not balance.closes
+    ]
+    doubts += [
+        f"{event.name} from {event.first:g} s, {event.words}"
+        for event in events(run)
+        if not event.trusted
+    ]
+    return audited, doubts
+
+
 def events(run: Trajectory) -> tuple[Event, ...]:
     """Events of a run, by their first time."""
     status, time, result = np.asarray(run.outputs.status), np.asarray(run.time), []

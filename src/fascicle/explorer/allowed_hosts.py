@@ -27,6 +27,7 @@ from .link import LONGEST
 LOOPBACK = ("127.0.0.1", "localhost", "::1")  # only this machine reaches them
 ANY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
 _MOST_KEYS, _LONGEST_VALUE = 64, 1000  # of a link; only a packed file is longer
+_FILES = ("file", "scenario_file")  # keys of packed files
 _MOST_DIGITS = 15  # Panel converts digits to numbers, and fails where Python does
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 _FRAMES = ("iframe", "frame", "embed", "object")  # elements that show a page inside another
@@ -134,7 +135,7 @@ def _reject_link(path: str, query: str) -> Reason | None:
     except ValueError:
         return 400, f"The link may have at most {_MOST_KEYS} parts."
     for key, value in pairs:
-        name, longest = sanitize_line(key, 40), LONGEST if key == "file" else _LONGEST_VALUE
+        name, longest = sanitize_line(key, 40), LONGEST if key in _FILES else _LONGEST_VALUE
         if len(key) + len(value) > longest + len("file"):
             text = f"In the link, `{name}` must be at most {longest} characters, got {len(value)}."
             return 400, text

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..bundle import Bundle, recruitment
@@ -130,7 +129,7 @@ def bundle_solids(view: View, top: float) -> BundleSolids:
     for i, unit in enumerate(bundle.motor_units):
         strain = view.strain
         if bundle.ratios is not None:
-            strain = float(muscle_strain(bundle.ratios[i], jnp.asarray(strain)))
+            strain = float(muscle_strain(bundle.ratios[i], np.asarray(strain)))
         curves = muscle_curves(unit.muscle, view.pressures[i], strain, view.supply, top)
         solids += [muscle_solid(unit.muscle, curves, strain, fibers)] * int(unit.count)
         owners += [i] * int(unit.count)

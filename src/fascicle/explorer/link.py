@@ -21,6 +21,7 @@ from ..files import dumps, example, examples, loads
 from ..muscle import Muscle
 from ..units import exact, parse
 from .muscle_curves import check_alternatives
+from .scenario_setup import open_setup, read_setup, setup_query
 from .state import DISPLAY_UNITS, MOST_UNITS, TABS, Unit, View, check_units, view_of
 from .widgets import message_in_units, unit_factor
 
@@ -29,9 +30,11 @@ LONGEST = 16_000  # characters of a packed file: servers and browsers take addre
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
 _MOST_SPLITS = 4  # more can't be told apart
 _TOO_LARGE = "left-out"  # instead of a larger file
+# in this order: the fields depend on the file
+_SETUP_KEYS = ("scenario_file", "scenario", "set", "policies")
 # in this order: the muscle's file has the number of units
 _KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "pressures",
-         "resistance", "path", "splits", "show", "tab", "compare")  # fmt: skip
+         "resistance", "path", "splits", "show", "tab", "compare", *_SETUP_KEYS)  # fmt: skip
 _CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PATHS, "tab": TABS}
 
 
@@ -62,7 +65,11 @@ def to_query(view: View) -> dict[str, str]:
         "show": ",".join(view.display_units[kind] for kind in DISPLAY_UNITS),
         "tab": view.tab,
     }
-    return query | ({"compare": ",".join(view.alternatives)} if view.alternatives else {})
+    if view.alternatives:
+        query["compare"] = ",".join(view.alternatives)
+    if view.setup.own:
+        query["scenario_file"] = pack(view.setup.own)
+    return query | setup_query(view.setup)
 
 
 def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
@@ -148,11 +155,8 @@ def _exact_text(value: float, dimension: str, unit: str = "") -> str:
 
 def _apply_key(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
     """The `view` with the `text` of a `key` of a `query`; `ValueError` for an invalid one."""
-    if key == "muscle":
-        return view if "file" in query else view_of(example(text), text, view)
-    if key == "file":
-        name = query.get("name", "linked")[:60]
-        return view_of(loads(unpack(text), source=name), name, view)
+    if key in ("muscle", "file"):
+        return _open_muscle(view, key, text, query)
     if key == "units":
         units = tuple(_parse_unit(unit, text) for unit in text.split(",")[: MOST_UNITS + 1])
         check_units(units)
@@ -165,8 +169,22 @@ def _apply_key(view: View, key: str, text: str, query: Mapping[str, str]) -> Vie
             rule = f"must be one of {', '.join(_CHOICES[key])}"
             raise InvalidInputError(key, rule, text[:40])
         return replace(view, **{key: text})
-    name, parse_field = _FIELDS[key]
-    return replace(view, **{name: parse_field(text)})
+    if key in _FIELDS:
+        name, parse_field = _FIELDS[key]
+        return replace(view, **{name: parse_field(text)})
+    if key == "scenario_file":
+        setup = open_setup(unpack(text), query.get("scenario", "linked")[:60])
+    else:
+        setup = read_setup(view.setup, key, text)
+    return replace(view, setup=setup)
+
+
+def _open_muscle(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
+    """View of the example or the packed file in a link; the file comes first."""
+    if key == "muscle":
+        return view if "file" in query else view_of(example(text), text, view)
+    name = query.get("name", "linked")[:60]
+    return view_of(loads(unpack(text), source=name), name, view)
 
 
 def _parse_unit(unit: str, text: str) -> Unit:

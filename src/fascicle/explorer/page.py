@@ -24,6 +24,7 @@ from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
 from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
+from .time_tab import TimeView
 from .widgets import Message, button, dropdown, widget
 
 
@@ -47,6 +48,7 @@ _VIEWS: dict[str, Callable[..., Any]] = {
     "bundle": BundleView,
     "reversal": ReversalView,
     "efficiency": EfficiencyView,
+    "time": TimeView,
     "data": DataView,
 }
 

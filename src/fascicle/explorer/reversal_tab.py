@@ -18,7 +18,7 @@ from .remarks import remarks_html
 from .state import Session, View
 from .tab import LatestResult, Tab
 from .theme import column, pane, row
-from .widgets import html_table, status_line, widget
+from .widgets import html_legend, html_table, status_line, widget
 
 
 POINTS = 97  # of pressure: steps of 4 kPa at 60 psi, smooth on a screen
@@ -149,7 +149,7 @@ class ReversalView(Tab):
         ]
         columns = map(list, zip(*reversals, strict=True)) if reversals else ([],) * 4
         self._turns.data = dict(zip(("x", "y", "color", "label"), columns, strict=True))
-        self._legend.object = _html_legend([
+        self._legend.object = html_legend([
             *((curve.name, color, "solid") for curve, color in zip(curves, colors, strict=True)),
             ("without resistance", self.colors.soft, "dashed"),
         ])  # fmt: skip
@@ -168,12 +168,3 @@ class ReversalView(Tab):
             for curve in curves
         ]  # fmt: skip
         self._table.object = html_table(("split", "reversal at", "depth [–]", "course"), rows)
-
-
-def _html_legend(curves: list[tuple[str, str, str]]) -> str:
-    """A legend that wraps: name, color and CSS line style of each of the `curves`."""
-    entries = "".join(
-        f'<span><i style="border-top-style:{line};border-top-color:{color}"></i>{name}</span>'
-        for name, color, line in curves
-    )
-    return f'<div class="legend">{entries}</div>'

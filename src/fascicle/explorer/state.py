@@ -17,9 +17,10 @@ from ..core.module import with_fields
 from ..files import dumps
 from ..muscle import Muscle
 from ..muscle.fitted_length import copy_fit_info
+from .scenario_setup import Setup
 
 
-TABS = ("muscle", "bundle", "reversal", "efficiency", "data")
+TABS = ("muscle", "bundle", "reversal", "efficiency", "time", "data")
 DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
@@ -43,7 +44,7 @@ class View:
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
     `distance` between the plates [m], where muscles differ; `alternatives` to the muscle's
-    laws, such as `buckling:elastica`; `display_units` by dimension.
+    laws, such as `buckling:elastica`; `display_units` by dimension; the `setup` of a simulation.
     """
 
     name: str
@@ -63,6 +64,7 @@ class View:
         default_factory=lambda: {kind: units[0] for kind, units in DISPLAY_UNITS.items()}
     )
     tab: str = TABS[0]
+    setup: Setup = Setup()
 
     @property
     def bundle(self) -> Bundle:
@@ -93,7 +95,7 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        names = ("display_units", "tab", "resistance", "path", "splits")
+        names = ("display_units", "tab", "resistance", "path", "splits", "setup")
         view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
         return replace(view, units=(Unit(), Unit()), pressures=(SUPPLY, SUPPLY))

@@ -81,9 +81,14 @@ def is_computing() -> bool:
 class LatestResult:
     """Result of the latest request; results of earlier ones are dropped."""
 
-    def __init__(self, show: Callable[[Any], None], fail: Callable[[ValueError | str], None]):
-        """On the loop, `show` takes a result, and `fail` an error."""
-        self._show, self._fail = show, fail
+    def __init__(
+        self,
+        show: Callable[[Any], None],
+        fail: Callable[[ValueError | str], None],
+        workers: ThreadPoolExecutor = _WORKERS,
+    ):
+        """On the loop, `show` takes a result, and `fail` an error; `workers` are its threads."""
+        self._show, self._fail, self._workers = show, fail, workers
         self._latest: Callable[[], Any] | None = None
         self._busy = False
 
@@ -111,7 +116,7 @@ class LatestResult:
             if doc.session_context and not doc.session_context.destroyed:
                 doc.add_next_tick_callback(lambda: deliver(future.result()))
 
-        future = _WORKERS.submit(_attempt, compute)
+        future = self._workers.submit(_attempt, compute)
         _RUNNING.add(future)
         future.add_done_callback(done)
 

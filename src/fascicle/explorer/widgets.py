@@ -264,3 +264,12 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = [f"<th>{'</th><th>'.join(heads)}</th>"]
     lines += [f"<td>{'</td><td>'.join(row)}</td>" for row in rows]
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"
+
+
+def html_legend(curves: list[tuple[str, str, str]]) -> str:
+    """A legend that wraps: name, color and CSS line style of each of the `curves`."""
+    entries = "".join(
+        f'<span><i style="border-top-style:{line};border-top-color:{color}"></i>{name}</span>'
+        for name, color, line in curves
+    )
+    return f'<div class="legend">{entries}</div>'

@@ -204,7 +204,7 @@ def policy_rows(
 ) -> list[list[str]]:
     """Rows of the table of policies: `runs` by policy [SI], and those on the `front`."""
     factor, _ = display_unit(plant, quantity)
-    reference = runs[_REFERENCE].worth.supply_energy
+    reference = runs[_REFERENCE].worth.supply_energy if _REFERENCE in runs else 0.0
     rows = []
     for (name, run), on_front in zip(runs.items(), front, strict=True):
         value = run.worth

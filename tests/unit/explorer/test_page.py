@@ -8,7 +8,7 @@ from bokeh.models import ColumnDataSource
 import fascicle as fs
 from fascicle.explorer import panel
 from fascicle.explorer.page import Header
-from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.state import TABS, Session, view_of
 from fascicle.plot.theme import LIGHT
 
 
@@ -51,7 +51,7 @@ def test_a_file_is_not_saved_under_the_name_of_its_input(header):
 def test_sliders_of_a_cell_move_the_curve(target):
     layout = panel(target)
     (tabs,) = layout.select(pn.Tabs)
-    assert len(tabs) == 5
+    assert len(tabs) == len(TABS)
     sliders = layout.select(pn.widgets.FloatSlider)
     pressure = next(slider for slider in sliders if slider.label.startswith("Pressure P ["))
     (curve,) = (

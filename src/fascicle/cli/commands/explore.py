@@ -7,7 +7,7 @@ from pathlib import Path
 from ...core.errors import require
 from .. import options
 from ..errors import user_errors
-from ..inputs import read_target
+from ..inputs import jax_environment, read_target
 from ..options import option
 from ..outputs import print_line
 
@@ -28,6 +28,8 @@ def run(
     require("panel")
     _print_at_once("starting")
     target = read_target(file)
+    for name, value in jax_environment().items():  # of the processes that simulate
+        os.environ.setdefault(name, value)
     from ...explorer.server import serve
     from ...explorer.state import view_of
     from ...explorer.tab import is_computing

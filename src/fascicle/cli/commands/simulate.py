@@ -66,6 +66,7 @@ def run(
 
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
+    from ...dynamics.audit import audit_run
     from ...results.tables import simulated
 
     with user_errors():
@@ -100,6 +101,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
     from ...control import POLICIES
+    from ...dynamics.audit import audit_run
     from ...plot.trajectory import PolicyCosts, policies
     from ...reports import simulation as pages
     from ...results.tables import policy_table
@@ -146,30 +148,6 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     if report is not None:
         _write_report(report, outputs, pages.policy_report(study, runs, front, figure(), _today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
-
-
-def audit_run(plant: Any, result: Any) -> tuple[Any, list[str]]:
-    """Audit of a run, `None` for a chamber without a balance; and reasons not to trust the run."""
-    from ...dynamics import audit, events
-
-    audited, doubts = None, []
-    try:
-        audited = audit(plant, result)
-    except ValueError as error:
-        doubts.append(str(error).rstrip("."))
-    doubts += [
-        f"the {balance.name} doesn't close: its residual is {balance.share:.1e} of its largest"
-        f" term, more than {balance.closes_within:g}"
-        + (f": {balance.remedy}" if balance.remedy else "")
-        for balance in (audited.balances if audited else ())
-        if not balance.closes
-    ]
-    doubts += [
-        f"{event.name} from {event.first:g} s, {event.words}"
-        for event in events(result)
-        if not event.trusted
-    ]
-    return audited, doubts
 
 
 def _today() -> str:

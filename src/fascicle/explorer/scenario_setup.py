@@ -1,0 +1,212 @@
+"""A scenario of the page: its file, the values that a visitor changes, and the policies to compare.
+
+The file's text is edited, not written anew: comments and all other keys stay. Nothing here imports
+the simulator.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import tomlkit
+
+from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
+from ..files.muscle_files import parse_file
+from ..files.shipped_files import example_text, named_muscles, scenarios
+from ..units import exact, parse
+
+
+# as `control.POLICIES`, which takes the simulator to import, and the choice among them
+POLICIES = ("orderly", "batch", "threshold", "energy_aware", "hand_over", "pre_charge",
+            "fast_cross", "auto")  # fmt: skip
+DEFAULT = "raise_1_4"
+LARGEST_FILE = 100_000  # bytes: a hundred times the shipped ones
+_MOST_VALUES = 40  # in a link: two valves of each of twenty motor units
+# value that stands for the load, by its kind: key, label and dimension
+_LOADS = {
+    "hanging_mass": ("mass", "Mass of the load", "mass"),
+    "inertia_spring_damper": ("mass", "Mass of the load", "mass"),
+    "antagonistic_joint": ("inertia_moment", "Inertia of the load", "inertia_moment"),
+    "prescribed_motion": ("mean", "Contraction, held", "length"),
+}
+# values that stand for a valve's size: label and dimension
+_SIZES = {
+    "C": ("C", "sonic_conductance"),
+    "area": ("area", "area"),
+    "nominal_flow": ("flow", "volume_flow"),
+    "Kv": ("Kv", "volume_flow"),
+    "Cv": ("Cv", "number"),
+}
+_VALVES = {"valve": "Valve", "exhaust_valve": "Exhaust"}
+
+
+class ScenarioValue(NamedTuple):
+    """A quantity in a scenario's file that the page can change.
+
+    Its `path`, such as "valve.C.0", `label`, `dimension` and `value` [SI].
+    """
+
+    path: str
+    label: str
+    dimension: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is to be simulated.
+
+    `name` of the scenario; `own` text of a visitor's file, empty for a shipped one; changed
+    `values` [SI] by path; `policies` to compare, none for that of the file.
+    """
+
+    name: str = DEFAULT
+    own: str = ""
+    values: tuple[tuple[str, float], ...] = ()
+    policies: tuple[str, ...] = ()
+
+    @property
+    def source(self) -> str:
+        """Text of the scenario's file, unchanged."""
+        return self.own or example_text(self.name)
+
+    @property
+    def has_control(self) -> bool:
+        """True for a scenario with [control], whose policy can be changed."""
+        return isinstance(_tables(self.source, self.name).get("control"), dict)
+
+    @property
+    def fields(self) -> list[ScenarioValue]:
+        """Quantities that can be changed, with their present values."""
+        values = dict(self.values)
+        return [field._replace(value=values.get(field.path, field.value))
+                for field in _fields(self.source, self.name)]  # fmt: skip
+
+    def change(self, path: str, value: float) -> "Setup":
+        """Change the quantity at a `path` to a `value` [SI]; `ValueError` if there is none."""
+        original = {field.path: field.value for field in _fields(self.source, self.name)}
+        check_choice(path, original, "set")
+        values = {**dict(self.values), path: value}
+        changed = tuple((key, x) for key, x in values.items() if x != original[key])
+        return replace(self, values=changed)
+
+    def text(self, policy: str = "") -> str:
+        """Text of the file with the changed values, and another `policy` if there is one."""
+        document: Any = tomlkit.parse(self.source)
+        dimensions = {field.path: field.dimension for field in _fields(self.source, self.name)}
+        for path, value in self.values:
+            *keys, last = (int(key) if key.isdigit() else key for key in path.split("."))
+            table = document
+            for key in keys:
+                table = table[key]
+            table[last] = exact(value, dimensions[path])
+        if policy and self.has_control and document["control"].get("policy") != policy:
+            document["control"]["policy"] = policy
+        return tomlkit.dumps(document)
+
+
+def open_setup(text: str, name: str) -> Setup:
+    """Setup of a visitor's file; `ValueError`, in one line, for one that the page can't run."""
+    data = parse_file(text, name)
+    if not {"load", "run", "schedule"} & data.keys():
+        raise ValueError(
+            f"{name}: this is no scenario, without [load] and [run]: open a muscle or bundle at the"
+            " top of the page."
+        )
+    bundles = data.get("bundle")
+    for bundle in bundles if isinstance(bundles, list) else [bundles]:
+        if isinstance(bundle, str) and bundle not in named_muscles():
+            raise ValueError(_file_message(name, f"bundle = {bundle[:60]!r}"))
+    hysteresis = data.get("hysteresis")
+    if isinstance(hysteresis, dict) and hysteresis.get("kind") == "measured":
+        raise ValueError(_file_message(name, 'hysteresis: kind = "measured"'))
+    return Setup(name, text)
+
+
+def _file_message(name: str, key: str) -> str:
+    return (
+        f"{name}: {key} names another file, which the page can't read: name a shipped bundle, write"
+        " its values into this file, or use `fascicle simulate`."
+    )
+
+
+@lru_cache(maxsize=64)  # the fields are asked for at each change
+def _tables(text: str, name: str) -> Mapping[str, Any]:
+    return parse_file(text, name)
+
+
+@lru_cache(maxsize=64)  # as `_tables`
+def _fields(text: str, name: str) -> tuple[ScenarioValue, ...]:
+    """Quantities of a file that can be changed, with its own values."""
+    return tuple(_read_fields(_tables(text, name)))
+
+
+def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:
+    rows: list[tuple[str, str, str, Any]] = []
+    load, supply = data.get("load"), data.get("supply")
+    if isinstance(load, dict) and load.get("kind") in _LOADS:
+        key, label, dimension = _LOADS[load["kind"]]
+        rows.append((f"load.{key}", label, dimension, load.get(key)))
+    if isinstance(supply, dict):
+        rows.append(("supply.pressure", "Supply pressure", "pressure", supply.get("pressure")))
+    for section, name in _VALVES.items():
+        valve = data.get(section)
+        for key, (label, dimension) in _SIZES.items():
+            value = valve.get(key) if isinstance(valve, dict) else None
+            path, text = f"{section}.{key}", f"{name} {label}"
+            if isinstance(value, list):
+                rows += [
+                    (f"{path}.{i}", f"{text}, unit {i + 1}", dimension, x)
+                    for i, x in enumerate(value)
+                ]
+            else:
+                rows.append((path, text, dimension, value))
+    for path, label, dimension, text in rows:
+        try:
+            yield ScenarioValue(path, label, dimension, parse(text, dimension))
+        except (ValueError, TypeError):  # missing, or an error that the run reports
+            continue
+
+
+# the link
+
+
+def setup_query(setup: Setup) -> dict[str, str]:
+    """Parts of the link of a `setup`, by key, without the file; none of the default one."""
+    if setup == Setup():
+        return {}
+    dimensions = {field.path: field.dimension for field in setup.fields}
+    query = {"scenario": setup.name}
+    if setup.values:
+        query["set"] = ",".join(
+            f"{path}:{exact(value, dimensions[path]).replace(' ', '')}"
+            for path, value in setup.values
+        )
+    return query | ({"policies": ",".join(setup.policies)} if setup.policies else {})
+
+
+def read_setup(setup: Setup, key: str, text: str) -> Setup:
+    """The `setup` with the `text` of a `key` of a link; `ValueError` for an invalid one."""
+    if key == "scenario":
+        if setup.own:  # the name of the file that is in the link
+            return replace(setup, name=text[:60])
+        return Setup(check_choice(text, scenarios(), "scenario"))
+    if key == "policies":
+        return replace(setup, policies=check_policies(setup, text.split(",")))
+    for part in text.split(",")[:_MOST_VALUES]:
+        path, _, value = part.partition(":")
+        dimensions = {field.path: field.dimension for field in setup.fields}
+        setup = setup.change(path, parse(value, dimensions.get(path, "number"), "set"))
+    return setup
+
+
+def check_policies(setup: Setup, policies: list[str]) -> tuple[str, ...]:
+    """Check `policies` of a `setup`, and return them in the order of `POLICIES`."""
+    if policies and not setup.has_control:
+        rule = "need a scenario with [control]: this one is commanded by a schedule"
+        raise InvalidInputError("policies", rule, None)
+    for policy in policies:
+        check_choice(policy, POLICIES, "policies")
+    return tuple(policy for policy in POLICIES if policy in policies)

@@ -1,0 +1,273 @@
+"""The tab of a simulation: its setup and link, its numbers, its drawing and film, and its jobs."""
+
+import io
+import itertools
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import fascicle as fs
+from fascicle import control
+from fascicle.core.errors import InvalidInputError
+from fascicle.dynamics.audit import TABULATED
+from fascicle.explorer import time_film, time_run
+from fascicle.explorer.link import from_query, to_query
+from fascicle.explorer.scenario_setup import POLICIES, Setup, open_setup
+from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.time_run import MOST_SAMPLES, sample_rows
+from fascicle.explorer.time_tab import TimeView
+from fascicle.explorer.worker import CanceledError, Job
+from fascicle.files import example_text, loads_scenario
+from fascicle.plot.theme import LIGHT
+from fascicle.results.tables import simulated
+
+
+NAME = "raise_1_4"
+START = replace(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"), tab="time")
+CHANGED = Setup(NAME).change("load.mass", 5.5).change("valve.C.1", 5e-9)
+
+
+def silent(stage):
+    del stage
+
+
+@pytest.fixture(scope="module")
+def result():
+    text = CHANGED.text()
+    return time_run.simulate(silent, text, NAME, ("threshold", "hand_over"))
+
+
+@pytest.fixture
+def tab(result):
+    view = TimeView(Session(START), LIGHT)
+    view.session.change(setup=Setup(NAME))
+    view.refresh()
+    view._show_result((CHANGED, result))
+    return view
+
+
+# the setup
+
+
+def test_the_policies_are_those_of_the_library():
+    assert (*control.POLICIES, "auto") == POLICIES
+
+
+def test_a_change_keeps_every_other_key_and_comment():
+    setup = Setup("ramp_1_4").change("valve.C.1", 5e-9).change("supply.pressure", 4e5)
+    before, after = example_text("ramp_1_4"), setup.text("threshold")
+    lines = [pair for pair in zip(before.splitlines(), after.splitlines(), strict=True)
+             if pair[0] != pair[1]]  # fmt: skip
+    assert [new.partition("#")[0].strip() for _, new in lines] == [
+        'pressure = "400 kPa"', 'C = ["0.1 L/(s*bar)", "0.5 L/(s*bar)"]', 'policy = "threshold"',
+    ]  # fmt: skip
+    assert all(old.partition("#")[2] == new.partition("#")[2] for old, new in lines)
+    assert setup.change("valve.C.1", 4e-9).change("supply.pressure", 413.7e3) == Setup("ramp_1_4")
+
+
+def test_a_link_holds_the_setup_and_a_visitors_file():
+    own = open_setup("# mine\n" + example_text("lift_gas"), "mine.toml")
+    for setup in (
+        Setup(),
+        Setup("ramp_1_4", policies=("threshold", "auto")).change("load.mean", 0.02),
+        own.change("load.mass", 9.0).change("valve.C", 2e-9),
+    ):
+        view = replace(START, setup=setup)
+        again, errors = from_query(to_query(view), START)
+        assert again.setup == setup and not errors
+
+
+@pytest.mark.parametrize(
+    ("query", "message"),
+    [
+        ({"scenario": "lift"}, "scenario"),
+        ({"scenario": "lift_gas", "policies": "threshold"}, "commanded by a schedule"),
+        ({"scenario": "ramp_1_4", "policies": "none"}, "policies"),
+        ({"scenario": "ramp_1_4", "set": "run.duration:9s"}, "set"),
+        ({"scenario": "ramp_1_4", "set": "load.mean:9kPa"}, "9kPa"),
+        ({"scenario_file": "AAAA"}, "no file that this explorer has packed"),
+    ],
+)
+def test_a_bad_link_is_refused_by_its_key(query, message):
+    view, (error,) = from_query(query, START)
+    assert message in error and view.setup.values == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("kim2021_bundle_1_4", "../secret.toml"), "another file"),
+        (("[run]", '[hysteresis]\nkind = "measured"\nmuscle = "a.toml"\n\n[run]'), "another file"),
+        (("format = 1", "format = 2"), "format"),
+        (("[load]", "[load"), "line"),
+    ],
+)
+def test_a_file_that_the_page_cant_run_is_refused(change, message):
+    text = example_text("lift_gas")
+    assert change[0] in text
+    with pytest.raises(ValueError, match=message):
+        open_setup(text.replace(*change), "mine.toml")
+
+
+def test_a_muscle_is_no_scenario():
+    with pytest.raises(ValueError, match="without"):
+        open_setup(example_text("kim2021_figure_6"), "muscle.toml")
+
+
+# the numbers
+
+
+@pytest.mark.parametrize("moments", [2, MOST_SAMPLES, MOST_SAMPLES + 1, 4001, 20_001])
+def test_samples_are_even_and_end_with_the_run(moments):
+    rows = sample_rows(moments)
+    assert rows[0] == 0 and rows[-1] == moments - 1 and len(rows) <= MOST_SAMPLES + 1
+    assert len(set(np.diff(rows)[:-1])) <= 1
+
+
+def test_the_saved_scenario_gives_the_numbers_of_the_page(tab, result, tmp_path):
+    tab.session.change(setup=replace(CHANGED, policies=("threshold", "hand_over")))
+    tab.drawn.value = "threshold"
+    stem, raw = tab._scenario_file()
+    path = tmp_path / f"{stem}.toml"
+    path.write_bytes(raw)
+    scenario = fs.load(path)
+    assert scenario.control.policy == "threshold"
+    run = scenario.run()
+    rows = sample_rows(len(run.time))
+    pressures = np.array(tab._curves[2].data["ys"][:2])  # kPa
+    wanted, position, *_ = tab._curves[1].data["ys"]
+    reference = scenario.control.reference[np.minimum(rows, len(run.time) - 2)]
+    force = np.sum(run.outputs.forces, axis=1)[rows]
+    for shown, expected in (
+        (pressures.T, run.outputs.pressures[rows] / 1e3),
+        (wanted, 1e3 * reference),
+        (position, 1e3 * run.outputs.position[rows]),
+        (tab._curves[0].data["ys"][0], force),
+    ):
+        np.testing.assert_allclose(shown, expected, rtol=1e-12, atol=1e-12)  # rounding of units
+    metrics = control.control_metrics(scenario.control.controller, run, scenario.control.reference)
+    assert f"<td>{1e3 * metrics.drawdown:.4g}</td>" in tab._table.object
+    table = simulated(scenario.plant, run, fs.dynamics.audit(scenario.plant, run),
+                      scenario.control.controller, scenario.control.reference)  # fmt: skip
+    assert tab._csv()[1].decode() == table.to_csv()
+
+
+def test_energies_of_the_chart_are_balanced(tab):
+    supplied, lost, stored, work = map(np.array, tab._curves[4].data["ys"])
+    assert supplied[-1] > 1.0
+    left = np.abs(supplied - lost - stored - work)
+    # two balances of tabulated muscles, each of which closes so far
+    assert left.max() < 2 * TABULATED * np.abs(supplied).max()
+
+
+def test_the_drawing_is_the_laws(result):
+    run = result.runs[1]
+    scenario = loads_scenario(CHANGED.text("hand_over"), NAME)
+    muscle = scenario.plant.bundles[0].motor_units[1].muscle
+    strain = run.table["strain"].values[run.rows, 1]
+    pressure = np.maximum(run.table["pressure"].values[run.rows, 1], 0.0)
+    regions = np.array([int(muscle.response(P, eps).region) for P, eps in
+                        zip(pressure[::50], strain[::50], strict=True)])  # fmt: skip
+    np.testing.assert_array_equal(run.drawing.states[::50, 1], regions)
+    assert len(set(regions.tolist())) > 1  # it is collapsed, and pulls later
+    ends = run.drawing.tubes[:, 1, [0, -1, 24, 25], 1].astype(float)
+    length = ends[:, :2].mean(axis=1) - ends[:, 2:].mean(axis=1)
+    np.testing.assert_allclose(length, 1e3 * 0.127 * (1 - strain), atol=1e-3)  # single precision
+    assert [unit for unit, _ in run.drawing.muscles] == [0, 1, 1, 1, 1]
+
+
+def test_the_film_lasts_as_long_as_the_run(tab, monkeypatch):
+    monkeypatch.setattr(time_film, "MOST_FRAMES", 5)
+    job = tab._film_job()
+    function, arguments = job._call
+    image = Image.open(io.BytesIO(function(silent, *arguments)))
+    assert image.n_frames == 5
+    frames = []
+    for number in range(5):
+        image.seek(number)
+        frames.append((image.info["duration"], np.asarray(image.convert("RGB"))))
+    assert sum(duration for duration, _ in frames) == 4000  # ms
+    assert all(np.any(a != b) for (_, a), (_, b) in itertools.pairwise(frames))
+
+
+# jobs
+
+
+def test_a_job_can_be_canceled_and_the_next_one_runs():
+    job, errors = Job(time_run.simulate, example_text("ramp_1_4"), "ramp_1_4", ()), []
+
+    def run():
+        try:
+            job()
+        except CanceledError as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    while job.stage != "reading the scenario":
+        time.sleep(0.05)
+    job.cancel()
+    thread.join()
+    assert len(errors) == 1
+    with pytest.raises(ValueError, match=r"late\.toml"):
+        Job(time_run.simulate, "format = 1\n[load]\n", "late.toml", ())()
+    with pytest.raises(CanceledError):
+        job()
+
+
+def test_a_long_run_is_refused():
+    text = example_text("lift_gas").replace('"6 s"', '"60 s"')
+    with pytest.raises(ValueError, match=r"20000 steps here, got 60000"):
+        time_run.simulate(silent, text, "long.toml", ())
+
+
+# the page
+
+
+def test_the_explorer_starts_without_jax():
+    code = (
+        "import sys, fascicle as fs; from fascicle.explorer import server, page, state;"
+        "view = state.view_of(fs.example('kim2021_figure_6'), 'kim2021_figure_6');"
+        "session = state.Session(view); page.build(session); session.change(tab='time');"
+        "print('jax' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
+
+
+def test_without_jax_the_tab_says_what_to_install(monkeypatch):
+    monkeypatch.setattr("fascicle.core.errors.find_spec", lambda _: None)
+    tab = TimeView(Session(START), LIGHT)
+    tab.refresh()
+    assert "pip install &#x27;fascicle[jax]&#x27;" in tab.message.text and tab.run.disabled
+
+
+def test_a_changed_field_asks_for_another_run(tab):
+    tab._show_notes()
+    assert "press Run" in tab.notes.object
+    tab.session.change(setup=CHANGED)
+    tab.draw(tab.session.view)
+    assert "press Run" not in tab.notes.object
+    tab._inputs["load.mass"].input.value = "-1 kg"
+    assert dict(tab.session.view.setup.values)["load.mass"] == -1.0  # the run refuses it
+    tab._inputs["load.mass"].input.value = "5 kPa"
+    assert "Mass of the load" in tab._inputs["load.mass"].message.text
+
+
+def test_a_file_is_opened_and_refused(tab):
+    tab.file.param.update(value=example_text("lift_oil").encode(), filename="mine.toml")
+    assert tab.session.view.setup.name == "mine.toml"
+    assert not tab.policies.visible
+    tab.file.param.update(value=b"\xff\xfe", filename="bad.toml")
+    assert "bad.toml: not a text file in UTF-8" in tab.message.text
+    assert tab.session.view.setup.name == "mine.toml"
+    with pytest.raises(InvalidInputError):
+        tab.session.view.setup.change("run.duration", 1.0)
+    stem, raw = tab._scenario_file()
+    assert stem != "mine" and raw.decode() == example_text("lift_oil")
