@@ -37,9 +37,9 @@ class Scales(NamedTuple):
     """Factors of a draw on the drawing's sizes and on forces, and what it adds to angles [rad]."""
 
     length: Float[Array, " draw"]
-    radius: Float[Array, "draw unit"]
-    wall: Float[Array, "draw unit"]
-    angle: Float[Array, "draw unit"]
+    radius: Float[Array, " draw"]
+    wall: Float[Array, " draw"]
+    angle: Float[Array, " draw"] | Float[Array, "draw unit"]
     force: Float[Array, " draw"]
 
 
@@ -97,9 +97,9 @@ def _scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
     turn = np.asarray(kinds.braid_angle - drawing.braid_angle)
     return Scales(
         jnp.asarray(draws.length * length),
-        jnp.asarray(radius[:, None] * np.ones(draws.wall.shape)),
-        jnp.asarray(wall[:, None] * draws.wall),
-        jnp.asarray(draws.angle + turn[:, None]),
+        jnp.asarray(radius),
+        jnp.asarray(draws.wall * wall),
+        jnp.asarray(draws.angle + turn),
         jnp.asarray(draws.force),
     )
 
@@ -121,15 +121,14 @@ def drawn_objectives(
     `kinds`: the drawing in each draw, on the first axis of all its numbers; `counts` and `sizes`:
     of the design by unit; `needs`: of the objectives beyond the task's points.
     """
-    units = sizes.radius.size
 
     def objectives(draw: tuple[Muscle, Scales]) -> Array:
         kind, scale = draw
         drawn = Sizes(
             sizes.length * scale.length,
-            sizes.radius * scale.radius[:units],
-            sizes.wall * scale.wall[:units],
-            jnp.clip(sizes.angle + scale.angle[:units], SMALLEST_ANGLE, LARGEST_ANGLE),
+            sizes.radius * scale.radius,
+            sizes.wall * scale.wall,
+            jnp.clip(sizes.angle + scale.angle, SMALLEST_ANGLE, LARGEST_ANGLE),
         )
         demanded = with_fields(demand, force=demand.force / scale.force)
         outcome = design_outcome(kind, counts, drawn, demanded, needs, resolution)
@@ -186,11 +185,10 @@ def sensitivities(
         material = getattr(kinds.material, name) * jnp.asarray(factors[name])
         kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
     counts, sizes = _counts_and_sizes(designs, index, task)
-    every_unit = np.ones((len(draws), sizes.radius.size))
     scales = Scales(
         jnp.asarray(factors["length"]),
-        jnp.asarray(factors["outer_radius"][:, None] * every_unit),
-        jnp.asarray(factors["wall_thickness"][:, None] * every_unit),
+        jnp.asarray(factors["outer_radius"]),
+        jnp.asarray(factors["wall_thickness"]),
         jnp.asarray((factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)),
         jnp.ones(len(draws)),
     )

@@ -71,7 +71,7 @@ def spread(
     """
     limits, scatter = with_reach_limits(limits), Scatter() if scatter is None else scatter
     names = check_objectives([*objectives, *limits], task.scheme)
-    sample = sample_draws(scatter, designs.counts.shape[1], draws, seed)
+    sample = sample_draws(scatter, draws, seed)
     if muscles is None and _batches_apply(designs, task, names):
         values = batch_objectives(designs, task, names, sample)
     else:
@@ -190,7 +190,6 @@ def _spread(
     names = tuple(result.values) if names is None else names
     drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
     limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
-    # all designs of a search have as many columns of units, so that they share their draws
     return spread(
         result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
         uncertainty.muscles, draws,

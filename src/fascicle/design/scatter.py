@@ -1,11 +1,12 @@
 r"""Spread of a design's objectives over bundles as they are made, and over the model's error.
 
-A draw changes what no two muscles have alike, from fabrication, (D2); the material and the laws'
+A draw changes the sizes of a bundle's muscles, by fabrication, (D2); the material and the laws'
 numbers, from a calibrated muscle's covariance; and all forces by one factor,
 $\exp(\sigma z)$ with a standard normal $z$, the model's error $\sigma$. Calibrated sizes change in
-proportion. **Assumes** that the muscles of a unit come out alike, so that their scatter doesn't
-average out, that a bundle's are cut to one length, and that the model is wrong by the same share
-everywhere.
+proportion. **Assumes** that the muscles of a bundle are one batch, whose lengths, walls and braid
+angles deviate alike, and that the model is wrong by the same share everywhere. Deviations of single
+muscles, which average out over a bundle, aren't drawn: so the same muscles are as safe in one motor
+unit as in several.
 
 A bundle whose forces are $f$ times as large meets the demand $F$ in the state in which the
 drawn one meets $F/f$: draws are evaluated together as designs are, with demands of their own.
@@ -70,22 +71,17 @@ class Draws(NamedTuple):
     """Factors on `length`, `wall` and `force` [-], and what is added to the braid `angle` [rad]."""
 
     length: Float[np.ndarray, " draw"]
-    wall: Float[np.ndarray, "draw unit"]
-    angle: Float[np.ndarray, "draw unit"]
+    wall: Float[np.ndarray, " draw"]
+    angle: Float[np.ndarray, " draw"]
     force: Float[np.ndarray, " draw"]
 
-    def take(self, index: slice) -> "Draws":
-        """The draws with an `index`."""
-        return Draws(*(x[index] for x in self))
 
-
-def sample_draws(scatter: Scatter, units: int, draws: int, seed: int = 0) -> Draws:
-    """Draw the fabrication of bundles with so many motor `units`, and the model's error.
+def sample_draws(scatter: Scatter, draws: int, seed: int = 0) -> Draws:
+    """Draw the fabrication of bundles, and the model's error: for any design the same.
 
     **Arguments:**
 
     - `scatter`: standard deviations; `Scatter` has no wall and no model error.
-    - `units`: number of motor units [-].
     - `draws`: number of draws [-].
     - `seed`: random seed.
 
@@ -93,12 +89,12 @@ def sample_draws(scatter: Scatter, units: int, draws: int, seed: int = 0) -> Dra
     """
     wall = getattr(scatter, "wall_thickness", 0.0)
     error = getattr(scatter, "model_error", 0.0)
-    z = np.random.default_rng(seed).standard_normal((draws, 2 + 2 * units))
+    z = np.random.default_rng(seed).standard_normal((draws, 4)).T
     return Draws(
-        1 + scatter.length * z[:, 0],
-        np.maximum(1 + wall * z[:, 2 : 2 + units], _THINNEST),
-        np.asarray(scatter.braid_angle) * z[:, 2 + units :],
-        np.exp(error * z[:, 1]),
+        1 + scatter.length * z[0],
+        np.maximum(1 + wall * z[2], _THINNEST),
+        scatter.braid_angle * z[3],
+        np.exp(error * z[1]),
     )
 
 
@@ -232,10 +228,11 @@ def _drawn_outcome(
 ) -> Outcome:
     """Outcome of designs of one drawing in every draw, draws fastest on the last axis."""
     (D, U), N = designs.counts.shape, len(draws.length)
-    zero = np.zeros((U, D, N))
-    radius = designs.radius.T[..., None] + zero
-    wall = designs.wall.T[..., None] * draws.wall.T[:U, None]
-    angle = designs.angle.T[..., None] + draws.angle.T[:U, None]
+    columns = 1 if np.all(designs.uniform) else U  # a draw changes all muscles of a bundle alike
+    zero = np.zeros((columns, D, N))
+    radius = designs.radius.T[:columns, :, None] + zero
+    wall = designs.wall.T[:columns, :, None] * draws.wall
+    angle = designs.angle.T[:columns, :, None] + draws.angle
     length = designs.length[:, None] * draws.length
     sizes = Sizes(
         (length + zero).ravel(), radius.ravel(), np.minimum(wall, _THICKEST * radius).ravel(),
@@ -243,7 +240,7 @@ def _drawn_outcome(
     )  # fmt: skip
     counts = np.repeat(designs.counts.T, N, axis=1)
     table = largest_force_table(designs.drawing(0), sizes, demand, needs(names), MIXED)
-    table = table.take(np.arange(U * D * N).reshape(U, D * N))
+    table = table.take(np.resize(np.arange(columns * D * N), (U, D * N)))  # units repeat a column
     factor, length = np.tile(draws.force, D), length.ravel()
     demanded = with_fields(demand, force=demand.force[:, None] / factor)
     return rescale_forces(outcome(counts, table, length, demanded), demand, length, factor)

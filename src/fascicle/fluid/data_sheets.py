@@ -56,7 +56,7 @@ def conductance_from_nominal_flow(
 
     - `flow`: $Q_n$, as a volume at the reference [m³/s]; 100 L/min are 1.667e-3.
     - `b`: critical pressure ratio [-].
-    - `inlet`, `outlet`: gauge pressures at which it was measured [Pa].
+    - `inlet`, `outlet`: gauge pressures at which it was measured [Pa]; arrays broadcast.
     - `reference`: state of the volume: "anr" (20 °C, 100 kPa) or "din1343" (0 °C, 101 325 Pa).
     - `room_pressure`: absolute [Pa].
 
@@ -68,7 +68,7 @@ def conductance_from_nominal_flow(
     b = check_interval(b, 0.0, 1.0, "b", "-")
     density = DENSITIES[check_choice(reference, DENSITIES, "reference")]
     room = check_positive(room_pressure, "room_pressure", "Pa")
-    outlet = check_interval(outlet, 0.0, float(inlet), "outlet", "Pa", closed=(True, False))
+    outlet = check_interval(outlet, 0.0, inlet, "outlet", "Pa", closed=(True, False))
     high = inlet + room
     fraction = critical_flow_share((outlet + room) / high, b)
     return flow * density / REFERENCE_DENSITY / (high * fraction)

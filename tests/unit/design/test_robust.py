@@ -60,7 +60,7 @@ def test_probability_quantiles_and_front(scattered):
 
 
 def test_blocked_force_spreads_with_the_angle(muscle, designs, reachable):
-    """Linearly: dF/dα of each unit times its own deviation."""
+    """Linearly: dF/dα of a muscle, times their number and the deviation that they share."""
     result = spread(designs, reachable, ("largest_force",), None, Scatter(0.0, 1e-4), draws=64)
     h = 1e-5
 
@@ -70,7 +70,7 @@ def test_blocked_force_spreads_with_the_angle(muscle, designs, reachable):
 
     angle = float(muscle.braid_angle)
     slope = (blocked(angle + h) - blocked(angle - h)) / (2 * h)
-    expected = abs(slope) * 1e-4 * np.sqrt([1 + 4, 3])
+    expected = abs(slope) * 1e-4 * np.array([3, 3])
     got = result.values["largest_force"].std(axis=1)
     # a deviation of 64 draws scatters by 9 %; three of these
     assert_allclose(got, expected, rtol=0.27)

@@ -42,20 +42,17 @@ def margin_of(muscles, counts, task, factor):
 
 @pytest.mark.parametrize("counts", [(3,), (1, 2), (1, 1, 1)])
 def test_margins_of_draws_are_those_of_bundles_built_so(muscle, reachable, counts):
-    draws = sample_draws(WIDE, len(counts), 6, seed=2)
+    draws = sample_draws(WIDE, 6, seed=2)
     values = batch_objectives(
         Designs.of(muscle, [counts]), reachable, ("relative_margin", "margin"), draws
     )
     for i in range(6):
-        built = [
-            muscle.replace(
-                length=muscle.length * draws.length[i],
-                wall_thickness=muscle.wall_thickness * draws.wall[i, unit],
-                braid_angle=muscle.braid_angle + draws.angle[i, unit],
-            )
-            for unit in range(len(counts))
-        ]
-        expected = margin_of(built, counts, reachable, draws.force[i])
+        built = muscle.replace(
+            length=muscle.length * draws.length[i],
+            wall_thickness=muscle.wall_thickness * draws.wall[i],
+            braid_angle=muscle.braid_angle + draws.angle[i],
+        )
+        expected = margin_of([built] * len(counts), counts, reachable, draws.force[i])
         # all demanded points are pulls at full supply, where both are the law itself
         assert_allclose(values[0, 0, i], expected, rtol=1e-9, atol=1e-9)
 
@@ -66,13 +63,13 @@ def test_draws_together_are_as_one_by_one(muscle, reachable, scheme):
     designs = Designs.of(muscle, [(1, 2), (3,)])
     names = ("relative_margin", "margin", "mean_efficiency", "shortfall", "largest_force",
              "worst_shortfall", "envelope")  # fmt: skip
-    draws = sample_draws(WIDE, 2, 16)
+    draws = sample_draws(WIDE, 16)
     together = batch_objectives(designs, task, names, draws)
     assert_allclose(together, compiled_objectives(designs, task, names, draws), rtol=1e-7)
 
 
 def test_scatter_has_the_given_deviations():
-    draws = sample_draws(WIDE, 3, 20_000)
+    draws = sample_draws(WIDE, 20_000)
     # the deviation of 20 000 draws scatters by 0.5 %; four of these
     for values, deviation in (
         (draws.length, 0.02),
@@ -81,7 +78,17 @@ def test_scatter_has_the_given_deviations():
         (np.log(draws.force), 0.15),
     ):
         assert_allclose(np.std(values), deviation, rtol=0.02)
-    assert abs(np.corrcoef(draws.wall[:, 0], draws.angle[:, 0])[0, 1]) < 0.03  # four times 0.7 %
+    assert abs(np.corrcoef(draws.wall, draws.angle)[0, 1]) < 0.03  # four times 0.7 %
+
+
+def test_same_muscles_are_as_safe_in_one_unit_as_in_several(muscle):
+    """One batch: margins of the same muscles at full supply, and draws that no table changes."""
+    task = Task.of([600.0], [0.05], SUPPLY)
+    splits = [(4,), (1, 3), (1, 1, 1, 1)]
+    margins = spread(Designs.of(muscle, splits), task, ("margin",), scatter=WIDE, seed=3)
+    assert_allclose(margins.values["margin"][1:], margins.values["margin"][[0, 0]], rtol=1e-9)
+    alone = spread(Designs.of(muscle, splits[:1]), task, ("margin",), scatter=WIDE, seed=3)
+    assert np.array_equal(alone.met, margins.met[:1]) and 0 < alone.probability[0] < 1
 
 
 @pytest.fixture(scope="module")

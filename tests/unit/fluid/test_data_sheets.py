@@ -21,6 +21,17 @@ def test_nominal_flow_of_a_printed_example():
     assert_allclose(C, 2 * LITER_PER_SECOND_BAR, rtol=1e-3)
 
 
+def test_nominal_flows_at_several_inlet_pressures_broadcast():
+    inlets, outlets = [4e5, 6e5], [[3e5], [1e5]]
+    C = fluid.conductance_from_nominal_flow(7e-3, 0.3, inlets, outlets)
+    for (i, j), value in np.ndenumerate(C):
+        single = fluid.conductance_from_nominal_flow(7e-3, 0.3, inlets[j], outlets[i][0])
+        assert value == single
+    with pytest.raises(InvalidInputError) as caught:
+        fluid.conductance_from_nominal_flow(7e-3, 0.3, inlets, 5e5)
+    assert caught.value.argument == "outlet"
+
+
 @pytest.mark.parametrize("b", [0.1, 0.3, 0.5])
 def test_valve_with_the_conductance_passes_its_nominal_flow(b):
     C = fluid.conductance_from_nominal_flow("100 L/min", b)
