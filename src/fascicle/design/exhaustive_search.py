@@ -20,6 +20,7 @@ import numpy as np
 
 from ..core.types import Bool, Float, Int
 from .catalog import Catalog, cheapest
+from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
 from .objectives import (
@@ -113,6 +114,7 @@ class SearchResult:
     - `catalog`: products and prices.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
     - `safety`: judgement in draws of scatter and the model's error, by `judge_safety`, or `None`.
+    - `cycle`: for which summaries of designs size valves, or `None`.
     """
 
     space: Space
@@ -131,6 +133,7 @@ class SearchResult:
     catalog: Catalog = field(default_factory=Catalog)
     least_margin: float = LEAST_MARGIN
     safety: Safety | None = None
+    cycle: Cycle | None = None
 
     @property
     def reported(self) -> Int[np.ndarray, " reported"]:

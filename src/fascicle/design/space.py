@@ -22,10 +22,10 @@ from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from itertools import product
 
-import jax
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.module import to_numpy
 from ..core.types import Float, Int
 from ..core.validation import NEUTRAL_ANGLE, RANGES, check_choice, check_interval, check_plausible
 from ..muscle import Muscle
@@ -214,7 +214,7 @@ class Space:
         # without cached properties, which can be a thousand times larger. Drawings as NumPy's:
         # a process that is sent JAX's arrays with each block keeps them all
         state = {field.name: getattr(self, field.name) for field in fields(self)}
-        return state | {"drawings": jax.tree.map(np.asarray, self.drawings)}
+        return state | {"drawings": to_numpy(self.drawings)}
 
     def __len__(self) -> int:
         return math.prod(map(len, self._grid)) * len(self._shapes[0])

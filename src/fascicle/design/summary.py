@@ -31,6 +31,7 @@ from ..core.module import with_fields
 from ..core.types import Bool, Float, Int
 from ..muscle import Muscle
 from .catalog import Catalog, Product
+from .cycle import ATMOSPHERE, Cycle, ValveSizing, first_level, size_valves
 from .designs import Designs, Sizes, packed_radius
 from .evaluation import evaluate
 from .exhaustive_search import SearchResult
@@ -46,7 +47,6 @@ from .tables import MIXED, UNIFORM, Resolution, every_level_table
 from .task import Task
 
 
-ATMOSPHERE = 100e3  # Pa, of ISO 8778
 STANDARD_GRAVITY = 9.80665  # m/s², of ISO 80000-3
 _BATCH = 1024  # points computed together: some ten megabytes of forces at all levels
 
@@ -154,7 +154,7 @@ def _case_fields(
         last, levels = _independent_levels(forces, full, throttled, F, resolution.level)
     else:
         force = sets.sums(forces, forces[0], forces[-1])[choice.state, :, np.arange(len(F))]
-        last = _first_level(force, F, resolution.level)
+        last = first_level(force, F, resolution.level)
         levels = np.where(throttled, last[:, None], full)
     # a case that isn't reached is as near as can be with all fed units at full supply
     levels = np.where(choice.reached[:, None], levels, pressurized)
@@ -185,25 +185,9 @@ def _independent_levels(
     last = throttled.shape[1] - 1 - np.argmax(throttled[:, ::-1], axis=1)
     is_last = np.arange(throttled.shape[1]) == last[:, None]
     remainder = demanded - np.where(is_last, 0.0, force).sum(axis=1)
-    last_level = _first_level(forces[:, np.arange(len(last)), last].T, remainder, level)
+    last_level = first_level(forces[:, np.arange(len(last)), last].T, remainder, level)
     levels = np.where(full, 1.0, np.where(throttled, level[extreme], 0.0))
     return last_level, np.where(is_last, last_level[:, None], levels)
-
-
-def _first_level(
-    force: Float[np.ndarray, "point level"], demanded: Points, level: Float[np.ndarray, " level"]
-) -> Points:
-    """The lowest level [-] at which a force is the demanded one, linear between two; else 1."""
-    excess = force - demanded[:, None]
-    # from below or from above: a state that resists may fall before it rises
-    crosses = (excess[:, :-1] * excess[:, 1:] <= 0) & (excess[:, 1:] != excess[:, :-1])
-    first, points = np.argmax(crosses, axis=1), np.arange(len(force))
-    before, after = excess[points, first], excess[points, first + 1]
-    drop = np.where(after == before, 1.0, after - before)
-    fraction = np.clip(-before / drop, 0.0, 1.0)
-    crossing = level[first] + fraction * (level[first + 1] - level[first])
-    # without a crossing it is within the tolerance of a state's end
-    return np.where(np.any(crosses, axis=1), crossing, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,6 +203,8 @@ class Summary:
     - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].
     - `price`, `price_of_muscles`, `cost_of_a_cycle`: of muscles and valves, of muscles alone, and
       of the fluid, in the catalog's currency [-].
+    - `sizing`: of valves and hoses for a cycle, if one is demanded; `run`: in time with these, in
+      words.
     """
 
     label: str
@@ -233,6 +219,8 @@ class Summary:
     price: float | None
     price_of_muscles: float | None
     cost_of_a_cycle: float | None
+    sizing: ValveSizing | None = None
+    run: str = ""
 
     @property
     def margin(self) -> float:
@@ -254,17 +242,40 @@ class Summary:
         ratio = self.cases.largest[loaded] / self.cases.task.force[loaded]
         return float(np.min(ratio, initial=np.inf))
 
+    @property
+    def flow(self) -> float:
+        """Air that the cycles of `sizing` take, in normal volume [m³/s], with that of hoses at
+        supply pressure.
+        """
+        assert self.sizing is not None
+        task, hoses = self.cases.task, self.sizing.hose_volume
+        fed = np.average(np.sum(self.cases.content != 0, axis=1), weights=task.weight)
+        air = self.cases.fluid_of_a_cycle + fed * hoses * task.supply_pressure / ATMOSPHERE
+        return air * self.sizing.cycle.per_minute / 60
+
+    @property
+    def supply_power(self) -> float:
+        """Power that compresses the air of `flow` without losses [W]."""
+        return (
+            ATMOSPHERE * self.flow * float(np.log1p(self.cases.task.supply_pressure / ATMOSPHERE))
+        )
+
 
 def summarize_result(result: SearchResult, index: int) -> Summary:
     """Summary of the recorded design with an `index` in a search."""
     envelope = result.values.get("envelope")
     diameter = None if envelope is None else float(envelope[index])
     design = result.all_designs(np.array([index]))
-    return summarize(design, 0, result.task, result.catalog, diameter)
+    return summarize(design, 0, result.task, result.catalog, diameter, result.cycle)
 
 
 def summarize(
-    designs: Designs, index: int, task: Task, catalog: Catalog, diameter: float | None = None
+    designs: Designs,
+    index: int,
+    task: Task,
+    catalog: Catalog,
+    diameter: float | None = None,
+    cycle: Cycle | None = None,
 ) -> Summary:
     """Summary of a design.
 
@@ -275,6 +286,7 @@ def summarize(
     - `task`: what is demanded.
     - `catalog`: products and prices [-].
     - `diameter`: of the envelope [m], if it has been computed.
+    - `cycle`: for which valves are sized, or `None`.
 
     **Returns:** the summary.
     """
@@ -296,9 +308,14 @@ def summarize(
     elif catalog.energy is not None:
         work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
         cost = float(catalog.energy * work * fluid)
+    sizing = None
+    if cycle is not None:
+        pressurized, margin = load_cases.content != 0, load_cases.relative
+        margin = np.where(load_cases.reached, np.maximum(margin, 0.0), -1.0)
+        sizing = size_valves(design, 0, task, cycle, pressurized, load_cases.fluid, margin)
     return Summary(
         design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter,
         2 * float(packed_radius(radius, counts)), product, bladders, mass,
         None if np.isnan(price) else price, None if np.isnan(muscle_price) else muscle_price,
-        cost,
+        cost, sizing,
     )  # fmt: skip

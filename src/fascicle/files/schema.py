@@ -513,6 +513,17 @@ class ScatterSection(TableModel):
     calibrated: StrictBool | None = None
 
 
+class CycleSection(TableModel):
+    """`[cycle]`: time of one contraction and release, their number in a minute, each unit's hose,
+    and b of the valves.
+    """
+
+    time: Annotated[float, Quantity("time")] = Field(examples=['"0.5 s"'])
+    per_minute: Number = Field(examples=["20"])
+    hose_length: Length | None = None
+    b: Number | None = None
+
+
 class TaskFileSection(TableModel):
     """A task file."""
 
@@ -523,4 +534,5 @@ class TaskFileSection(TableModel):
     limits: dict[str, Any] | None = None
     prices: PricesSection | None = None
     scatter: ScatterSection | None = None
+    cycle: CycleSection | None = None
     sweep: SweepSection | None = None

@@ -19,6 +19,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
 from ..design.catalog import Catalog, Product
+from ..design.cycle import Cycle
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
 from ..design.objectives import (
     OBJECTIVES,
@@ -44,6 +45,7 @@ from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
+    CycleSection,
     DesignSection,
     FileLocation,
     Price,
@@ -98,6 +100,7 @@ class TaskFile:
     - `data`: the file's tables.
     - `notes`: on products that aren't available, and on fit errors.
     - `least_margin`: relative margin of force below which a design is warned of [-].
+    - `cycle`: for which valves are sized, or `None`.
     """
 
     task: Task
@@ -110,6 +113,7 @@ class TaskFile:
     data: Mapping[str, Any]
     notes: tuple[str, ...] = ()
     least_margin: float = LEAST_MARGIN
+    cycle: Cycle | None = None
 
 
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
@@ -166,8 +170,18 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     notes = _fit_notes(design.muscle, folder, task, space)
     notes += () if offer is None else offer.notes
     return TaskFile(
-        task, space, senses, limits, catalog, uncertainty, block, data, tuple(notes), least_margin
-    )
+        task, space, senses, limits, catalog, uncertainty, block, data, tuple(notes), least_margin,
+        _cycle(file.cycle, task, root.child("cycle")),
+    )  # fmt: skip
+
+
+def _cycle(section: CycleSection | None, task: Task, location: FileLocation) -> Cycle | None:
+    if section is None:
+        return None
+    if task.fluid != "air":
+        raise location.error((), 'sizes valves for air: drop it, or write fluid = "air".')
+    with location.error_context():
+        return Cycle(**section.model_dump(exclude_none=True))
 
 
 def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:

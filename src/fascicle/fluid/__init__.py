@@ -38,6 +38,8 @@ from .spools import validate_commands as validate_commands
 from .supply import AbstractSupply as AbstractSupply
 from .supply import ConstantSupply as ConstantSupply
 from .supply import Tank as Tank
+from .valve_catalog import CatalogValve as CatalogValve
+from .valve_catalog import catalog_valves as catalog_valves
 
 
 # until the release after 0.1

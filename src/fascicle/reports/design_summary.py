@@ -3,10 +3,14 @@ fluid and cost; or, if no design does the task, the nearest one, its misses, and
 """
 
 import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core.errors import missing_extra
 from ..design.catalog import describe_cheapest
+from ..design.cycle import WIDEST_BORE, ValveSizing
 from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction, other_limits
@@ -15,6 +19,9 @@ from ..design.scatter import Safety
 from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
 from ..units import DIMENSIONS, figures, pretty
 
+
+if TYPE_CHECKING:  # needs JAX
+    from ..design.cycle_run import CycleRun
 
 HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "to spare", "")
 REACHED, MISSED = "reached", "MISSED"
@@ -239,8 +246,10 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
         + (" with unfed units bowed out" if summary.valves > 1 else ""),
         "mass": _mass(summary, catalog.density),
         fluid: _fluid(summary),
+        **({} if summary.sizing is None else {"valves": _valves(summary, summary.sizing)}),
         f"cost of {fluid}": f"{_UNKNOWN}give [prices] {'air or ' * (fluid == 'air')}energy",
         "price": _price(result, summary),
+        "life": f"{_UNKNOWN}no source gives cycles for this muscle",
     }
     if summary.cost_of_a_cycle is not None:
         cost = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
@@ -282,6 +291,73 @@ def _fluid(summary: Summary) -> str:
     if cases.task.fluid == "liquid":
         return f"{figures(mean, 3)} liters {cycle}"
     return f"{figures(mean, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
+
+
+def _valves(summary: Summary, sizing: ValveSizing) -> str:
+    """Valves and hoses for the cycle, the air that it takes, and the run in time."""
+    cycle, text = sizing.cycle, ""
+    hose = "" if cycle.hose_length is None else pretty(cycle.hose_length, "length", 3)
+    demand = f"to contract and release within {pretty(cycle.time, 'time', 3)}"
+    if not sizing.feasible:
+        return (
+            f"none is enough {demand}: a hose of {hose} up to {1e3 * WIDEST_BORE:g} mm wide lets"
+            " too little air through; take a shorter hose, or more time, in [cycle]"
+        )
+    conductances = [figures(1e8 * C, 3) for C in sizing.conductance]
+    each = dict.fromkeys(conductances)
+    whose = f" (units {', '.join(map(str, range(1, 1 + len(conductances))))})"
+    text = (
+        f"each needs C of {', '.join(each if len(each) == 1 else conductances)} L/(s·bar)"
+        f"{whose if len(each) > 1 else ''} at b = {cycle.b:g} {demand}: at case {sizing.case + 1}"
+        f" fills in {pretty(sizing.fill, 'time', 3)}, vents in {pretty(sizing.vent, 'time', 3)}"
+    )
+    if sizing.bore is not None:
+        text += f"; hoses of {hose} at least {1e3 * sizing.bore:g} mm wide"
+    names = dict.fromkeys(
+        "none of the catalog" if valve is None else valve.name for valve in sizing.valves
+    )
+    text += f"; smallest verified valve: {', '.join(names)}"
+    text += (
+        f"; {figures(6e4 * summary.flow, 3)} normal liters a minute,"
+        f" {figures(summary.supply_power, 3)} W of compression"
+    )
+    return f"{text}; {summary.run}" if summary.run else text
+
+
+def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
+    """The `summary` of the recommended design of a `result`, with its run in time if it has valves
+    for a cycle; without JAX, with what to install.
+    """
+    sizing, index = summary.sizing, result.cheapest
+    if sizing is None or not sizing.feasible or index is None:
+        return summary
+    task, length = summary.cases.task, summary.cases.length
+    force, stroke = float(task.force[sizing.case]), float(task.stroke_of(length)[sizing.case])
+    if not force * stroke > 0:
+        return replace(summary, run=f"run in time: left out, case {sizing.case + 1} does no work")
+    try:
+        from ..design.cycle_run import run_cycle  # loads JAX
+    except ModuleNotFoundError as error:
+        missing = missing_extra(error)
+        if missing is None:
+            raise
+        return replace(summary, run=f"run in time: left out, {missing}")
+    design = result.all_designs(np.array([index]))
+    run = run_cycle(design.bundle(0, task), force, stroke, sizing)
+    return replace(summary, run=f"run in time: {_run_text(run, sizing)}")
+
+
+def _run_text(run: "CycleRun", sizing: ValveSizing) -> str:
+    """Result of a run in words."""
+    time = sizing.cycle.time
+    if np.isnan(run.lifted):
+        reached = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
+        return f"FAILS, it contracts by {reached} within {pretty(2 * time, 'time', 3)}"
+    text = f"contracted after {pretty(run.lifted, 'time', 3)}, "
+    if np.isnan(run.released):
+        return f"FAILS, {text}not released within {pretty(2 * time, 'time', 3)}"
+    verdict = "passes" if run.passes(time) else "FAILS"
+    return f"{verdict}, {text}released after {pretty(run.released, 'time', 3)}"
 
 
 def _price(result: SearchResult, summary: Summary) -> str:

@@ -85,6 +85,16 @@ def test_an_example_keeps_its_times_and_takes_a_scheme_and_a_fluid():
     assert (task.scheme, task.fluid, len(task.time)) == ("batch", "liquid", 23)
 
 
+def test_cycle_is_read_and_needs_air():
+    cycle = '[cycle]\ntime = "500 ms"\nper_minute = 20\nhose_length = "1.5 m"\n'
+    read = loads_task(PLAIN + "muscles = 2\n" + cycle).cycle
+    assert (read.time, read.per_minute, read.hose_length, read.b) == (0.5, 20, 1.5, 0.3)
+    for old, new, key in (("air", "liquid", "cycle"), ("= 20", "= 121", "cycle.per_minute")):
+        text = PLAIN.replace('scheme = "batch"', 'fluid = "air"') + "muscles = 2\n" + cycle
+        with pytest.raises(ValueError, match=rf"^<text>: {key}[: =]+[^\n]+$"):
+            loads_task(text.replace(old, new))
+
+
 def test_prices_in_one_currency():
     more = '[prices]\nvalve = "90 EUR"\nmuscle = "20 EUR"\nair = "0.02 EUR/m^3"\n'
     catalog = loads_task(PLAIN + 'muscles = 2\ndensity = "1.1 g/cm^3"\n' + more).catalog

@@ -1,12 +1,16 @@
 """Summaries of a design, and of a task without one."""
 
 import re
+import sys
+from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pytest
 
 import fascicle as fs
 from fascicle.design import Catalog, Limit, Product, Space, Task, search
+from fascicle.design.cycle import Cycle
 from fascicle.reports.design import report
 from fascicle.reports.design_summary import (
     MISSED,
@@ -16,7 +20,9 @@ from fascicle.reports.design_summary import (
     design_facts,
     headline,
     margin_warning,
+    run_cycle_of,
     summarize_search,
+    summary_lines,
 )
 
 
@@ -55,6 +61,36 @@ def test_the_margin_names_the_case_and_its_largest_force():
 def test_single_design_has_its_reason():
     result, summary = summarize(100.0, 0.08, space=Space({"m": MUSCLE}, splits=((3,),)))
     assert "the only one of 1 designs" in headline(result, summary)[2]
+
+
+def test_valves_and_the_run_are_a_line():
+    result, _ = summarize([50.0, 200.0], [0.15, 0.08])
+    result = replace(result, cycle=Cycle(1.0, 30.0, 1.0))
+    summary = summarize_search(result)
+    ran = run_cycle_of(result, summary)
+    lines = summary_lines(result, ran)
+    (line,) = (line for line in lines if line.startswith("valves: "))
+    assert len(lines) <= 12 and "; run in time: passes" in line
+    pattern = r"C of ([\d.]+) L.* at least ([\d.]+) mm wide; .*; ([\d.]+) normal liters"
+    C, bore, rate = map(float, re.search(pattern, line).groups())
+    assert pytest.approx(1e8 * summary.sizing.conductance.max(), rel=5e-3) == C
+    assert bore == pytest.approx(1e3 * summary.sizing.bore)
+    assert rate == pytest.approx(6e4 * summary.flow, rel=5e-3)
+    assert "valves: each needs" in unescape(report(result, "2026-05-04", [], answer=ran))
+
+
+def test_run_is_left_out_without_jax(monkeypatch):
+    class NoJax:
+        def find_spec(self, name, *_):
+            if name == "fascicle.design.cycle_run":
+                raise ModuleNotFoundError("No module named 'jax'", name="jax")
+
+    result, _ = summarize(100.0, 0.08)
+    result = replace(result, cycle=Cycle(1.0, 30.0))
+    monkeypatch.delitem(sys.modules, "fascicle.design.cycle_run", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [NoJax(), *sys.meta_path])
+    assert "left out" in run_cycle_of(result, summarize_search(result)).run
+    assert "fascicle[jax]" in run_cycle_of(result, summarize_search(result)).run
 
 
 def test_facts_list_known_prices_and_products():

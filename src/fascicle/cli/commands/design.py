@@ -3,6 +3,7 @@
 import datetime as dt
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,8 +70,9 @@ def run(
         with user_errors("--checkpoint "):
             check_writable(checkpoint)
     load_laws()
+    from ...design.summary import Summary
     from ...files.task import load_task
-    from ...reports.design_summary import summarize_search
+    from ...reports.design_summary import run_cycle_of, summarize_search
 
     with user_errors():
         file = load_task(task)
@@ -100,7 +102,11 @@ def run(
             update("judging designs from the cheapest on in draws of scatter")
             result = judge_safety(result, file.uncertainty)
         seconds = time.perf_counter() - begin
+        result = replace(result, cycle=file.cycle)
         answer = summarize_search(result)
+        if isinstance(answer, Summary) and file.cycle is not None:
+            update("running the recommended design in time")
+            answer = run_cycle_of(result, answer)
     paths: list[str] = []
     if folder is not None:
         with status("drawing the report"):
@@ -250,6 +256,13 @@ def _json(result: "SearchResult", answer: Any, notes: tuple[str, ...]) -> str:
             "holds": safety.holds, "probability": safety.probability,
             "least_probability": safety.uncertainty.share, "draws": safety.uncertainty.draws,
             "judged": safety.judged, "assumptions": safety.uncertainty.assumptions,
+        }  # fmt: skip
+    if (sizing := summary.sizing) is not None:
+        data["cycle"] = {
+            "case": sizing.case + 1, "conductance": sizing.conductance.tolist(),
+            "b": sizing.cycle.b, "hose_bore": sizing.bore, "fill": sizing.fill,
+            "vent": sizing.vent, "valves": [valve and valve.name for valve in sizing.valves],
+            "normal_flow": summary.flow, "supply_power": summary.supply_power, "run": summary.run,
         }  # fmt: skip
     if infeasible is None:
         variables = front_variables(result) | case_variables(summary)

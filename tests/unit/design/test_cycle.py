@@ -1,0 +1,103 @@
+"""Valves and hoses sized for a cycle."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.core.errors import InvalidInputError
+from fascicle.design import Designs, Task
+from fascicle.design.catalog import Catalog
+from fascicle.design.cycle import ATMOSPHERE, Cycle
+from fascicle.design.cycle_run import run_cycle
+from fascicle.design.summary import summarize
+from fascicle.fluid.valve_catalog import catalog_valves
+
+
+SUPPLY = 413.7e3
+
+
+@pytest.fixture(scope="module")
+def lift():
+    return Task.of([60.0, 250.0], [0.15, 0.1], SUPPLY)
+
+
+def sized(muscle, lift, cycle, counts=(1, 3)):
+    return summarize(Designs.of(muscle, [counts]), 0, lift, Catalog(), cycle=cycle)
+
+
+def test_conductance_of_a_choked_filling(muscle):
+    """By hand: at a high supply all of the filling is choked, C p t is the content."""
+    task = Task.of([20.0], [0.01], 900e3)
+    sizing = sized(muscle, task, Cycle(1.0, 10.0, b=0.45), (2,)).sizing
+    # pressure that holds 20 N at 1 %, by a fine search; its share of the supply is below b
+    levels = np.linspace(0.0, 400e3, 40_001)
+    held = levels[np.argmax(2 * muscle.force(levels, 0.01) >= 20)]
+    assert (held + ATMOSPHERE) / 1e6 < 0.45
+    full = (held + ATMOSPHERE) * float(muscle.volume(0.01)) - ATMOSPHERE * float(muscle.volume(0.0))
+    fill = 2 * full / ATMOSPHERE / (sizing.conductance[0] * 1e6)
+    assert_allclose(sizing.fill, fill, rtol=1e-3)
+    assert_allclose(sizing.fill + sizing.vent, 1.0, rtol=1e-9)
+
+
+def test_time_and_units_scale_the_conductance(muscle):
+    together = Task.of([250.0], [0.1], SUPPLY)
+    fast, slow = (sized(muscle, together, Cycle(t, 5.0)).sizing for t in (0.5, 5.0))
+    assert fast.fed.all()
+    assert_allclose(fast.conductance, 10 * slow.conductance, rtol=1e-12)
+    assert_allclose(fast.conductance[1], 3 * fast.conductance[0], rtol=1e-9)
+    assert fast.bore is None and fast.hose_volume == 0
+
+
+def test_hose_needs_a_larger_valve_and_a_bore(muscle, lift):
+    alone = sized(muscle, lift, Cycle(0.5, 5.0)).sizing
+    hoses = [sized(muscle, lift, Cycle(0.5, 5.0, hose)).sizing for hose in (0.5, 5.0)]
+    for sizing in hoses:
+        assert np.all(sizing.conductance > alone.conductance)
+        assert_allclose(sizing.fill + sizing.vent, 0.5, rtol=1e-6)
+        assert sizing.line.conductance >= 2 * sizing.conductance.max()
+    assert hoses[1].bore > hoses[0].bore
+    impossible = sized(muscle, lift, Cycle(0.02, 5.0, 90.0)).sizing
+    assert not impossible.feasible and impossible.bore is None
+
+
+def test_named_valve_is_the_smallest_that_is_enough(muscle, lift):
+    smallest, largest = (v[i].supply.C for v, i in ((catalog_valves(), 0), (catalog_valves(), -1)))
+    needed = sized(muscle, lift, Cycle(1.0, 1.0)).sizing.conductance[1]
+    for C, name in ((0.8 * smallest, catalog_valves()[0].name), (2 * largest, None)):
+        valve = sized(muscle, lift, Cycle(needed / C, 1.0)).sizing.valves[1]
+        assert (valve and valve.name) == name
+
+
+def test_air_and_power(muscle, lift):
+    summary = sized(muscle, lift, Cycle(0.5, 30.0))
+    assert_allclose(summary.flow, summary.cases.fluid_of_a_cycle / 2)
+    assert_allclose(summary.supply_power, 1e5 * summary.flow * np.log(SUPPLY / 1e5 + 1))
+
+
+@pytest.mark.parametrize("hose", [None, 1.0])
+def test_slow_run_takes_the_time_of_the_sizing(muscle, hose):
+    """Another computation: the plant in time; a slow cycle has no inertia."""
+    task = Task.of([250.0], [0.1], SUPPLY)
+    designs = Designs.of(muscle, [(1, 3)])
+    sizing = sized(muscle, task, Cycle(20.0, 1.0, hose)).sizing
+    stroke = float(task.stroke_of(float(muscle.length))[0])
+    run = run_cycle(designs.bundle(0, task), 250.0, stroke, sizing)
+    # the load sags into its stop by 1 % of the stroke, and a step is 0.1 % of the time
+    assert_allclose(run.lifted, sizing.fill, rtol=0.02)
+    assert_allclose(run.released, 20.0, rtol=0.02)
+    assert not run.passes(0.9 * run.released) and run.passes(1.1 * run.released)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((0.0, 1.0), "time"),
+        ((1.0, 61.0), "per_minute"),
+        ((1.0, 60.0, -1.0), "hose_length"),
+        ((1.0, 60.0, 1.0, 1.0), "b"),
+    ],
+)
+def test_invalid_cycles_are_refused(arguments, name):
+    with pytest.raises(InvalidInputError) as caught:
+        Cycle(*arguments)
+    assert caught.value.argument == name
