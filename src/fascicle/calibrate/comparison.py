@@ -44,8 +44,6 @@ from .model_selection import folds, left_out_force
 from .parameters import parameters_of, with_optional_laws
 
 
-# a law that collapses by itself takes seconds for each force, and ignores the collapse law
-_BUCKLING = tuple(name for name, law in LAWS["buckling"].items() if getattr(law, "collapses", True))
 # a to f of (C5), of a Festo DMSP-20-200N; its diameter in m
 SAROSI_DMSP_20_200N = np.array([
     -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
@@ -99,9 +97,9 @@ def compare(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    buckling: Sequence[str] = _BUCKLING,
-    collapse: Sequence[str] = tuple(LAWS["collapse"]),
-    post_collapse: Sequence[str] = tuple(LAWS["post_collapse"]),
+    buckling: Sequence[str] | None = None,
+    collapse: Sequence[str] | None = None,
+    post_collapse: Sequence[str] | None = None,
     **options: Any,
 ) -> list[Row]:
     """Fit every combination of buckling, collapse and post-collapse law to a record.
@@ -117,8 +115,19 @@ def compare(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    laws = buckling, collapse, post_collapse
+    names = zip((buckling, collapse, post_collapse), _resisting_laws(), strict=True)
+    laws = tuple(default if given is None else given for given, default in names)
     return compare_resisting_laws(record, muscle, parameters, priors, laws, **options).rows
+
+
+def _resisting_laws() -> tuple[Sequence[str], ...]:
+    """Names of all buckling, collapse and post-collapse laws.
+
+    A buckling law that collapses by itself takes seconds for each force, and ignores the collapse
+    law: it is left out.
+    """
+    buckling = [n for n, law in LAWS["buckling"].items() if getattr(law, "collapses", True)]
+    return buckling, [*LAWS["collapse"]], [*LAWS["post_collapse"]]
 
 
 def compare_resisting_laws(
@@ -126,10 +135,11 @@ def compare_resisting_laws(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    laws: tuple[Sequence[str], ...] = (_BUCKLING, (*LAWS["collapse"],), (*LAWS["post_collapse"],)),
+    laws: tuple[Sequence[str], ...] | None = None,
     **options: Any,
 ) -> LawComparison:
     """Compare as `compare`; `laws`: names of buckling, collapse and post-collapse laws."""
+    laws = _resisting_laws() if laws is None else laws
     data, fits = select_fit_data(record, muscle), {}
     kinds = ("buckling", "collapse", "post_collapse")
     for names in itertools.product(*laws):

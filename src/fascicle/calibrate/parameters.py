@@ -295,7 +295,7 @@ def with_optional_laws(muscle: Muscle, names: Sequence[str] | None = None) -> Mu
     if names is not None and set(names) <= parameters_of(muscle).keys():
         return muscle
     for kind in OMIT_IF_DEFAULT:
-        laws = [name for name, law in LAWS[kind].items() if law.constants()]
+        laws = [name for name, law in LAWS[kind].shipped.items() if law.constants()]
         if laws and not getattr(muscle, kind).constants():
             muscle = muscle.replace(**{kind: laws[0]})
     return muscle

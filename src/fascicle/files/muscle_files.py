@@ -269,17 +269,23 @@ def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | 
     if isinstance(section, str):
         return section  # an unknown one is refused by the muscle
     laws = LAWS[kind]
-    name = section.law or next(iter(laws))
+    name = section.law or laws.default.name
     with location.error_context():
-        law: Any = laws[check_choice(name, laws, kind)]
+        law: Any = laws[name] if name in laws else check_choice(name, laws, kind)
+    constants = {constant.name: constant for constant in law.constants()}
     names = [field.name for field in fields(law)]
-    numbers = section.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*names})
-    for key in numbers:
+    arguments = {}
+    for key, value in (section.model_extra or {}).items():
         if key not in names:
-            rule = did_you_mean(key, names) if names else ": it has none, drop it."
+            known = [*names, *type(section).model_fields]
+            rule = did_you_mean(key, known) if names else ": it has none, drop it."
             raise location.error((key,), f"not a parameter of {name}{rule}")
+        with location.error_context():  # the error names the key
+            arguments[key] = (
+                parse(value, constants[key].dimension, key) if key in constants else value
+            )
     with location.error_context():
-        return law(**numbers)
+        return law(**arguments)
 
 
 def _tuning(tuning: TuningSection, location: FileLocation) -> Tuning:

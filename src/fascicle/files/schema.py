@@ -16,6 +16,7 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
+    ConfigDict,
     Discriminator,
     Field,
     StrictBool,
@@ -27,7 +28,6 @@ from pydantic import (
 )
 
 from ..core.errors import InvalidInputError
-from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..table_model import (
@@ -136,53 +136,22 @@ Number = Annotated[float, Quantity("number")]
 
 
 class LawSection(TableModel):
-    """`tension = { … }` and the like: a law by name, with its own numbers."""
+    """`tension = { … }` and the like: a law by name. The other keys are numbers and switches that
+    the law declares: `muscle_files` reads them when it has the law.
+    """
 
+    model_config = ConfigDict(extra="allow", frozen=True)
     law: StrictStr | None = None
 
-    @classmethod
-    def known_keys(cls, table: Any) -> list[str]:
-        """Keys of the law that the `table` names, or of all laws of its kind."""
-        laws = LAWS[cls.__name__.removesuffix("Section").lower()]
-        law = laws.get(str(value_at(table, ["law"])))
-        if law is None:
-            return list(cls.model_fields)
-        keys = {key for kind in laws.values() for key in _law_keys(kind)} - _law_keys(law)
-        return [key for key in cls.model_fields if key not in keys]
 
+class CollapseSection(LawSection):
+    """`[muscle.collapse]`: the law, and the rate at which it is reached."""
 
-def _law_keys(law: type[AbstractLaw]) -> set[str]:
-    return {key.name for key in (*law.constants(), *law.switches())}
+    transition_rate: Annotated[float, Quantity("number")] | None = None
 
 
 def _optional(validator: Any) -> Any:
     return (Annotated[float | None, validator], None)  # `None` is a key that is left out
-
-
-def _constant_of(kind: str, name: str) -> BeforeValidator:
-    """Parser of a constant of the law that the table has named before."""
-    dimensions = {
-        law.name: constant.dimension
-        for law in LAWS[kind].values()
-        for constant in law.constants()
-        if constant.name == name
-    }
-    # a law without this constant refuses it later, by the law's name
-    default = next(iter(dimensions.values()))
-
-    def parse_constant(value: Any, info: Any) -> float:
-        law = info.data.get("law") or next(iter(LAWS[kind]))
-        return parse(value, dimensions.get(law, default), info.field_name)
-
-    return BeforeValidator(parse_constant)
-
-
-def _law_table(kind: str, **fields: Any) -> type[LawSection]:
-    """Table of a kind of law: constants and switches of all its laws."""
-    for law in LAWS[kind].values():
-        fields |= {c.name: _optional(_constant_of(kind, c.name)) for c in law.constants()}
-        fields |= {switch.name: (str | None, None) for switch in law.switches()}
-    return create_model(f"{kind.title()}Section", __base__=LawSection, **fields)
 
 
 def _or_table(plain: Any, table: Any) -> Any:
@@ -193,12 +162,11 @@ def _or_table(plain: Any, table: Any) -> Any:
 
 
 def _law(kind: str) -> Any:
-    """A law by name or, if any law of its kind has numbers, by a table."""
-    laws = LAWS[kind].values()
-    if not any(map(_law_keys, laws)):
-        return StrictStr
-    example = max(laws, key=lambda law: len(law.constants())).name
-    return _or_table(StrictStr, _law_table(kind, law=(StrictStr, Field(examples=[f'"{example}"']))))
+    """A law by name, or by a table."""
+    default = LAWS[kind].default.name
+    law: Any = (StrictStr, Field(examples=[f'"{default}"']))
+    section = create_model(f"{kind.title()}Section", __base__=LawSection, law=law)
+    return _or_table(StrictStr, section)
 
 
 class HingeSection(TableModel):
@@ -210,7 +178,6 @@ class HingeSection(TableModel):
 
 if TYPE_CHECKING:  # models made from the laws' declarations, which no type checker sees
     MaterialSection = TableModel
-    CollapseSection = LawSection
     Material = str | TableModel
     Hinge = float | HingeSection
     Tension = Buckling = PostCollapse = Ends = str | LawSection
@@ -220,7 +187,6 @@ else:
         __base__=TableModel,
         **{c.name: _optional(Quantity(c.dimension)) for c in MooneyRivlin.constants()},
     )
-    CollapseSection = _law_table("collapse", transition_rate=(Number | None, None))
     Material = _or_table(StrictStr, MaterialSection)
     Hinge = _or_table(Number, HingeSection)
     Tension, Buckling, PostCollapse, Ends = map(

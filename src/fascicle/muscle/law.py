@@ -1,21 +1,30 @@
 """Laws: the constants that a law declares, and a registry for each kind of law.
 
 A law is a final class with a `name` by which files, options and results know it. Its constants are
-declared at its fields. Nothing else lists it: a module in the folder of its kind is all it takes.
+declared at its fields. Nothing else lists it: a module in the folder of its kind is all it takes,
+or an entry point of the group `fascicle.laws` in another installed package.
 """
 
 import importlib
+import importlib.util
 import pkgutil
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
-from types import ModuleType
-from typing import Any, ClassVar, TypeVar
+from types import MappingProxyType, ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.parameters import Constant, Switch
 from ..core.validation import check_choice
+
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+ENTRY_POINTS = "fascicle.laws"  # group of other packages' laws: name of the law = its class
 
 
 class Declared(Module):
@@ -50,7 +59,8 @@ Law = TypeVar("Law", bound=AbstractLaw)
 class LawRegistry(Mapping[str, type[Law]]):
     """Laws of one kind by name: the default law, then the others in alphabetical order.
 
-    A law's module is imported at its first use: the module of its name, else all of the folder.
+    A law's module is imported at its first use: the module of its name, else all of the folder,
+    else the entry point of its name. Listing imports all of them, and warns of those that fail.
     """
 
     def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
@@ -59,24 +69,33 @@ class LawRegistry(Mapping[str, type[Law]]):
         """
         self._package, self._path, self._kind, self._default = package, path, kind, default
         self._laws: dict[str, type[Law]] = {}
+        self._installed: dict[str, type[Law]] = {}  # of other packages
         self._add(importlib.import_module(kind.__module__))
-        self._complete = False
+        self._complete = self._listed = False
 
     def __getitem__(self, name: str) -> type[Law]:
-        if name not in self._laws:
-            if isinstance(name, str) and name in self._modules():
-                self._add(importlib.import_module(f"{self._package}.{name}"))
-            if name not in self._laws:
-                self._load_all()
-        return self._laws[name]
+        if name not in self._laws and isinstance(name, str) and name in self._modules():
+            self._add(importlib.import_module(f"{self._package}.{name}"))
+        if name not in self._laws and name not in self._installed:
+            self._load_all()
+            if name not in self._laws and (law := self._load_installed(name)) is not None:
+                self._installed[name] = law
+        return self._laws[name] if name in self._laws else self._installed[name]
 
     def __iter__(self) -> Iterator[str]:
-        self._load_all()
-        return iter(sorted(self._laws, key=lambda name: (name != self._default, name)))
+        self._load_all_installed()
+        names = {*self.shipped, *self._installed}
+        return iter(sorted(names, key=lambda name: (name != self._default, name)))
 
     def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    @property
+    def shipped(self) -> Mapping[str, type[Law]]:
+        """Laws of fascicle itself, in the same order: no other package is imported."""
         self._load_all()
-        return len(self._laws)
+        names = sorted(self._laws, key=lambda name: (name != self._default, name))
+        return MappingProxyType({name: self._laws[name] for name in names})
 
     @property
     def default(self) -> type[Law]:
@@ -89,14 +108,14 @@ class LawRegistry(Mapping[str, type[Law]]):
         def get_class(class_name: str) -> type[Law]:
             if not class_name.startswith("_"):
                 # laws that are loaded first: others need their modules
-                for law in [*self._laws.values(), *self.values()]:
+                for law in [*self._laws.values(), *self.shipped.values()]:
                     if law.__name__ == class_name:
                         return law
             raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
 
         def list_attributes() -> list[str]:
-            """The package's own names and the classes of all laws."""
-            classes = {law.__name__ for law in self.values()}
+            """The package's own names and the classes of its laws."""
+            classes = {law.__name__ for law in self.shipped.values()}
             return sorted({*vars(sys.modules[self._package]), *classes})
 
         return get_class, list_attributes
@@ -121,6 +140,57 @@ class LawRegistry(Mapping[str, type[Law]]):
                 self._add(importlib.import_module(f"{self._package}.{name}"))
             self._complete = True
 
+    def _load_installed(self, name: str) -> type[Law] | None:
+        """Law of another package by `name`; `None` where no package has one of this kind.
+
+        **Raises:** `InvalidInputError` if two packages have it, or its package is broken.
+        """
+        points = _entry_points(name=name)
+        if len({point.value for point in points}) > 1:
+            packages = " and ".join(map(_package_of, points))
+            rule = f"{name!r} is a law of two packages"
+            raise InvalidInputError(self._argument, rule, None, f"uninstall {packages}, or one")
+        return self._class_of(points[0]) if points else None
+
+    def _load_all_installed(self) -> None:
+        if self._listed:
+            return
+        self._listed = True
+        for name in dict.fromkeys(point.name for point in _entry_points()):
+            try:
+                law = self._load_installed(name)
+                if law is not None and name in self.shipped:
+                    package = _package_of(_entry_points(name=name)[0])
+                    rule = f"{name!r} of the package {package} is a law of fascicle"
+                    raise InvalidInputError(self._argument, rule, None, "rename it")
+            except InvalidInputError as error:
+                warnings.warn(f"law left out: {error}", stacklevel=4)
+                continue
+            if law is not None:
+                self._installed[name] = law
+
+    def _class_of(self, point: "EntryPoint") -> type[Law] | None:
+        """Class that an entry point names; `None` if it is a law of another kind."""
+        label = f"{point.name!r} of the package {_package_of(point)}"
+        remedy = "repair or uninstall it"
+        try:
+            law = point.load()
+        except Exception as error:  # another package's module may raise anything
+            cause = f"{type(error).__name__}: {error}".rstrip(".")
+            rule = f"{label} can't be imported ({cause})"
+            raise InvalidInputError(self._argument, rule, None, remedy) from error
+        if not (isinstance(law, type) and issubclass(law, AbstractLaw)):
+            rule = f"{label} must be a subclass of an abstract law, such as {self._kind.__name__}"
+            raise InvalidInputError(self._argument, rule, None, remedy)
+        if getattr(law, "name", None) != point.name:
+            rule = f"{label} must have the name of its entry point"
+            raise InvalidInputError(self._argument, rule, getattr(law, "name", None), remedy)
+        return law if issubclass(law, self._kind) else None
+
+    @property
+    def _argument(self) -> str:
+        return self._package.rpartition(".")[2]  # the folder has the kind's name
+
     def _add(self, module: ModuleType) -> None:
         """Add the final laws that are written in a module."""
         for law in vars(module).values():
@@ -132,3 +202,21 @@ class LawRegistry(Mapping[str, type[Law]]):
             if self._laws.setdefault(name, law) is not law:
                 rule = f"names two laws of {self._package}"
                 raise InvalidInputError(name, rule, None, "rename one of them")
+
+
+def package_of(law: type[AbstractLaw]) -> str:
+    """Name of the installed package whose entry point has a `law`; "fascicle" for its own."""
+    if law.__module__.startswith("fascicle."):
+        return "fascicle"
+    points = _entry_points(name=law.name)
+    return _package_of(points[0]) if points else law.__module__.partition(".")[0]
+
+
+def _entry_points(**selection: Any) -> list["EntryPoint"]:
+    from importlib import metadata  # takes longer to import than a law
+
+    return list(metadata.entry_points(group=ENTRY_POINTS, **selection))
+
+
+def _package_of(point: "EntryPoint") -> str:
+    return point.dist.name if point.dist is not None else point.module

@@ -15,7 +15,8 @@ from ..options import Command
 # in the order of `fascicle --help`
 _COMMANDS = (
     "force", "free-strain", "bundle", "space", "recruit", "efficiency", "simulate", "record",
-    "calibrate", "explore", "export", "design", "sweep", "reproduce", "muscles", "init",
+    "calibrate", "explore", "export", "design", "sweep", "reproduce", "muscles", "laws",
+    "init",
 )  # fmt: skip
 
 app = typer.Typer(
