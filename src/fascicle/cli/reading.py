@@ -105,7 +105,7 @@ def read_options(
 
 
 def read_record(
-    paths: list[str], options: dict[str, Any], length: float
+    paths: list[str], options: dict[str, Any], length: float | None = None
 ) -> tuple["Record", tuple[str, ...]]:
     """Read one record from files; also remarks on what was assumed.
 
@@ -113,7 +113,8 @@ def read_record(
 
     - `paths`: files and patterns.
     - `options`: arguments of `records.load`.
-    - `length`: of the muscle at rest [m], for files that name no rest length.
+    - `length`: of the muscle at rest [m], for files that name no rest length; left out, they are
+      refused.
     """
     from ..records import join, load
     from ..records.columns import MissingMetadataError
@@ -126,7 +127,7 @@ def read_record(
                 try:
                     records.append(load(path, **options))
                 except MissingMetadataError as error:
-                    if error.argument != "rest_length":
+                    if error.argument != "rest_length" or length is None:
                         raise
                     # a length or displacement in a file that names no rest length
                     records.append(load(path, **{**options, "rest_length": length}))
@@ -139,6 +140,8 @@ def read_record(
         for note in record.notes
     )
     record = replace(record, notes=notes)
+    if length is None:
+        return record, ()
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     remark = (

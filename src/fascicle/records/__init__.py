@@ -19,19 +19,20 @@ if TYPE_CHECKING:
         fabricated_pairs,
     )
     from .hysteresis import Averaged, Loop, averaged, loop_of
+    from .published import json_schema, write
     from .reading import load, loads
-    from .record import Record, Source, dumps, join, write
+    from .record import Record, Source, dumps, join
     from .segmentation import Run, runs
 
 __all__ = [
     "Averaged", "Loop", "MissingMetadataError", "Pairs", "Record", "Run", "Scatter", "Source",
     "Sweeps", "VirtualDynamometer", "agreements", "averaged", "dumps", "fabricated_pairs", "join",
-    "load", "loads", "loop_of", "runs", "write",
+    "json_schema", "load", "loads", "loop_of", "runs", "write",
 ]  # fmt: skip
 
 _HOMES = {
     **dict.fromkeys(("Averaged", "Loop", "averaged", "loop_of"), "hysteresis"),
-    **dict.fromkeys(("Record", "Source", "dumps", "join", "write"), "record"),
+    **dict.fromkeys(("Record", "Source", "dumps", "join"), "record"),
     **dict.fromkeys(("load", "loads"), "reading"),
     **dict.fromkeys(("Run", "runs"), "segmentation"),
     **dict.fromkeys(
@@ -39,6 +40,7 @@ _HOMES = {
         "dynamometer",
     ),
     "MissingMetadataError": "columns",
+    **dict.fromkeys(("json_schema", "write"), "published"),
 }
 _MOVED = {
     "asking": "records.columns", "csv_table": "records.tables", "averaging": "records.hysteresis",

@@ -5,6 +5,7 @@ import hashlib
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -19,6 +20,7 @@ from .formats import unpack
 from .headers import DIMENSIONS, ROLES, read_header
 from .joint import read_arm_table
 from .joint_readings import check_direction, read_joint
+from .published import from_json
 from .quantities import (
     BRANCHES,
     Readings,
@@ -67,8 +69,8 @@ def load(
 
     **Arguments:**
 
-    - `path`: the file (text, .xlsx, .mat or .tdms), or several of one muscle; patterns such as
-      `"runs/*.csv"` stand for all files that fit.
+    - `path`: the file (text, .xlsx, .mat, .tdms, or .json as `write` makes it), or several of one
+      muscle; patterns such as `"runs/*.csv"` stand for all files that fit.
     - `columns`: headers of columns that aren't recognized, by role: pressure, force, torque,
       strain, length, displacement, angle, moment_arm, time, branch, clipped. Or all columns in
       their order, such as `"force[N],pressure[kPa],-,length[mm]"`, with `-` for one to skip: for
@@ -244,6 +246,8 @@ def _dimension(role: str) -> str:
 def _read_record(
     raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...]
 ) -> Record:
+    if raw.lstrip()[:1] == b"{":
+        return _read_published(raw, source, info)
     text = unpack(raw, source, info.table)
     table = open_table(text, source, info.header, info.names, wide="pressure" not in info.constants)
     header_lines = (*table.remarks, *table.titles)
@@ -283,6 +287,21 @@ def _read_record(
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
         notes=tuple(f"{name}: {note}" for note in all_notes),
     )  # fmt: skip
+
+
+def _read_published(raw: bytes, source: str, info: Sidecar) -> Record:
+    """Record of a JSON file, which states everything but perhaps its rest length."""
+    record = from_json(raw, source)
+    if info.model_copy(update={"rest_length": None}) != Sidecar():
+        rule = "a published record states its columns, units and notes: leave out options and TOML."
+        raise ValueError(f"{source}: {rule}")
+    if info.rest_length is None:
+        return record
+    if record.rest_length not in (None, info.rest_length):
+        raise ValueError(
+            f"{source}: its rest length is {record.rest_length} m, not {info.rest_length} m."
+        )
+    return replace(record, rest_length=info.rest_length)
 
 
 def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...]]:

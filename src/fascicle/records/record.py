@@ -5,7 +5,6 @@ at zero: the gauge could not push, so its force is an upper bound.
 """
 
 import io
-import os
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +14,6 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.validation import broadcast_shape
-from ..io.atomic import write_text
 from ..units import exact
 
 
@@ -158,19 +156,6 @@ def join(records: Sequence[Record]) -> Record:
         sources=tuple(source for record in records for source in record.sources),
         notes=tuple(dict.fromkeys([*notes, *duplicates])),
     )
-
-
-def write(record: Record, path: str | os.PathLike[str]) -> None:
-    """Write a record as CSV, completely or not at all.
-
-    **Arguments:**
-
-    - `record`: the readings.
-    - `path`: the CSV file; an existing file is replaced.
-
-    **Raises:** `OSError` if the file can't be written.
-    """
-    write_text(path, dumps(record))
 
 
 def dumps(record: Record) -> str:

@@ -15,7 +15,7 @@ from ..options import Command
 # in the order of `fascicle --help`
 _COMMANDS = (
     "force", "free-strain", "bundle", "space", "recruit", "efficiency", "simulate", "record",
-    "calibrate", "explore", "export", "design", "sweep", "reproduce", "muscles", "laws",
+    "convert", "calibrate", "explore", "export", "design", "sweep", "reproduce", "muscles", "laws",
     "init",
 )  # fmt: skip
 

@@ -8,12 +8,17 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import check_grid, read_list, read_muscle, read_quantity
 from ..options import flag, option
-from ..outputs import check_file, print_line, replace_output
+from ..outputs import check_file, print_line, write_text
 
 
 def run(
     file: str = options.TARGET,
-    out: str = option("CSV file of the record.", "--out -o", metavar="PATH", default=...),
+    out: str = option(
+        "Result file of the record: .csv, or .json for publication.",
+        "--out -o",
+        metavar="PATH",
+        default=...,
+    ),
     seed: int = options.SEED,
     pressure: str | None = option(
         "Gauge pressures: a list or a range; default: 0 to 413.7 kPa in 13 levels.",
@@ -73,12 +78,13 @@ def run(
         settings["pressures"] = read_list(pressure, "pressure", "--pressure")
     check_grid(len(settings.get("pressures", range(13))), samples * (1 if one_way else 2))
     muscle = read_muscle(file, "run `fascicle record` on each of its muscles")
-    from ...records import VirtualDynamometer, write
+    from ...records import VirtualDynamometer
+    from ...records.published import file_text
 
     with user_errors():
         record = VirtualDynamometer(**settings).record(muscle, seed)
-    with replace_output("--out", out, overwrite) as draft:
-        write(record, draft)
+        text = file_text(record, out)
+    write_text("--out", out, overwrite, text)
     summary = {
         "synthetic": True,
         "path": out,

@@ -1,0 +1,182 @@
+"""Measured records for publication: JSON of the schema `fascicle-record/1`, to the bit and back.
+
+A file has the fields of a `Record` in SI units. Its schema is `json_schema()`; the first key names
+the version, and a reader refuses versions that it doesn't know.
+"""
+
+import json
+import os
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictStr,
+    ValidationError,
+)
+
+from ..core.validation import HIGHEST_PRESSURE
+from ..io.atomic import write_text
+from ..table_model import location_message, validation_message
+from .record import COLUMNS, OPTIONAL_COLUMNS, Record, Source, dumps
+from .units import STRAINS
+
+
+SCHEMA = "fascicle-record/1"
+
+# strict: text is no number; JSON has no infinity
+_Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+    @classmethod
+    def known_keys(cls, table: Any) -> list[str]:
+        """Keys to suggest for an unknown one."""
+        del table
+        return [field.alias or name for name, field in cls.model_fields.items()]
+
+
+class SourceTable(_Table):
+    """A file that the readings were read from."""
+
+    name: StrictStr = Field(description="name of the file")
+    sha256: StrictStr = Field(
+        description="SHA-256 of its bytes, hexadecimal", pattern="^[0-9a-f]{64}$"
+    )
+
+
+class RecordTable(_Table):
+    """Readings of one muscle in the order in which they were taken, in SI units."""
+
+    schema_: Literal["fascicle-record/1"] = Field(
+        alias="schema", description="version of this schema", examples=[f'"{SCHEMA}"']
+    )
+    synthetic: StrictBool = Field(description="true if a model made the readings")
+    rest_length: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)] | None = Field(
+        None, description="length that strains refer to [m]"
+    )
+    sources: list[SourceTable] = Field(
+        default_factory=list[SourceTable], description="files that the readings were read from"
+    )
+    notes: list[StrictStr] = Field(
+        default_factory=list[str], description="assumptions and changes, and what was measured"
+    )
+    pressure: list[Annotated[_Real, Field(ge=0, le=HIGHEST_PRESSURE)]] = Field(
+        description="gauge pressure [Pa]", min_length=1
+    )
+    strain: list[Annotated[_Real, Field(ge=STRAINS[0], le=STRAINS[1])]] = Field(
+        description="contraction over the rest length [-]"
+    )
+    force: list[_Real] = Field(description="force, positive where the muscle pulls [N]")
+    censored: list[StrictBool] = Field(
+        default_factory=list[bool],
+        description="true for a force that is an upper bound, as of a load cell that can't push;"
+        " empty: none is",
+    )
+    branch: list[Literal[-1, 0, 1]] = Field(
+        default_factory=list[Literal[-1, 0, 1]],
+        description="1 inflating or contracting, -1 deflating or extending, 0 or empty: unknown",
+    )
+    time: list[_Real] | None = Field(None, description="time [s]")
+    moment_arm: list[_Real] | None = Field(
+        None, description="moment arm of the muscle on the joint whose torque was measured [m]"
+    )
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema of a file, draft 2020-12."""
+    schema = RecordTable.model_json_schema()
+    schema["title"] = SCHEMA
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def to_json(record: Record) -> str:
+    """Text of a JSON file that reads back to an equal record, to the bit.
+
+    **Raises:** `ValueError` in one line for a record that the schema doesn't allow.
+    """
+    data: dict[str, Any] = {
+        "schema": SCHEMA,
+        "synthetic": bool(record.synthetic),
+        "rest_length": None if record.rest_length is None else float(record.rest_length),
+        "sources": [vars(source) for source in record.sources],
+        "notes": list(record.notes),
+    }
+    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
+        values = getattr(record, name)
+        data[name] = None if values is None else values.tolist()
+    for name in ("censored", "branch"):
+        data[name] = data[name] if any(data[name]) else []
+    data = {name: value for name, value in data.items() if value is not None and value != []}
+    _validate(data, "the record")
+    lines = (f"  {json.dumps(key)}: {_dump(value)}" for key, value in data.items())
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def from_json(raw: str | bytes, source: str) -> Record:
+    """Record of a JSON file; `source`: its name in errors.
+
+    **Raises:** `ValueError` in one line for another version, and for contents that aren't valid.
+    """
+    try:
+        data = json.loads(raw)
+    except ValueError as error:
+        raise ValueError(f"{source}: no valid JSON: {error}.") from None
+    version = data.get("schema") if isinstance(data, dict) else None
+    if version != SCHEMA:
+        rule = f"this fascicle reads {SCHEMA}: choose that, or install a newer fascicle."
+        raise ValueError(location_message(source, ["schema"], rule, version))
+    table = _validate(data, source)
+    optional = {name: getattr(table, name) for name in OPTIONAL_COLUMNS}
+    return Record.of(
+        table.pressure, table.strain, table.force, table.censored or None, table.branch or None,
+        rest_length=table.rest_length, synthetic=table.synthetic, notes=tuple(table.notes),
+        sources=tuple(Source(entry.name, entry.sha256) for entry in table.sources),
+        **{n: None if values is None else np.array(values) for n, values in optional.items()},
+    )  # fmt: skip
+
+
+def write(record: Record, path: str | os.PathLike[str]) -> None:
+    """Write a record, completely or not at all.
+
+    **Arguments:**
+
+    - `record`: the readings.
+    - `path`: the file, CSV, or JSON of the schema `fascicle-record/1` if its name ends in .json;
+      an existing file is replaced.
+
+    **Raises:** `OSError` if the file can't be written; `ValueError` for a record that the schema
+    doesn't allow.
+    """
+    write_text(path, file_text(record, path))
+
+
+def file_text(record: Record, path: str | os.PathLike[str]) -> str:
+    """Text of a record for a file: JSON if the name of its `path` ends in .json, else CSV."""
+    if os.fspath(path).lower().endswith(".json"):
+        return to_json(record)
+    return dumps(record)
+
+
+def _validate(data: Any, source: str) -> RecordTable:
+    try:
+        table = RecordTable.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(validation_message(error, source, data, RecordTable)) from None
+    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
+        values = getattr(table, name)
+        if values is None or (name in ("censored", "branch") and not values):
+            continue
+        if len(values) != len(table.pressure):
+            rule = f"has {len(values)} values, but pressure has {len(table.pressure)}."
+            raise ValueError(location_message(source, [name], rule))
+    return table
+
+
+def _dump(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

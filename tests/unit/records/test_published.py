@@ -1,0 +1,127 @@
+"""Published records: JSON to the bit and back, its schema, and versions."""
+
+import json
+import math
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fascicle import records
+from fascicle.cli import main
+from fascicle.records.published import SCHEMA, to_json
+
+
+ROOT = Path(__file__).parents[3]
+RNG = np.random.default_rng(5)
+COUNT = 40
+BARE = records.Record.of(RNG.uniform(0, 1e6, COUNT), RNG.uniform(-0.2, 0.9, COUNT),
+                         RNG.normal(0, 50, COUNT))  # fmt: skip
+FULL = replace(
+    BARE, censored=RNG.random(COUNT) < 0.3, branch=RNG.integers(-1, 2, COUNT).astype(np.int8),
+    time=np.cumsum(RNG.random(COUNT)), moment_arm=RNG.random(COUNT) / 30, rest_length=math.pi / 10,
+    synthetic=True, sources=(records.Source("a b.csv", "0f" * 32),), notes=("ε: “x”\n", ""),
+)  # fmt: skip
+# least and largest floats of the domain, and a negative zero
+ENDS = records.Record.of([0.0, 5e-324, 1e6], [-0.2, 0.9, -0.0], [1.7976931348623157e308, -0.0, 0.1])
+
+
+@pytest.mark.parametrize("record", [BARE, FULL, ENDS])
+def test_it_reads_back_to_the_bit(record, tmp_path):
+    path = tmp_path / "r.json"
+    records.write(record, path)
+    read = records.load(path)
+    for field in fields(record):
+        before, after = getattr(record, field.name), getattr(read, field.name)
+        if isinstance(before, np.ndarray):
+            assert (before.dtype, before.tobytes()) == (after.dtype, after.tobytes()), field.name
+        else:
+            assert before == after and type(before) is type(after), field.name
+    assert to_json(read) == path.read_text(encoding="utf-8")
+
+
+def refusal(**changes):
+    data = json.loads(to_json(FULL)) | changes
+    text = json.dumps({key: value for key, value in data.items() if value is not None})
+    with pytest.raises(ValueError, match=r"^r\.json: ") as caught:
+        records.loads(text, "r.json")
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"schema": "fascicle-record/2"}, 'schema = "fascicle-record/2"'),
+        ({"schema": None}, "schema"),
+        ({"strian": [1.0]}, 'strian: unknown key, did you mean "strain"'),
+        ({"force": None}, "force: missing"),
+        ({"force": [1.0]}, "force: has 1 values"),
+        ({"pressure": [1e7] * COUNT}, "pressure[0]"),
+        ({"strain": ["0.1"] * COUNT}, "strain[0]"),
+        ({"strain": [math.nan] * COUNT}, "strain[0]"),
+        ({"branch": [2] * COUNT}, "branch[0]"),
+        ({"sources": [{"name": "a", "sha256": "xyz"}]}, "sources[0].sha256"),
+        ({"rest_length": 0.0}, "rest_length"),
+        ({"synthetic": "no"}, "synthetic"),
+    ],
+)
+def test_bad_files_are_refused_by_key(changes, key):
+    assert f"r.json: {key}" in refusal(**changes)
+
+
+def test_options_of_tables_do_not_apply():
+    with pytest.raises(ValueError, match="leave out"):
+        records.loads(to_json(FULL), "r.json", units={"force": "N"})
+    with pytest.raises(ValueError, match="rest length"):
+        records.loads(to_json(FULL), "r.json", rest_length=0.2)
+    assert records.loads(to_json(BARE), "r.json", rest_length=0.2).rest_length == 0.2
+
+
+def test_the_schema_in_the_docs_is_the_code_s():
+    path = ROOT / f"docs/_static/{SCHEMA.replace('/', '-')}.schema.json"
+    assert json.loads(path.read_text()) == records.json_schema()
+    described = set(records.json_schema()["properties"])
+    assert described == {"schema", *(field.name for field in fields(records.Record))}
+
+
+def workbook(path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["pressure [kPa]", "strain [%]", "force [N]"])
+    book.active.append([100, 1.5, 33.3])
+    book.save(path)
+
+
+def matlab(path):
+    from scipy.io import savemat
+
+    savemat(
+        path,
+        {"pressure_kPa": [100.0] * 3, "strain": [0.015, 0.1, 0.2], "force_N": [33.3, 20.0, 0.7]},
+    )
+
+
+def text(path):
+    path.write_text("pressure [kPa];strain [%];force [N]\n100;1,5;33,3\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "fill"), [("b.xlsx", workbook), ("b.mat", matlab), ("b.txt", text)]
+)
+def test_formats_convert(name, fill, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    fill(tmp_path / name)
+    for out in ("b.json", "b2.csv", "b.json"):
+        with pytest.raises(SystemExit) as end:
+            main(["convert", name, "--out", out, *(["--overwrite"] if out == "b.json" else [])])
+        assert not end.value.code
+    assert str(capsys.readouterr().out).count(" readings") == 3
+    direct = records.load(name)
+    for out in ("b.json", "b2.csv"):
+        read = records.load(out)
+        assert read.pressure.tobytes() == direct.pressure.tobytes()
+        assert read.strain.tobytes() == direct.strain.tobytes()
+        assert read.force.tobytes() == direct.force.tobytes()
+    assert records.load("b.json").sources == direct.sources
