@@ -1,12 +1,12 @@
 """Sphinx: Markdown pages, executed; docstrings in the same Markdown; no outside request."""
 
-import importlib.metadata
 import logging
 import os
 import sys
 from pathlib import Path
 from typing import Any
 
+from fascicle import __version__
 from fascicle.plot.theme import DARK, LIGHT, MONO, SANS, Colors
 
 
@@ -41,7 +41,7 @@ def _furo(colors: Colors) -> dict[str, str]:
 project = "fascicle"
 author = "the fascicle maintainers"
 copyright = "the fascicle maintainers, Apache-2.0"
-release = version = importlib.metadata.version("fascicle")
+release = version = __version__
 
 extensions = [
     "myst_nb",

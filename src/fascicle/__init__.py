@@ -118,16 +118,4 @@ __all__ = [
 ]
 
 
-_WENT = {"describe": "files"} | {
-    f"describe.{old}": new
-    for old, new in {
-        "atomic": "io.atomic",
-        "calibrated": "files.calibration_files",
-        "results": "results.labelled",
-    }.items()
-}
-
-# names of the last release
-_RENAMED = {"Refused": "InvalidInputError"}
-
-__getattr__, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": "version"}, _WENT, _RENAMED)
+__getattr__, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": "version"})

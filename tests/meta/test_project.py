@@ -1,15 +1,18 @@
 """The project's own files agree with one another."""
 
 import ast
+import importlib
 import re
 import sys
 import tomllib
 from importlib import metadata
 from pathlib import Path
 
+import pytest
 import yaml
 
 import fascicle
+from fascicle.core import deprecations
 
 
 ROOT = Path(__file__).parents[2]
@@ -53,10 +56,53 @@ def test_what_is_imported_is_declared_and_the_core_imported():
 
 def test_the_version_is_one_number():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
-    assert citation["version"] == PROJECT["version"]
-    assert fascicle.__version__ == metadata.version("fascicle") == PROJECT["version"]
+    assert citation["version"] == fascicle.__version__
+    assert PROJECT["dynamic"] == ["version"] and "version" not in PROJECT
     assert citation["preferred-citation"]["doi"] == "10.3390/act10030042"
-    assert f"## {PROJECT['version']}" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_the_changelog_has_the_form_of_keep_a_changelog():
+    """The newest changes stand under "Unreleased", or under this version and its date."""
+    text = (ROOT / "CHANGELOG.md").read_text()
+    first, *sections = re.split(r"^## ", text, flags=re.MULTILINE)[1:]
+    date = r"\d{4}-\d{2}-\d{2}"
+    version = re.escape(fascicle.__version__)
+    assert re.match(rf"\[(Unreleased|{version}\] - {date}$)", first, re.MULTILINE)
+    assert all(re.match(rf"\[[\d.]+\] - {date}$", one, re.MULTILINE) for one in sections)
+    kinds = set(re.findall(r"^### (.+)$", text, re.MULTILINE))
+    assert kinds <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
+    assert len(first.splitlines()) <= 60
+
+
+def test_former_names_name_others_and_go_in_time():
+    """Every former name of the tables warns with a present one, until its version comes."""
+    for package, names in deprecations.NAMES.items():
+        module = importlib.import_module(package)
+        for old, new in names.items():
+            with pytest.warns(DeprecationWarning, match=deprecations.REMOVAL):
+                assert getattr(module, old) is getattr(module, new)
+    for modules in deprecations.MODULES.values():
+        assert all(importlib.import_module(f"fascicle.{new}") for new in modules.values())
+    removal, present = deprecations.REMOVAL.split("."), fascicle.__version__.split(".")
+    assert tuple(map(int, removal)) > tuple(map(int, present))
+
+
+def test_every_former_attribute_has_its_class():
+    """A class takes its former names by the decorator: no entry of the table is forgotten."""
+    decorated = {}
+    for path in Path(fascicle.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef) and "with_former_names" in map(
+                ast.unparse, node.decorator_list
+            ):
+                decorated[node.name] = path
+    assert decorated.keys() == deprecations.ATTRIBUTES.keys()
+    for name, path in decorated.items():
+        module = path.relative_to(Path(fascicle.__file__).parents[1]).with_suffix("")
+        owner = getattr(importlib.import_module(".".join(module.parts)), name)
+        for old, new in deprecations.ATTRIBUTES[name].items():
+            assert isinstance(vars(owner)[old], property)
+            assert hasattr(owner, new) or new in owner.__annotations__
 
 
 def test_the_lock_covers_what_is_declared():

@@ -47,9 +47,7 @@ __all__ = [
     "recruit",
     "workspace",
 ]
-# names of the last release
-_RENAMED = {"Recruited": "RecruitmentResult", "Space": "Workspace", "space": "workspace"}
-__getattr__, _ = attach_lazy(__name__, {}, renamed=_RENAMED)
+__getattr__, _ = attach_lazy(__name__, {})
 
 _LEVELS = 241  # pressures over which a region's edges are taken: 0.4 % of the supply apart
 _TOUCH = 1e-9  # of the largest force: regions that share an edge alone differ by rounding

@@ -36,11 +36,4 @@ _HOMES = {
     "figures": "plot_data",
     **dict.fromkeys(("Posterior", "sample"), "posterior"),
 }
-_RENAMED = {"Choice": "Selection", "find": "select_model"}
-_MOVED = {
-    "comparing": "calibrate.comparison",
-    "finding": "calibrate.model_selection",
-    "profiling": "calibrate.intervals",
-}
-
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED, _RENAMED)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -38,18 +38,4 @@ from .valves import PlantValves as PlantValves
 
 
 # names of the last release
-__getattr__, __dir__ = attach_lazy(
-    __name__,
-    {},
-    renamed={
-        "Choice": "PolicyChoice",
-        "Reach": "Reachability",
-        "Sines": "FrequencyResponse",
-        "Worth": "ControlMetrics",
-        "choose": "select_policy",
-        "done": "controlled_output",
-        "reachable": "reachability",
-        "sines": "frequency_response",
-        "worth": "control_metrics",
-    },
-)
+__getattr__, __dir__ = attach_lazy(__name__, {})

@@ -13,24 +13,23 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
-from types import MappingProxyType, ModuleType
+from types import ModuleType
 from typing import Any, cast
+
+from .deprecations import MODULES, NAMES, warn_renamed
 
 
 def attach_lazy(
-    package: str,
-    homes: Mapping[str, str],
-    former_modules: Mapping[str, str] = MappingProxyType({}),
-    renamed: Mapping[str, str] = MappingProxyType({}),
+    package: str, homes: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a `package`. `homes`: module of each of its names; "" for a
-    name that is a module. `former_modules`: their present names in fascicle. `renamed`: present
-    name of each name of the last release, which warns. `ValueError` for a name that is its
-    module's, too: importing that module would replace the object.
+    name that is a module. Former names, of `core.deprecations`, warn. `ValueError` for a name that
+    is its module's, too: importing that module would replace the object.
     """
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
-    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in former_modules.items()}
+    renamed, modules = NAMES.get(package, {}), MODULES.get(package, {})
+    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in modules.items()}
     _FORMER_NAMES.aliases.update(former)
     _ALIASES.aliases.update(
         {f"{package}.{name}": f"{package}.{home}.{name}" for name, home in homes.items() if home}
@@ -38,8 +37,7 @@ def attach_lazy(
 
     def get_attribute(name: str) -> Any:
         if name in renamed:
-            message = f"`{package}.{name}` is now `{package}.{renamed[name]}`."
-            warnings.warn(message, DeprecationWarning, stacklevel=2)
+            warn_renamed(f"{package}.{name}", f"{package}.{renamed[name]}")
             return getattr(sys.modules[package], renamed[name])
         if homes.get(name):
             return getattr(_import(f".{homes[name]}", package), name)
@@ -48,18 +46,6 @@ def attach_lazy(
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return get_attribute, lambda: sorted({*vars(sys.modules[package]), *homes})
-
-
-def renamed_method(old: str, new: str) -> Callable[..., Any]:
-    """Method under its `old` name: warns, and calls the `new` one."""
-
-    def call_renamed(self: Any, *arguments: Any, **options: Any) -> Any:
-        message = f"`{type(self).__name__}.{old}` is now `{new}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return getattr(self, new)(*arguments, **options)
-
-    call_renamed.__doc__ = f"Former name of `{new}`."
-    return call_renamed
 
 
 def import_late(name: str) -> Any:
@@ -104,7 +90,7 @@ class _AliasFinder:
         name, target = module.__name__, self._target(module.__name__)
         if self.warns:  # the import system's own frames are skipped: the caller's line is shown
             module.__getattr__ = lambda name: getattr(importlib.import_module(target), name)
-            warnings.warn(f"`{name}` has moved to `{target}`.", DeprecationWarning, stacklevel=2)
+            warn_renamed(name, target, "has moved to")
         else:
             sys.modules[name] = importlib.import_module(target)
 

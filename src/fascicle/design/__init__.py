@@ -53,17 +53,4 @@ _HOMES = {
     **dict.fromkeys(("Store", "Study"), "sweep"),
     **dict.fromkeys(("Task", "example_task"), "task"),
 }  # fmt: skip
-_FORMER_MODULES = {  # of the last release
-    "checkpoint": "design.genetic",
-    "examples": "design.task",
-    "judging": "design.evaluation",
-    "packing": "design.designs",
-    "pareto": "design.exhaustive_search",
-    "reach": "design.objectives",
-    "searching": "design.exhaustive_search",
-    "store": "design.sweep",
-    "study": "design.sweep",
-}
-_RENAMED = {"Found": "SearchResult", "refined": "refine_sizes", "summary_of": "summarize"}
-
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _FORMER_MODULES, _RENAMED)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -15,7 +15,6 @@ and for two; else an estimate: a large circle among small ones wastes more, smal
 fit into the gaps less.
 """
 
-import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -25,6 +24,7 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..bundle.efficiency import check_volume_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
 from ..core.types import Float, Int, Numbers, Values
@@ -93,6 +93,7 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
     return where(N == 2, side_by_side, maximum(dense, side_by_side))
 
 
+@with_former_names
 @dataclass(frozen=True, eq=False)
 class Designs:
     """Designs on the first axis. `kind`: index of their muscles' drawing in `drawings`; `counts`
@@ -149,12 +150,6 @@ class Designs:
         for sizes in (self.radius, self.wall, self.angle):
             uniform &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
         return uniform
-
-    @property
-    def alike(self) -> np.ndarray:
-        """Deprecated name of `uniform`."""
-        warnings.warn("`Designs.alike` is now `Designs.uniform`.", DeprecationWarning, stacklevel=2)
-        return self.uniform
 
     def take(self, index: np.ndarray, units: int | None = None) -> "Designs":
         """Designs with an `index`, or a mask; their first `units` alone."""

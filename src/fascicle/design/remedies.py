@@ -8,11 +8,11 @@ does; the result is checked at every point. Where nothing on the grid reaches, t
 can't.
 """
 
-import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core.deprecations import with_former_names
 from ..core.types import Float, Int
 from ..core.validation import HIGHEST_PRESSURE
 from .catalog import Product
@@ -29,6 +29,7 @@ _PRECISION = 1e-6  # of a pressure or a size: finer than any gauge
 _FEW = 256  # points solved for at first; the others are checked when it is solved
 
 
+@with_former_names
 @dataclass(frozen=True)
 class Remedy:
     """A change that would reach the task.
@@ -52,13 +53,6 @@ class Remedy:
     free_strain: float = 0.0
     breaks: tuple[tuple[str, float], ...] = ()
     measured: float = np.inf
-
-    @property
-    def contracts(self) -> float:
-        """Deprecated name of `free_strain` [-]."""
-        message = "`Remedy.contracts` is now `Remedy.free_strain`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return self.free_strain
 
 
 def remedies(

@@ -21,7 +21,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
-from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -31,6 +30,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..io.atomic import holds_drafts_only, remove_abandoned, write, write_text
+from ..version import __version__
 from .cluster import restart_dead_workers, short_reason
 from .evaluation import Values, evaluate
 from .objectives import OBJECTIVES, Limit, check_search, recorded_objectives, with_reach_limits
@@ -42,7 +42,7 @@ MAX_DESIGNS = 4_000_000_000  # designs; an index is a 64-bit number, a journal h
 MAX_BLOCK = 2**20  # designs; their tables fit into a worker's memory
 DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
 _META = "zarr.json"  # describes a group, or an array
-_VERSION = version("fascicle")
+_VERSION = __version__
 _BLOCKS_PER_WORKER = 3  # so that none waits for the next block
 _CENSUS = 2.0  # s between counts of the workers
 _POLL = 0.02  # s between looks for a result, far less than a block takes

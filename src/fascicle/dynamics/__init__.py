@@ -44,14 +44,4 @@ from .simulate import simulate as simulate
 
 
 # names of the last release
-__getattr__, __dir__ = attach_lazy(
-    __name__,
-    {},
-    {"hysteresis": "muscle.hysteresis"},
-    {
-        "Pace": "StepSizeEstimate",
-        "Seen": "PlantOutputs",
-        "pace": "estimate_substeps",
-        "rest": "equilibrium_state",
-    },
-)
+__getattr__, __dir__ = attach_lazy(__name__, {})

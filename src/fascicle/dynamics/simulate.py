@@ -10,7 +10,6 @@ plant and the controller; `integrate` is its reference.
 **Source:** Kutta (1901).
 """
 
-import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
@@ -20,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.module import Module, to_numpy
 from ..core.types import Batch, BoolBatch, Numbers, Values
@@ -125,6 +125,7 @@ def project_pressures(plant: Plant, time: Batch, state: State, steps: int) -> St
     )
 
 
+@with_former_names
 class Trajectory(NamedTuple):
     """A run, times on the first axis.
 
@@ -141,15 +142,6 @@ class Trajectory(NamedTuple):
     substeps: int
     step_size: StepSizeEstimate | None
     end: State
-
-    def __getattr__(self, name: str) -> Any:
-        """Fields by the names of the last release."""
-        field = {"seen": "outputs", "account": "ledger"}.get(name)
-        if field is None:
-            raise AttributeError(f"Trajectory has no attribute {name!r}")
-        message = f"`Trajectory.{name}` is now `Trajectory.{field}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return getattr(self, field)
 
 
 def simulate(

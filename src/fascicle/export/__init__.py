@@ -28,6 +28,4 @@ _HOMES = {
     "write_table": "c_table",
 }
 
-__getattr__, __dir__ = attach_lazy(
-    __name__, _HOMES, renamed={"on_table": "tabulate_controller", "tabulated": "tabulate"}
-)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

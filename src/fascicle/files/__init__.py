@@ -28,9 +28,7 @@ _HOMES = {
     **dict.fromkeys(("example_text", "examples", "scenarios"), "shipped_files"),
     **dict.fromkeys(("Scenario", "load_scenario", "loads_scenario"), "scenario"),
 }
-_MOVED = {"calibrated": "files.calibration_files"}
-
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)
 
 
 def load(path: str | os.PathLike[str]) -> Any:

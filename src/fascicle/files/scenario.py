@@ -1,7 +1,6 @@
 """Scenario files: from TOML to a plant, its commands or controller, and its initial state."""
 
 import os
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
 from ..dynamics import (
@@ -60,7 +60,6 @@ _MAX_NUMBERS = 128_000_000  # of a run's results: a gigabyte, two motor units in
 _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 40, 12  # of these: of the plant, and of each motor unit
 _STEP = 1e-3  # s: resolves valves and muscles
 _ROUNDING = 1e-6  # of a step, by which rounding may shift a time
-_RENAMED = {"controlled": "control", "taking": "with_policy"}
 _SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
 
 
@@ -107,6 +106,7 @@ class ScenarioControl(NamedTuple):
         return ScenarioControl(controller, self.reference, choice, policy, options)
 
 
+@with_former_names
 @dataclass(frozen=True, eq=False)
 class Scenario:
     """A plant with its commands or controller, and its initial state.
@@ -148,14 +148,6 @@ class Scenario:
             raise InvalidInputError(name, rule, policy, shown="")
         control = self.control.with_policy(policy, compensate)
         return replace(self, control=control, notes=control.notes)
-
-    def __getattr__(self, name: str) -> Any:
-        """Attributes by the names of the last release."""
-        if name not in _RENAMED:
-            raise AttributeError(f"a Scenario has no attribute {name!r}.")
-        message = f"`Scenario.{name}` is now `Scenario.{_RENAMED[name]}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return getattr(self, _RENAMED[name])
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""

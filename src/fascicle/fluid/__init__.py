@@ -43,4 +43,4 @@ from .valve_catalog import catalog_valves as catalog_valves
 
 
 # until the release after 0.1
-__getattr__, __dir__ = attach_lazy(__name__, {}, renamed={"checked_commands": "validate_commands"})
+__getattr__, __dir__ = attach_lazy(__name__, {})

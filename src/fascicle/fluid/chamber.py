@@ -17,7 +17,7 @@ from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
-from ..core.lazy import renamed_method
+from ..core.deprecations import with_former_names
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
@@ -38,6 +38,7 @@ class Balance(NamedTuple):
     by_volume: Batch
 
 
+@with_former_names
 class AbstractChamber(Module):
     """Fluid in a volume that moves; its fields here are given by keyword.
 
@@ -88,8 +89,6 @@ class AbstractChamber(Module):
     @abc.abstractmethod
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-
-    guess = renamed_method("guess", "static_pressure")
 
     @abc.abstractmethod
     def rates(

@@ -30,8 +30,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..core.array_namespace import logical_and, maximum, minimum, where
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
-from ..core.lazy import renamed_method
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range, is_concrete
@@ -122,6 +122,7 @@ class VariablePump(_Pump):
         return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
 
 
+@with_former_names
 class PressureBand(Module):
     """A switch between two pressures, with hysteresis. `low`, `high`: gauge [Pa]."""
 
@@ -144,8 +145,6 @@ class PressureBand(Module):
         """State of the switch [-], 1 or 0, at gauge `pressure` [Pa] after the state `on` [-]."""
         unchanged = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
         return where(pressure >= self.high, 0.0, unchanged)
-
-    after = renamed_method("after", "update")
 
 
 class Relief(Module):

@@ -30,8 +30,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..core.array_namespace import maximum, minimum
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
-from ..core.lazy import renamed_method
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
@@ -48,6 +48,7 @@ class Openings(NamedTuple):
     exhaust: Batch
 
 
+@with_former_names
 class AbstractSpool(Module):
     """Motion of spools by commands, and openings of ports by spools; `overlap`: closed share of
     the travel [-], in [0, 1).
@@ -62,9 +63,6 @@ class AbstractSpool(Module):
     @abc.abstractmethod
     def state_count(self, units: int) -> int:
         """Number of spools with a state for a number of `units`."""
-
-    commands = renamed_method("commands", "command_count")
-    states = renamed_method("states", "state_count")
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -130,6 +128,7 @@ class Servovalve(AbstractSpool):
         return self._port_openings(spool)
 
 
+@with_former_names
 class OrderlyValve(AbstractSpool):
     """One spool for all units, equations (F10) and (F11).
 
@@ -175,8 +174,6 @@ class OrderlyValve(AbstractSpool):
         if not 0 <= unit < self.units:
             raise InvalidInputError("unit", f"must lie in [0, {self.units - 1}]", unit)
         return (2 * unit + 1) / self.units - 1
-
-    middle = renamed_method("middle", "closing_command")
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:

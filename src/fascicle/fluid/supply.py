@@ -14,8 +14,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
-from ..core.lazy import renamed_method
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
@@ -35,6 +35,7 @@ _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
 _EMPTY_PRESSURE = 100.0
 
 
+@with_former_names
 class AbstractSupply(Module):
     """A supply with a state: `names`, `units` and `count` of its variables."""
 
@@ -68,16 +69,12 @@ class AbstractSupply(Module):
         """State [SI] after a `state` [SI] whose pressure switches a pump, if there is one."""
         return state
 
-    switched = renamed_method("switched", "update_switch")
-
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
         """Work of a pump's shaft and losses [J] from the start to a `state` [SI], by name; empty
         without a pump.
         """
         del state
         return {}
-
-    spent = renamed_method("spent", "drive_energies")
 
     @abc.abstractmethod
     def stored(self, state: Numbers) -> Batch:

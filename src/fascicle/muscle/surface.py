@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
-from ..core.lazy import renamed_method
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
@@ -60,6 +60,7 @@ class Surface(NamedTuple):
     volume_by_pressure: Batch
 
 
+@with_former_names
 class UnitSurface(Module):
     """A muscle's co-energy on a grid, (V3), from `UnitSurface.tabulate(muscle)`.
 
@@ -117,8 +118,6 @@ class UnitSurface(Module):
         """
         return lookup(self, pressure, strain)
 
-    at = renamed_method("at", "lookup_at")
-
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force $F$ [N], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
         broadcast; `ValueError` for concrete values outside the table.
@@ -139,8 +138,6 @@ class UnitSurface(Module):
         remedy = "tabulate the muscle up to there"
         P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, remedy)
         return P, check_interval(strain, low, high, "strain", "-", why, closed, remedy)
-
-    inside = renamed_method("inside", "validate_point")
 
 
 def lookup(table: UnitSurface, pressure: Batch, strain: Batch, index: Any = None) -> Surface:

@@ -8,4 +8,4 @@ from .shapes import shapes as shapes
 from .theme import to_bytes as to_bytes
 
 
-__getattr__, __dir__ = attach_lazy(__name__, {}, former_modules={"style": "plot.theme"})
+__getattr__, __dir__ = attach_lazy(__name__, {})

@@ -42,11 +42,4 @@ _HOMES = {
     "MissingMetadataError": "columns",
     **dict.fromkeys(("json_schema", "write"), "published"),
 }
-_MOVED = {
-    "asking": "records.columns", "csv_table": "records.tables", "averaging": "records.hysteresis",
-    "fabrication": "records.dynamometer", "loops": "records.hysteresis",
-    "pairs": "records.dynamometer", "splitting": "records.segmentation",
-    "writing": "records.record",
-}  # fmt: skip
-
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -7,4 +7,4 @@ from .page import render as render
 from .page import verdict as verdict
 
 
-__getattr__, __dir__ = attach_lazy(__name__, {}, {"fitted": "calibrate.plot_data"})
+__getattr__, __dir__ = attach_lazy(__name__, {})

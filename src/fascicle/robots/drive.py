@@ -25,6 +25,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, where
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
@@ -56,6 +57,7 @@ from .runge_kutta import runge_kutta_step
 from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
+@with_former_names
 class Fluid(NamedTuple):
     """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
     `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and
@@ -71,12 +73,6 @@ class Fluid(NamedTuple):
     contractions: Numbers
     status: Any
     drawn: Any
-
-    @property
-    def known(self) -> Any:
-        """Former name of `inside`."""
-        warnings.warn("`Fluid.known` is now `Fluid.inside`.", DeprecationWarning, stacklevel=2)
-        return self.inside
 
 
 class Drive(Module):

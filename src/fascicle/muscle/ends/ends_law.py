@@ -35,7 +35,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
-from ...core.lazy import renamed_method
+from ...core.deprecations import with_former_names
 from ...core.parameters import Constant, log1p_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -57,6 +57,7 @@ def quadrature() -> tuple[np.ndarray, np.ndarray]:
     return np.polynomial.legendre.leggauss(16)
 
 
+@with_former_names
 class AbstractEnds(AbstractLaw):
     """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them, and
     are used if `is_compliant`, which all but `Rigid` are.
@@ -75,8 +76,6 @@ class AbstractEnds(AbstractLaw):
         """
         del length
         return 1.0
-
-    stretch = renamed_method("stretch", "strain_ratio")
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""

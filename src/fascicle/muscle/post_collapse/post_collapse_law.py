@@ -21,7 +21,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
-from ...core.lazy import renamed_method
+from ...core.deprecations import with_former_names
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..buckling.buckling_law import Centerline, Column
@@ -33,6 +33,7 @@ def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
     return np.pi / 4 * youngs_modulus * bladder.braid.radius * bladder.wall_thickness**2
 
 
+@with_former_names
 class AbstractPostCollapse(AbstractLaw):
     """A reading of (25): two clamped halves and a hinge that push the ends apart."""
 
@@ -41,8 +42,6 @@ class AbstractPostCollapse(AbstractLaw):
     @abc.abstractmethod
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]."""
-
-    halves = renamed_method("halves", "bending_force")
 
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
         """Push $F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge`: $M_h$ [N·m]."""

@@ -34,7 +34,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import cos, logical_not, minimum, sqrt, where
-from ...core.lazy import renamed_method
+from ...core.deprecations import with_former_names
 from ...core.parameters import POSITIVE, Constant
 from ...core.roots import guarded, root
 from ...core.types import Batch, BatchLike, BoolBatch, Values
@@ -45,6 +45,7 @@ from ..materials import Slopes
 from .tension_law import SIZES, AbstractTension, Pull
 
 
+@with_former_names
 class ElasticBraid(AbstractTension):
     """Stretching fibers and a hyperelastic bladder, equation (EB2)."""
 
@@ -73,8 +74,6 @@ class ElasticBraid(AbstractTension):
     def fiber_strain(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Strain of the fibers $u$ [-] at `pressure` [Pa] and `strain` [-]."""
         return self._solve(bladder, pressure, strain)[0]
-
-    stretch = renamed_method("stretch", "fiber_strain")
 
     def radius(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Outer radius of the straight muscle [m] at `pressure` [Pa] and `strain` [-], (EB1)."""

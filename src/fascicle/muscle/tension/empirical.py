@@ -49,7 +49,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
-from ...core.lazy import renamed_method
+from ...core.deprecations import with_former_names
 from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -196,6 +196,7 @@ _BOLEN = (
 )  # fmt: skip
 
 
+@with_former_names
 class AbstractBolen(AbstractEmpirical):
     """A largest force that grows with length, and two exponentials, equation (BF)."""
 
@@ -220,8 +221,6 @@ class AbstractBolen(AbstractEmpirical):
         *_, force_scale, length_scale, end_length = self._numbers()
         ratio = (length - end_length) / length_scale
         return force_scale * arctan(where(ratio > _LEAST, ratio, _LEAST))
-
-    largest_force = renamed_method("largest_force", "blocked_force")
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Terms that grow with pressure, and the others [N], equation (BF)."""

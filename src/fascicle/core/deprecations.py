@@ -1,0 +1,105 @@
+"""Former public names: what each is now, and the version that drops all of them.
+
+Packages, modules and classes take their aliases from these tables; nothing else lists one. A former
+name warns (`DeprecationWarning`) with the present one.
+"""
+
+import warnings
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+
+REMOVAL = "0.3.0"  # version without the names below: they warn for one minor version before it
+
+# names of a package by their former ones
+NAMES: Mapping[str, Mapping[str, str]] = {
+    "fascicle": {"Refused": "InvalidInputError"},
+    "fascicle.bundle.recruitment": {
+        "Recruited": "RecruitmentResult", "Space": "Workspace", "space": "workspace",
+    },
+    "fascicle.calibrate": {"Choice": "Selection", "find": "select_model"},
+    "fascicle.control": {
+        "Choice": "PolicyChoice", "Reach": "Reachability", "Sines": "FrequencyResponse",
+        "Worth": "ControlMetrics", "choose": "select_policy", "done": "controlled_output",
+        "reachable": "reachability", "sines": "frequency_response", "worth": "control_metrics",
+    },
+    "fascicle.design": {
+        "Found": "SearchResult", "refined": "refine_sizes", "summary_of": "summarize",
+    },
+    "fascicle.dynamics": {
+        "Pace": "StepSizeEstimate", "Seen": "PlantOutputs", "pace": "estimate_substeps",
+        "rest": "equilibrium_state",
+    },
+    "fascicle.export": {"on_table": "tabulate_controller", "tabulated": "tabulate"},
+    "fascicle.fluid": {"checked_commands": "validate_commands"},
+}  # fmt: skip
+
+# modules in fascicle by their former names in a package
+MODULES: Mapping[str, Mapping[str, str]] = {
+    "fascicle": {
+        "describe": "files", "describe.atomic": "io.atomic",
+        "describe.calibrated": "files.calibration_files", "describe.results": "results.labelled",
+    },
+    "fascicle.calibrate": {
+        "comparing": "calibrate.comparison", "finding": "calibrate.model_selection",
+        "profiling": "calibrate.intervals",
+    },
+    "fascicle.design": {
+        "checkpoint": "design.genetic", "examples": "design.task",
+        "judging": "design.evaluation", "packing": "design.designs",
+        "pareto": "design.exhaustive_search", "reach": "design.objectives",
+        "searching": "design.exhaustive_search", "store": "design.sweep", "study": "design.sweep",
+    },
+    "fascicle.dynamics": {"hysteresis": "muscle.hysteresis"},
+    "fascicle.files": {"calibrated": "files.calibration_files"},
+    "fascicle.plot": {"style": "plot.theme"},
+    "fascicle.records": {
+        "asking": "records.columns", "csv_table": "records.tables",
+        "averaging": "records.hysteresis", "fabrication": "records.dynamometer",
+        "loops": "records.hysteresis", "pairs": "records.dynamometer",
+        "splitting": "records.segmentation", "writing": "records.published",
+    },
+    "fascicle.reports": {"fitted": "calibrate.plot_data"},
+}  # fmt: skip
+
+# attributes and methods of a class by their former names
+ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
+    "AbstractBolen": {"largest_force": "blocked_force"},
+    "AbstractChamber": {"guess": "static_pressure"},
+    "AbstractEnds": {"stretch": "strain_ratio"},
+    "AbstractPostCollapse": {"halves": "bending_force"},
+    "AbstractSpool": {"commands": "command_count", "states": "state_count"},
+    "AbstractSupply": {"spent": "drive_energies", "switched": "update_switch"},
+    "Designs": {"alike": "uniform"},
+    "ElasticBraid": {"stretch": "fiber_strain"},
+    "Fluid": {"known": "inside"},
+    "OrderlyValve": {"middle": "closing_command"},
+    "PressureBand": {"after": "update"},
+    "Remedy": {"contracts": "free_strain"},
+    "Scenario": {"controlled": "control", "taking": "with_policy"},
+    "Trajectory": {"account": "ledger", "seen": "outputs"},
+    "UnitSurface": {"at": "lookup_at", "inside": "validate_point"},
+}
+
+_Class = TypeVar("_Class", bound=type)
+
+
+def warn_renamed(old: str, new: str, verb: str = "is now", level: int = 3) -> None:
+    """Warn that a name is another one now, at the line of the `level`th caller."""
+    message = f"`{old}` {verb} `{new}`. The former name goes with fascicle {REMOVAL}."
+    warnings.warn(message, DeprecationWarning, stacklevel=level)
+
+
+def with_former_names(owner: _Class) -> _Class:
+    """Class decorator: former names of attributes and methods, from `ATTRIBUTES`."""
+    for old, new in ATTRIBUTES[owner.__name__].items():
+        setattr(owner, old, _alias(old, new))
+    return owner
+
+
+def _alias(old: str, new: str) -> property:
+    def get_present(self: Any) -> Any:
+        warn_renamed(f"{type(self).__name__}.{old}", new)
+        return getattr(self, new)
+
+    return property(get_present, doc=f"Former name of `{new}`.")
