@@ -51,6 +51,7 @@ extensions = [
     "laws",  # _ext: tables of the laws, from what they declare
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
     "pages",  # _ext: executed in a warm kernel, the long ones first
+    "gallery",  # _ext: a grid of pages with the first picture of each
     "offline",  # _ext: a page that would ask another server fails the build
 ]
 exclude_patterns = ["_build", "_ext", "jupyter_execute"]
@@ -86,7 +87,7 @@ html_title = f"fascicle {release}"
 html_copy_source = False
 html_show_sphinx = False
 html_static_path = ["_static"]
-html_css_files = ["equations.css"]
+html_css_files = ["equations.css", "gallery.css"]
 html_theme_options = {
     "navigation_with_keys": True,
     **{
