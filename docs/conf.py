@@ -1,7 +1,9 @@
 """Sphinx: Markdown pages, executed; docstrings in the same Markdown; no outside request."""
 
+import html
 import logging
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -54,7 +56,7 @@ extensions = [
     "gallery",  # _ext: a grid of pages with the first picture of each
     "offline",  # _ext: a page that would ask another server fails the build
 ]
-exclude_patterns = ["_build", "_ext", "jupyter_execute"]
+exclude_patterns = ["_build", "_ext", "_templates", "jupyter_execute"]
 nitpicky = True
 nitpick_ignore_regex = [
     # bases and fields from elsewhere, whose pages are on another server
@@ -83,11 +85,21 @@ autodoc_preserve_defaults = True
 autoclass_content = "both"
 
 html_theme = "furo"
+templates_path = ["_templates"]
+html_sidebars = {
+    "**": [
+        "sidebar/brand.html", "versions.html", "sidebar/search.html", "sidebar/scroll-start.html",
+        "sidebar/navigation.html", "sidebar/scroll-end.html",
+    ]
+}  # fmt: skip
+# where the site will be, such as "https://example.org/fascicle/0.2.0/": pictures of links (Open
+# Graph) need a full address, and are left out without one
+html_baseurl = os.environ.get("DOCS_URL", "")
 html_title = f"fascicle {release}"
 html_copy_source = False
 html_show_sphinx = False
 html_static_path = ["_static"]
-html_css_files = ["equations.css", "gallery.css"]
+html_css_files = ["equations.css", "site.css"]
 html_theme_options = {
     "navigation_with_keys": True,
     **{
@@ -100,3 +112,23 @@ html_theme_options = {
 def setup(app: Any) -> None:
     """Let pages be read side by side: this extension, which doesn't say so, only copies files."""
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True
+    app.connect("html-page-context", add_open_graph)
+
+
+def add_open_graph(app: Any, page: str, _: str, context: dict[str, Any], __: Any) -> None:
+    """Add the tags that other sites show of a link to a page."""
+    properties = {
+        "site_name": "fascicle",
+        "type": "website",
+        "title": context.get("title") or "fascicle",
+        "description": "Models of fluidic artificial muscles (McKibben muscles) and their bundles.",
+    }
+    if html_baseurl:
+        properties["url"] = html_baseurl + app.builder.get_target_uri(page)
+        properties["image"] = f"{html_baseurl}_static/card.png"
+        properties["image:alt"] = "a muscle that pulls, buckles and folds, beside its force"
+    for name, value in properties.items():
+        tag = (
+            f'<meta property="og:{name}" content="{html.escape(re.sub("<[^>]+>", "", value))}" />\n'
+        )
+        context["metatags"] = context.get("metatags", "") + tag

@@ -98,7 +98,7 @@ def test_pages_that_are_known_to_take_long_are_there():
 def test_each_page_of_the_gallery_has_a_question_a_picture_and_an_answer():
     pages = sorted((DOCS / "gallery").glob("*.md"))
     grid, hidden = re.findall(
-        r"((?:^gallery/.*\n)+)", (DOCS / "gallery.md").read_text("utf-8"), re.M
+        r"((?:^gallery/.*\n)+)", (DOCS / "gallery.md").read_text("utf-8"), re.MULTILINE
     )
     assert grid == hidden and sorted(grid.split()) == [f"gallery/{page.stem}" for page in pages]
     for page in pages:
