@@ -102,4 +102,5 @@ def _alias(old: str, new: str) -> property:
         warn_renamed(f"{type(self).__name__}.{old}", new)
         return getattr(self, new)
 
-    return property(get_present, doc=f"Former name of `{new}`.")
+    get_present.__doc__ = f"Former name of `{new}`."
+    return property(get_present)
