@@ -43,7 +43,7 @@ def cycle_colors(colors: Colors, count: int) -> list[str]:
 
 def screen_height(margin: int) -> str:
     """Height of a figure in CSS that leaves a `margin` of so many pixels on the screen."""
-    return f"clamp(340px, 100vh - {margin}px, 1200px)"
+    return f"clamp(340px, 100vh - {margin}px - var(--story, 0px), 1200px)"
 
 
 def hover_tooltips(unit: str) -> list[tuple[str, str]]:

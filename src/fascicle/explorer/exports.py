@@ -24,6 +24,7 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as draw_fit
+from ..plot.curves import force_comparison
 from ..plot.theme import to_bytes
 from ..plot.workspace import efficiency as draw_efficiency
 from ..records.record import Record
@@ -31,6 +32,7 @@ from ..results import Table, Variable, tables
 from .efficiency_tab import efficiency_maps
 from .measured import AUTOMATIC, STARTS, TUNING
 from .muscle_curves import strain_limit
+from .pins import top_strain
 from .reversal_tab import POINTS, split_curves
 from .state import View
 from .widgets import widget
@@ -111,6 +113,26 @@ def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
     variables[key] = variables["efficiency"]._replace(values=values, about=about)
     script = _script("efficiency", stem, view.bundle, path=view.path, key=key, about=about)
     return Export(stem, variables, lambda: draw_efficiency(maps.resisted), script)
+
+
+def compare(view: View, input_names: Iterable[str] = ()) -> Export:
+    """Downloads of the view's pins; there must be one."""
+    stem = output_stem(view.name, "compare", input_names)
+    top = top_strain(view.pins)
+    strain, chosen = np.linspace(0.0, top, _STRAINS), min(view.strain, top)
+    muscles = {pin.name: pin.muscle for pin in view.pins}
+    pressures = [pin.pressure for pin in view.pins]
+    curves = {
+        repr(name): (_string(dumps(muscle)), pressure)
+        for (name, muscle), pressure in zip(muscles.items(), pressures, strict=True)
+    }
+    template = _TEMPLATES.get_template("compare.py.jinja")
+    script = template.render(
+        stem=stem, curves=curves, top=top, points=_STRAINS, chosen_strain=chosen
+    )
+    variables = tables.force_comparison(muscles, pressures, strain, chosen)
+    picture = lambda: force_comparison(muscles, pressures, strain, chosen)  # noqa: E731 drawn late
+    return Export(stem, variables, picture, script)
 
 
 def data(
@@ -203,8 +225,12 @@ def _script(kind: str, stem: str, target: Muscle | Bundle, **values: Any) -> str
     """Script of a `kind` that loads a `target`; `values` are written as Python literals."""
     code = {name: repr(x) for name, x in values.items() if not isinstance(x, bool | _Code)}
     code = values | code
-    # a file's text is data in the script: nothing in it may end the string that holds it
-    toml = dumps(target).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    toml = _string(dumps(target))
     variable = "muscle" if isinstance(target, Muscle) else "bundle"
     template = _TEMPLATES.get_template(f"{kind}.py.jinja")
     return template.render(stem=stem, variable=variable, toml=toml, **code)
+
+
+def _string(toml: str) -> str:
+    """Text of a file as it stands in a script: nothing in it may end the string that holds it."""
+    return toml.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')

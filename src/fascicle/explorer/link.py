@@ -1,16 +1,15 @@
 """A view as a link, and back.
 
 An example is given by its name; any other muscle is in the link itself, as its deflated file.
-A link is data from a stranger: it is bounded, parsed as TOML and by `units`, and nothing in it is a
-path or is run. That is why Panel's own `Location.sync`, which reads JSON into parameters, isn't
-used; links also keep their units and their order of keys.
+A link is data from a stranger: it is bounded, parsed as TOML, JSON and by `units`, and nothing in
+it is a path or is run. That is why Panel's own `Location.sync`, which reads JSON into parameters,
+isn't used; links also keep their units and their order of keys.
 """
 
 import base64
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 from ..bundle.efficiency import PATHS
@@ -18,23 +17,24 @@ from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from ..files import dumps, example, examples, loads
-from ..muscle import Muscle
 from ..units import exact, parse
 from .muscle_curves import check_alternatives
+from .pins import parse_pins, pins_text, shipped_muscle
 from .scenario_setup import open_setup, read_setup, setup_query
 from .state import DISPLAY_UNITS, MOST_UNITS, TABS, Unit, View, check_units, view_of
 from .widgets import message_in_units, unit_factor
 
 
-LONGEST = 16_000  # characters of a packed file: servers and browsers take addresses so long
+LONGEST = 16_000  # characters of all packed files: servers and browsers take addresses so long
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
 _MOST_SPLITS = 4  # more can't be told apart
-_TOO_LARGE = "left-out"  # instead of a larger file
+TOO_LARGE = "left-out"  # instead of a larger file
 # in this order: the fields depend on the file
 _SETUP_KEYS = ("scenario_file", "scenario", "set", "policies")
 # in this order: the muscle's file has the number of units
 _KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "pressures",
-         "resistance", "path", "splits", "show", "tab", "compare", *_SETUP_KEYS)  # fmt: skip
+         "resistance", "path", "splits", "show", "tab", "compare", "pins",
+         *_SETUP_KEYS)  # fmt: skip
 _CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PATHS, "tab": TABS}
 
 
@@ -48,7 +48,7 @@ def to_query(view: View) -> dict[str, str]:
         query = {"file": pack(dumps(view.bundle)), "name": view.name}
     else:
         query = {"file": pack(dumps(view.muscle)), "name": view.name}
-        if view.name in examples() and _example_muscle(view.name) == view.muscle:
+        if view.name in examples() and shipped_muscle(view.name) == view.muscle:
             query = {"muscle": view.name}
         query["units"] = ",".join(
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
@@ -67,9 +67,25 @@ def to_query(view: View) -> dict[str, str]:
     }
     if view.alternatives:
         query["compare"] = ",".join(view.alternatives)
+    if pins := view.pins[: linked_pins(view)]:
+        query["pins"] = pack(pins_text(pins))
     if view.setup.own:
         query["scenario_file"] = pack(view.setup.own)
     return query | setup_query(view.setup)
+
+
+def linked_pins(view: View) -> int:
+    """Number of pins, from the first on, that the link of a `view` has room for."""
+    alone = all(unit.own is None for unit in view.units)
+    room = LONGEST - len(pack(dumps(view.muscle if alone else view.bundle)))
+    room -= len(pack(view.setup.own)) if view.setup.own else 0
+    numbers = range(len(view.pins), 0, -1)
+    return next((n for n in numbers if pack(pins_text(view.pins[:n]), room) != TOO_LARGE), 0)
+
+
+def has_state(query: Mapping[str, str]) -> bool:
+    """True for a link with a part of a view."""
+    return any(key in query for key in _KEYS)
 
 
 def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
@@ -93,19 +109,19 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
     return view, [message_in_units(line, view.display_units) for line in errors]
 
 
-def pack(text: str) -> str:
-    """Text of a file, deflated, in characters of a link; a mark if it is too large for one."""
+def pack(text: str, longest: int = LONGEST) -> str:
+    """Text, deflated, in characters of a link; `TOO_LARGE` where there are more than `longest`."""
     raw = text.encode()
     packed = base64.urlsafe_b64encode(zlib.compress(raw, 9)).decode().rstrip("=")
-    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= LONGEST else _TOO_LARGE
+    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= longest else TOO_LARGE
 
 
-def unpack(packed: str) -> str:
-    """Text that was `packed`; raises `InvalidInputError` for anything else."""
-    if packed == _TOO_LARGE:
-        raise InvalidInputError("file", "was too large for a link", None, "open the file itself")
+def unpack(packed: str, key: str = "file") -> str:
+    """Text that was `packed`; raises `InvalidInputError` of a `key` for anything else."""
+    if packed == TOO_LARGE:
+        raise InvalidInputError(key, "was too large for a link", None, "open the file itself")
     if len(packed) > LONGEST:
-        raise InvalidInputError("file", f"must be at most {LONGEST} characters", len(packed))
+        raise InvalidInputError(key, f"must be at most {LONGEST} characters", len(packed))
     inflate, raw = zlib.decompressobj(), b""
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
@@ -115,8 +131,8 @@ def unpack(packed: str) -> str:
     except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
         raw = b""
     if len(raw) > _LARGEST_TEXT:
-        raise InvalidInputError("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
-    raise InvalidInputError("file", "is no file that this explorer has packed", None)
+        raise InvalidInputError(key, f"must hold at most {_LARGEST_TEXT} bytes", None)
+    raise InvalidInputError(key, "is no file that this explorer has packed", None)
 
 
 def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
@@ -136,12 +152,6 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
     if len(splits) > _MOST_SPLITS:
         raise InvalidInputError("splits", "must be four at most", len(splits))
     return tuple(splits)
-
-
-@lru_cache(maxsize=64)
-def _example_muscle(name: str) -> Muscle:
-    """Muscle of an example, read once: a link is written after every move."""
-    return view_of(example(name), name).muscle
 
 
 def _exact_text(value: float, dimension: str, unit: str = "") -> str:
@@ -227,5 +237,6 @@ _FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
     "resistance": ("resistance", lambda text: text != "off"),
     "splits": ("splits", parse_splits),
     "show": ("display_units", _parse_display_units),
+    "pins": ("pins", lambda text: parse_pins(unpack(text, "pins"))),
     "compare": ("alternatives", lambda text: check_alternatives(tuple(text.split(",")))),
 }

@@ -153,6 +153,11 @@ def alternative_laws(muscle: Muscle) -> list[str]:
     return [*keys, UNTUNED] if is_tuned(muscle) else keys
 
 
+def law_label(key: str) -> str:
+    """Label of a `key` of `alternative_laws`, such as `buckling: elastica`."""
+    return key.replace("_", " ").replace(":", ": ")
+
+
 def with_alternative(muscle: Muscle, key: str) -> Muscle:
     """The muscle with the law that a `key` of `alternative_laws` names."""
     if key == UNTUNED:

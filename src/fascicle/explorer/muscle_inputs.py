@@ -11,15 +11,9 @@ from ..muscle.materials import MATERIALS
 from ..units import DIMENSIONS
 from .state import Session, View
 from .theme import column
-from .widgets import WHOLE_ROW, Field, Message, dropdown
+from .widgets import SIZES, WHOLE_ROW, Field, Message, dropdown
 
 
-SIZES = {
-    "length": ("Length at rest", "length"),
-    "outer_radius": ("Bladder radius", "length"),
-    "wall_thickness": ("Wall thickness", "length"),
-    "braid_angle": ("Braid angle", "angle"),
-}
 _CUSTOM = "its own"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
 _INDENT: dict[str, Any] = {"margin": (2, 8, 2, 20), **WHOLE_ROW}

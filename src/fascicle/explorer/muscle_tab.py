@@ -10,6 +10,7 @@ import panel as pn
 from ..plot.theme import Colors
 from ..units import pretty
 from .chart import Chart, hover_tooltips, pressure_colors, screen_height
+from .compare_tab import PinButton
 from .muscle_curves import (
     PARTS,
     REGIONS,
@@ -17,6 +18,7 @@ from .muscle_curves import (
     alternative_laws,
     check_alternatives,
     curve_marks,
+    law_label,
     muscle_curves,
     region_strips,
     strain_limit,
@@ -83,8 +85,9 @@ class MuscleView(Tab):
         )
         curves = column(self.chart.new_pane(), kind="equal")
         scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
-        sliders = row(self._pressure.panel, self._strain.panel)
-        main = column(self.notes, sliders, row(curves, scene))
+        pin = PinButton(session)
+        sliders = row(self._pressure.panel, self._strain.panel, pin.panel)
+        main = column(self.notes, sliders, pin.result, row(curves, scene))
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
@@ -93,7 +96,7 @@ class MuscleView(Tab):
         if strain > self.top:
             self.session.view = view = replace(view, strain=self.top)
         self.inputs.show(view)
-        options = {_law_label(key): key for key in alternative_laws(view.muscle)}
+        options = {law_label(key): key for key in alternative_laws(view.muscle)}
         self.compare.param.update(options=options, value=_chosen_alternatives(view))
         curves = self._compute_curves(view)
         self._show_family(curves)
@@ -285,7 +288,7 @@ class MuscleView(Tab):
             "ys": [curves.force[-1] / scale for _, curves in curves_by_law],
             "color": [self.colors.curves[i] for i in _ALTERNATIVE_COLORS[: len(curves_by_law)]],
             "dash": list(_ALTERNATIVE_DASHES[: len(curves_by_law)]),
-            "label": [_law_label(key) for key, _ in curves_by_law],
+            "label": [law_label(key) for key, _ in curves_by_law],
         }
 
     # a click, and the sweep
@@ -308,10 +311,6 @@ def _chosen_alternatives(view: View) -> list[str]:
     """Laws chosen in the view to compare with, save those that the muscle has or can't have."""
     alternatives = alternative_laws(view.muscle)
     return [key for key in view.alternatives if key in alternatives]
-
-
-def _law_label(key: str) -> str:
-    return key.replace("_", " ").replace(":", ": ")
 
 
 def _volume_text(value: float, length_unit: str) -> str:

@@ -35,12 +35,36 @@ FileReader.prototype.readAsDataURL = function (file) {
 
 // the first Tab key goes to the tabs, and arrows from one to the next; from then on keys follow the
 // page as it reads: header, tabs, content
-const findActive = (root) => root.querySelector(".bk-tab.bk-active")
+const find = (selector, root = document) => root.querySelector(selector)
   ?? [...root.querySelectorAll("*")].reduce(
-    (tab, node) => tab ?? (node.shadowRoot ? findActive(node.shadowRoot) : null), null);
+    (found, node) => found ?? (node.shadowRoot ? find(selector, node.shadowRoot) : null), null);
+const findActive = () => find(".bk-tab.bk-active");
 const deepest = (node) =>
   node?.shadowRoot?.activeElement ? deepest(node.shadowRoot.activeElement) : node;
 const sibling = {ArrowRight: "nextElementSibling", ArrowLeft: "previousElementSibling"};
+
+// the story: its offer is shown until it is dismissed in this browser; the focus follows its buttons
+// as they come and go; figures leave room for it
+const findButton = (host) => find("button", host.shadowRoot ?? host);
+const page = document.documentElement.style;
+const SEEN = "fascicle-story";
+let seen = null;
+try { seen = localStorage.getItem(SEEN); } catch {}  // a browser may refuse its storage
+page.setProperty("--offer", seen ? "none" : "flex");
+window.fascicleDismiss = () => {
+  try { localStorage.setItem(SEEN, "dismissed"); } catch {}
+  page.setProperty("--offer", "none");
+  findActive()?.focus();
+};
+window.fascicleStory = (running, ifLost = false) => setTimeout(() => {
+  if (ifLost && document.activeElement !== document.body) return;
+  const next = running ? find(".story-next") : null;
+  (next ? findButton(next) : findActive())?.focus();
+}, 50);  // ms: the button is laid out by then
+window.fascicleTop = () => find(".bk-header")?.scrollIntoView({block: "nearest"});
+const height = new ResizeObserver(([story]) =>
+  page.setProperty("--story", `${Math.ceil(story.borderBoxSize[0].blockSize)}px`));
+
 let first = true;
 for (const kind of ["pointerdown", "focusin"])
   addEventListener(kind, () => { first = false; }, {capture: true, once: true});
@@ -53,10 +77,11 @@ addEventListener("keydown", (event) => {
     there.focus();
   }
   if (!first || event.key !== "Tab" || event.shiftKey) return;
-  const tab = findActive(document);
-  if (!tab) return;
+  const offer = find(".offer");
+  const target = offer?.checkVisibility() ? findButton(offer) : findActive();
+  if (!target) return;
   event.preventDefault();
-  tab.focus();
+  target.focus();
 });
 
 // roles and names for screen readers, which Bokeh's widgets show but don't expose
@@ -68,6 +93,10 @@ const annotate = (root) => {
     const verb = spin.matches(".bk-spin-btn-up") ? "Increase" : "Decrease";
     name(spin, `${verb} ${labelOf(spin)?.textContent}`);
   }
+  for (const live of root.querySelectorAll(".live")) {
+    live.ariaLive = "polite"; live.ariaAtomic = "true";
+  }
+  for (const story of root.querySelectorAll(".story")) height.observe(story);
   // a slider's label ends in a colon where its value isn't in it
   for (const title of root.querySelectorAll(".bk-slider-title"))
     if (!title.children.length && /:\s*$/.test(title.textContent))

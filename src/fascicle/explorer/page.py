@@ -15,6 +15,7 @@ from ..files import example, examples, loads
 from ..io.sanitize import sanitize_line
 from ..plot.theme import TITLE, Colors
 from .bundle_tab import BundleView
+from .compare_tab import CompareView
 from .data_tab import DataView
 from .efficiency_tab import EfficiencyView
 from .exports import EXPORTS, download_buttons, output_stem
@@ -23,6 +24,7 @@ from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
 from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
+from .story import Story
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
 from .time_tab import TimeView
 from .widgets import Message, button, dropdown, widget
@@ -49,6 +51,7 @@ _VIEWS: dict[str, Callable[..., Any]] = {
     "reversal": ReversalView,
     "efficiency": EfficiencyView,
     "time": TimeView,
+    "compare": CompareView,
     "data": DataView,
 }
 
@@ -162,11 +165,16 @@ def build(
     theme: str = "default",
     errors: Sequence[str] = (),
     theme_in_link: bool = False,
+    offer: bool = False,
 ) -> Any:
-    """The explorer of a visitor's `session`, as a Panel layout; `errors` are of the link."""
+    """The explorer of a visitor's `session`, as a Panel layout; `errors` are of the link.
+
+    With an `offer`, browsers that have not dismissed it offer the story.
+    """
     colors = page_colors(theme)
     header = Header(session, colors, theme_in_link)
     header.message.show(" ".join(errors))
+    story = Story(session, offer)
     views: dict[str, Any] = {}
     contents = {name: column() for name in TABS}
     tabs = pn.Tabs(
@@ -183,7 +191,7 @@ def build(
         # made when it is first opened: most visitors never open most of them
         if name not in views:
             views[name] = _VIEWS[name](session, colors)
-            contents[name].objects = [views[name].panel, *_downloads(session, name)]
+            contents[name].objects = [views[name].panel, *_downloads(session, name, story)]
         views[name].refresh()
 
     def follow(before: View, after: View) -> None:
@@ -194,14 +202,18 @@ def build(
     tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
     session.watch(follow)
     open_tab(session.view.tab)
-    return column(header.panel, tabs, name="explorer", stylesheets=[LAYOUT_CSS, page_css(colors)])
+    return column(
+        header.panel, story.panel, tabs, name="explorer", stylesheets=[LAYOUT_CSS, page_css(colors)]
+    )
 
 
-def _downloads(session: Session, name: str) -> list[Any]:
-    """A row of download buttons of the tab with a `name`; none for that of data."""
-    if name not in EXPORTS:  # the data tab has its own: they need a record
+def _downloads(session: Session, name: str, story: Story) -> list[Any]:
+    """A row of download buttons of the tab with a `name`; none for compare and data."""
+    if name not in EXPORTS:  # those of curves and of data need some first, and have their own
         return []
     buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
+    if name == TABS[0]:
+        buttons.append(story.start_button("The story in four steps", margin=(2, 4)))
     return [row(*buttons, kind="wrapped", sizing_mode=None, margin=(0, 8))]
 
 

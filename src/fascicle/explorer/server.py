@@ -21,7 +21,7 @@ from tornado.websocket import WebSocketClosedError
 
 from ..io.sanitize import sanitize_line
 from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
-from .link import from_query
+from .link import from_query, has_state
 from .page import add_scripts, build
 from .state import Session, View
 from .theme import column, page_colors, page_css, pane
@@ -142,7 +142,7 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
         async with drawing:
             view, errors = from_query(query, start)
             session = Session(view, pn.io.unlocked)
-            shell.objects = [build(session, theme, errors, "theme" in query)]
+            shell.objects = [build(session, theme, errors, "theme" in query, not has_state(query))]
             await asyncio.sleep(_SENDING)
 
     add_scripts(pn.state.curdoc, follow_preference="theme" not in query)

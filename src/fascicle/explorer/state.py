@@ -20,13 +20,15 @@ from ..muscle.fitted_length import copy_fit_info
 from .scenario_setup import Setup
 
 
-TABS = ("muscle", "bundle", "reversal", "efficiency", "time", "data")
+TABS = ("muscle", "bundle", "reversal", "efficiency", "compare", "time", "data")
 DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
 SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
+# of a muscle without a bundle: the paper's 1 + 4, whose free strain falls at this pressure [Pa]
+_COUNTS, _SECOND_PRESSURE = (1, 4), 60e3
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,22 @@ class Unit:
 
 
 @dataclass(frozen=True)
+class Pin:
+    """A curve to compare: a `muscle` at a `pressure` [Pa], by a unique `name`."""
+
+    name: str
+    muscle: Muscle
+    pressure: float
+
+
+@dataclass(frozen=True)
 class View:
     """Content of the page.
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
     `distance` between the plates [m], where muscles differ; `alternatives` to the muscle's
-    laws, such as `buckling:elastica`; `display_units` by dimension; the `setup` of a simulation.
+    laws, such as `buckling:elastica`; `pins` to compare, the first is the reference;
+    `display_units` by dimension; the `setup` of a simulation.
     """
 
     name: str
@@ -58,6 +70,7 @@ class View:
     pressures: tuple[float, ...] = (SUPPLY,)
     resistance: bool = True
     alternatives: tuple[str, ...] = ()
+    pins: tuple[Pin, ...] = ()
     path: str = "isobaric"
     splits: tuple[tuple[int, ...], ...] = ((1, 4), (2, 3), (4, 1))
     display_units: Mapping[str, str] = field(
@@ -91,14 +104,15 @@ def scaled(muscle: Muscle, size: float) -> Muscle:
 
 
 def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:
-    """View of an opened muscle or bundle; tab, options and display units are those of `before`."""
+    """View of an opened muscle or bundle; tab, options, pins and units are those of `before`."""
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        names = ("display_units", "tab", "resistance", "path", "splits", "setup")
+        names = ("display_units", "tab", "resistance", "path", "splits", "pins", "setup")
         view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
-        return replace(view, units=(Unit(), Unit()), pressures=(SUPPLY, SUPPLY))
+        units = tuple(map(Unit, _COUNTS))
+        return replace(view, units=units, pressures=(SUPPLY, _SECOND_PRESSURE))
     counts = [int(unit.count) for unit in target.motor_units]
     check_units(tuple(map(Unit, counts)))  # first: comparing thousands of muscles takes long
     units = tuple(

@@ -14,6 +14,13 @@ from ..units import DIMENSIONS, parse
 from .theme import WIDGET_CSS, column, pane, row
 
 
+# label and dimension of each size of a muscle
+SIZES = {
+    "length": ("Length at rest", "length"),
+    "outer_radius": ("Bladder radius", "length"),
+    "wall_thickness": ("Wall thickness", "length"),
+    "braid_angle": ("Braid angle", "angle"),
+}
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
 _STRAIN_STEP = 0.001  # of a slider: two pixels
 WHOLE_ROW: dict[str, Any] = {"css_classes": ["whole-row"]}  # of a "pairs" column

@@ -5,6 +5,7 @@ their sum. Dashed beside them is the tension law continued past the free strain,
 buckling has it. Curves of free strain that jump are open there, with the jump dotted.
 """
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
@@ -26,6 +27,7 @@ from .theme import (
     BLACK,
     BLUE,
     CYCLE,
+    DASHES,
     DOUBLE,
     GRAY,
     SINGLE,
@@ -181,6 +183,34 @@ def components_legend(figure: Figure, ax: Axes) -> None:
     """Add one legend for all panels, below them, from the curves of `ax`."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles[::-1], labels[::-1], loc="outside lower center", ncols=3)
+
+
+@styled
+def force_comparison(
+    muscles: Mapping[str, Muscle], pressures: Any, strains: Any, chosen_strain: float
+) -> Figure:
+    """Figure of the force of several muscles over contraction, each at one pressure.
+
+    **Arguments:**
+
+    - `muscles`: by the name of their curve.
+    - `pressures`: a gauge pressure for each [Pa].
+    - `strains`: contractions [-], rising.
+    - `chosen_strain`: contraction that is marked [-].
+    """
+    figure, axes = new_figure(width=SINGLE)
+    ax = axes[0, 0]
+    force_strain_axes(ax)
+    styles = itertools.cycle(zip(CYCLE, DASHES, strict=False))
+    rows = zip(muscles.items(), pressures, styles, strict=False)
+    for (name, muscle), pressure, (color, dashes) in rows:
+        label = name.replace("$", r"\$")  # else it would be a formula
+        force = np.asarray(muscle.force(pressure, strains))
+        ax.plot(strains, force, color=color, linestyle=(0, dashes), label=label)
+    ax.axvline(chosen_strain, color=GRAY, linewidth=0.6)
+    ax.margins(x=0)
+    ax.legend()
+    return figure
 
 
 @styled

@@ -28,6 +28,8 @@ BLUE, VERMILION, PURPLE, GRAY = "#0072b2", "#d55e00", "#cc79a7", "#767676"
 GRID = "#e4e7ea"
 CLEAR = "rgba(0, 0, 0, 0)"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # of curves, in order
+# lengths of dashes and gaps of curves, in order: without color, they can be told apart
+DASHES = ((), (6, 2), (1.5, 1.5), (6, 1.5, 1.5, 1.5), (10, 2), (6, 1.5, 1.5, 1.5, 1.5, 1.5))
 
 SANS = '"DejaVu Sans", Verdana, "Bitstream Vera Sans", sans-serif'
 MONO = '"DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace'

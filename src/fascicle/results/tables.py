@@ -4,7 +4,7 @@ A `Table` holds variables by name, each with its dimensions, unit and meaning; i
 `xarray.Dataset`, as CSV or JSON, or as a file of any of these.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,6 +78,44 @@ def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
         ("region", "pressure strain", response.region, "-", regions),
         ("free_strain", "pressure", muscle.free_strain(P), "-", "strain of zero force"),
         ("collapse_strain", "pressure", muscle.collapse_strain(P), "-", _COLLAPSE),
+    )
+
+
+def force_comparison(
+    muscles: Mapping[str, Muscle], pressures: Values, strains: Values, chosen_strain: float
+) -> Table:
+    """Force of several muscles, each at one pressure, with what sets them apart.
+
+    **Arguments:**
+
+    - `muscles`: by the name of their curve.
+    - `pressures`: one for each muscle [Pa].
+    - `strains`: a row of them [-].
+    - `chosen_strain`: at which the forces are compared [-].
+
+    **Returns:** a table, a curve and strain a row.
+    """
+    P, eps = _si_array(pressures, "pressures", "Pa"), _si_array(strains, "strain", "-")
+    pairs = list(zip(muscles.values(), P, strict=True))
+
+    def values(compute: Callable[[Muscle, Any], Any]) -> np.ndarray:
+        return np.array([compute(muscle, pressure) for muscle, pressure in pairs])
+
+    force = values(lambda muscle, pressure: muscle.force(pressure, eps))
+    chosen = values(lambda muscle, pressure: muscle.force(pressure, chosen_strain))
+    blocked = values(lambda muscle, pressure: muscle.blocked_force(pressure))
+    free = values(lambda muscle, pressure: muscle.free_strain(pressure))
+    collapse = values(lambda muscle, pressure: muscle.collapse_strain(pressure))
+    return build_table(
+        ("curve", "curve", list(muscles), "-", "name of the curve"),
+        ("strain", "strain", eps, "-", _STRAIN),
+        ("force", "curve strain", force, "N", "pulling force, equation (27)"),
+        ("pressure", "curve", P, "Pa", _PRESSURE),
+        ("blocked_force", "curve", blocked, "N", "force at rest length"),
+        ("free_strain", "curve", free, "-", "strain of zero force"),
+        ("collapse_strain", "curve", collapse, "-", _COLLAPSE),
+        ("chosen_strain", "curve", np.full(P.shape, chosen_strain), "-", "strain of comparison"),
+        ("chosen_force", "curve", chosen, "N", "force at the chosen strain"),
     )
 
 

@@ -18,6 +18,9 @@ def every_table():
     paths = [fs.energetics.efficiency_map(BUNDLE, path=path) for path in ("isobaric", "isotonic")]
     return {
         "muscle_force": fs.tables.muscle_force(MUSCLE, P, STRAIN),
+        "force_comparison": fs.tables.force_comparison(
+            {"a": MUSCLE, "b": MUSCLE.replace(buckling="elastica")}, P, STRAIN, 0.15
+        ),
         "muscle_free_strain": fs.tables.muscle_free_strain(MUSCLE, P),
         "bundle_force": fs.tables.bundle_force(BUNDLE, [P, [4e5, 4e5]], STRAIN),
         "bundle_equilibria": fs.tables.bundle_equilibria(BUNDLE, [P, [2e3, 4e5]]),
@@ -48,6 +51,11 @@ def test_tables_equal_the_laws():
     force = tables["muscle_force"]["force"].values
     assert_array_equal(force, MUSCLE.force(np.array(P)[:, None], np.array(STRAIN)))
     assert_array_equal(tables["bundle_force"]["force"].values[0], BUNDLE.force(P, np.array(STRAIN)))
+    compared = tables["force_comparison"]
+    assert_array_equal(compared["force"].values[0], MUSCLE.force(P[0], np.array(STRAIN)))
+    assert compared["chosen_force"].values[1] == MUSCLE.replace(buckling="elastica").force(
+        P[1], 0.15
+    )
     zeros = tables["bundle_equilibria"]
     assert zeros["free_strain"].values[1] == BUNDLE.free_strain([2e3, 4e5])
     count = BUNDLE.equilibria([P, [2e3, 4e5]]).count

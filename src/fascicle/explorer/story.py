@@ -1,0 +1,243 @@
+"""Story in four scenes: a muscle pulls, buckles and folds; a second unit shortens a bundle's reach.
+
+A scene sets the inputs of its tab; its sentences follow the view, with the model's numbers. At the
+end the inputs are again those from before the story, unless another muscle was opened meanwhile.
+"""
+
+import html
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ..bundle import Bundle
+from ..bundle.reversal import Reversal, reversal
+from .muscle_curves import REGIONS, strain_limit
+from .state import Session, Unit, View
+from .tab import LatestResult
+from .theme import column, pane, row
+from .widgets import button, format_quantity
+
+
+TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens the reach")
+_OFFER = "See in four steps why a buckled muscle resists"
+_PROMISE = "Move the sliders as you like. Your own inputs come back at the end."
+_SET_FIELDS = ("tab", "supply", "units", "pressures", "pressure", "strain", "resistance")
+_TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
+_SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
+_SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
+_ROUND_PRESSURE = 1e3  # Pa: the next whole kPa past the turn, where the reach is short
+_FOCUS = "window.fascicleStory?.(cb_obj.visible)"
+_KEEP_FOCUS = "window.fascicleStory?.(true, true)"  # a button with another label is a new element
+
+
+class Story:
+    """Panel of the story: an offer, or a scene with its sentences and buttons."""
+
+    def __init__(self, session: Session, offer: bool = False):
+        """Story of a `session`; with an `offer`, which browsers show until it is dismissed."""
+        self._session, self._before, self.scene = session, session.view, 0
+        self._text = pane(margin=0, css_classes=["live", "scene-text"], sizing_mode="stretch_width")
+        self._texts = LatestResult(self._show_text, self._show_error)
+        self.back = button("Back", lambda: self._move(-1))
+        self.next = button(
+            "Next", lambda: self._move(1), color="primary", css_classes=["story-next"]
+        )
+        self.next.jscallback(label=_KEEP_FOCUS)
+        for move in (self.back, self.next):
+            move.js_on_click(code="window.fascicleTop?.()")
+        self.skip = button("Skip", self.end)
+        buttons = row(self.back, self.next, self.skip, kind="buttons", sizing_mode=None)
+        self._running = row(self._text, buttons, kind="stacked scene", visible=False)
+        self._running.jscallback(visible=_FOCUS)
+        self.panel = column(self._running, kind="story")
+        if offer:
+            start = self.start_button(_OFFER, color="primary")
+            dismiss = button("No, thanks", None)
+            dismiss.js_on_click(code="fascicleDismiss()")
+            self.panel.insert(0, row(start, dismiss, kind="offer"))
+        session.watch(lambda _, after: self._request_text(after))
+
+    def start_button(self, label: str, **options: Any) -> Any:
+        """A new button with a `label` that starts the story, and dismisses the offer."""
+        start = button(label, self.start, **options)
+        start.js_on_click(code="window.fascicleDismiss?.()")
+        return start
+
+    def start(self) -> None:
+        """Show the first scene."""
+        if not self.scene:
+            self._before = self._session.view
+        self._show_scene(1)
+
+    def end(self) -> None:
+        """Hide the story, and set its inputs as they were before it."""
+        self.scene = 0
+        view, before = self._session.view, self._before
+        if view.muscle is before.muscle:
+            inputs = {name: getattr(before, name) for name in _SET_FIELDS}
+            self._session.show(replace(view, **inputs))
+        self._running.visible = False
+
+    def _move(self, step: int) -> None:
+        if 0 < self.scene + step <= len(TITLES):
+            self._show_scene(self.scene + step)
+        elif self.scene:
+            self.end()
+
+    def _show_scene(self, scene: int) -> None:
+        self.scene = scene
+        self.next.label = "Done" if scene == len(TITLES) else "Next"
+        self._session.show(scene_view(self._session.view, scene))
+        self._running.visible = True
+
+    def _request_text(self, view: View) -> None:
+        if scene := self.scene:
+            self._texts.request(lambda: (scene, scene_text(view, scene)))
+
+    def _show_text(self, result: tuple[int, str]) -> None:
+        scene, text = result
+        title = f"{scene} of {len(TITLES)}: {TITLES[scene - 1]}"
+        promise = f' <span class="soft">{_PROMISE}</span>' if scene == 1 else ""
+        self._text.object = f"<h2>{title}</h2><p>{text}{promise}</p>"
+
+    def _show_error(self, error: ValueError | str) -> None:
+        self._text.object = f"<p>{html.escape(str(error))}</p>"
+
+
+def scene_view(view: View, scene: int) -> View:
+    """The `view` with the inputs of a `scene`, counted from 1."""
+    if scene == len(TITLES):
+        units = view.units if len(view.units) > 1 else (Unit(1), Unit(4))
+        view = replace(view, tab="bundle", units=units, resistance=True)
+        turn = _reversal(view.bundle, view.supply, True)
+        second = _ROUND_PRESSURE * np.ceil(turn.pressure / _ROUND_PRESSURE)
+        second = second if turn.depth > 0 else _SECOND_PRESSURE
+        pressures = (view.supply, min(float(second), view.supply), *(0.0,) * (len(units) - 2))
+        reach = float(view.bundle.free_strain(pressures))
+        return replace(view, pressures=pressures, strain=round(max(reach, 0.0), 4))
+    pressure = float(f"{view.supply * _SHARE:.4g}")
+    free, collapse, top = _limits(view, pressure)
+    strains = (free / 2, (free + collapse) / 2, collapse + (top - collapse) / 3)
+    return replace(view, tab="muscle", pressure=pressure, strain=round(strains[scene - 1], 4))
+
+
+def scene_text(view: View, scene: int) -> str:
+    """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
+    return (_pull_text, _buckling_text, _collapse_text, _reach_text)[scene - 1](view)
+
+
+def _limits(view: View, pressure: float) -> tuple[float, float, float]:
+    """Free and collapse strain at a `pressure` [Pa], and the largest strain that is drawn [-]."""
+    top = strain_limit(view.muscle, view.supply)
+    free, collapse = view.muscle.free_strain(pressure), view.muscle.collapse_strain(pressure)
+    return min(float(free), top), min(float(collapse), top), top
+
+
+def _in_units(view: View) -> Callable[[float, str], str]:
+    """Function that writes a quantity [SI] of a dimension in the page's unit."""
+    return lambda value, dimension: format_quantity(
+        value, view.display_units[dimension], dimension, 4 if dimension == "pressure" else 3
+    )
+
+
+def _point(view: View) -> tuple[float, int]:
+    """Force [N] and region of the muscle at the view's point."""
+    response = view.muscle.response(view.pressure, view.strain)
+    return float(response.force), int(response.region)
+
+
+def _pull_text(view: View) -> str:
+    text, (force, region) = _in_units(view), _point(view)
+    free, at = _limits(view, view.pressure)[0], f"At {text(view.pressure, 'pressure')}"
+    if region != _TENSION or force <= 0:
+        return (
+            f"{at} the muscle no longer pulls at contraction {view.strain:#.3g}: its free strain is"
+            f" {free:#.3g}. Move the contraction below it, or raise the pressure."
+        )
+    blocked = float(view.muscle.blocked_force(view.pressure))
+    return (
+        f"{at} and contraction {view.strain:#.3g} the muscle pulls with {text(force, 'force')}. At"
+        f" rest length it pulls with {text(blocked, 'force')}. Without a load it shortens to its"
+        f" free strain, {free:#.3g}, where the force is zero."
+    )
+
+
+def _buckling_text(view: View) -> str:
+    text, (force, region) = _in_units(view), _point(view)
+    free, collapse, _ = _limits(view, view.pressure)
+    if region == _TENSION:
+        return (
+            f"At contraction {view.strain:#.3g} the muscle is straight and pulls. Move the"
+            f" contraction past its free strain, {free:#.3g}, to see it buckle."
+        )
+    if region != _BUCKLED:
+        return (
+            f"At contraction {view.strain:#.3g} the muscle is {REGIONS[region]}. It is buckled"
+            f" between contractions {free:#.3g} and {collapse:#.3g}."
+        )
+    bow = float(view.muscle.deflection(view.pressure, view.strain))
+    return (
+        f"Contracted past its free strain, {free:#.3g}, to {view.strain:#.3g}, the muscle bows out"
+        f" by {text(bow, 'length')}, as a slender column does. It resists: it pushes with"
+        f" {text(-force, 'force')}. A model that ends at the free strain has no such force."
+    )
+
+
+def _collapse_text(view: View) -> str:
+    text, (force, region) = _in_units(view), _point(view)
+    collapse = float(view.muscle.collapse_strain(view.pressure))
+    if region != _COLLAPSED:
+        where = f"at contraction {collapse:#.3g}" if np.isfinite(collapse) else "at no contraction"
+        return (
+            f"At contraction {view.strain:#.3g} the muscle is {REGIONS[region]}. At"
+            f" {text(view.pressure, 'pressure')} it folds {where}."
+        )
+    onset = -float(view.muscle.force(view.pressure, collapse))
+    change = "falls" if -force < onset else "rises"
+    return (
+        f"At contraction {collapse:#.3g} the wall can't carry more bending: it folds at a hinge in"
+        f" the middle. From there to {view.strain:#.3g} the push {change} from"
+        f" {text(onset, 'force')} to {text(-force, 'force')}."
+    )
+
+
+def _reach_text(view: View) -> str:
+    text, bundle = _in_units(view), view.bundle
+    if len(view.units) < 2 or view.pressures[0] <= 0:
+        return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."
+    first, second = view.pressures[:2]
+    before = (first, 0.0, *view.pressures[2:])
+    alone, now = (float(bundle.free_strain(P, view.resistance)) for P in (before, view.pressures))
+    lines = [
+        f"With {text(first, 'pressure')} in unit 1, and unit 2 vented, the bundle reaches"
+        f" contraction {alone:#.3g}."
+    ]
+    push = -float(bundle.unit_forces(view.pressures, now, view.resistance)[1])
+    if now < alone and push > 0:
+        lines.append(
+            f"With {text(second, 'pressure')} in unit 2 it reaches only {now:#.3g}: its muscles"
+            f" are contracted past their own free strain and push with {text(push, 'force')}."
+        )
+    else:
+        lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {now:#.3g}.")
+    if any(view.pressures[2:]):  # the turn is that of two units
+        return " ".join(lines)
+    turn = _reversal(bundle, first, view.resistance)
+    if turn.depth > 0:
+        lengthens = "; more pressure lengthens it again" if turn.pressure < first else ""
+        lines.append(
+            f"The reach is shortest, {turn.free_strain:#.3g}, at {text(turn.pressure, 'pressure')}"
+            f"{lengthens}."
+        )
+    else:
+        lines.append("No pressure in unit 2 shortens the reach of this bundle.")
+    return " ".join(lines)
+
+
+@lru_cache(maxsize=32)  # visitors share it; it takes a third of a second
+def _reversal(bundle: Bundle, supply: float, resistance: bool) -> Reversal:
+    """Turn of the free strain as the second unit's pressure rises to a `supply` [Pa]."""
+    return reversal(bundle, 2, supply, resistance)

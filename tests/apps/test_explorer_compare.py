@@ -1,0 +1,90 @@
+"""Pinned curves in a browser: two braid angles are compared, named, linked and downloaded."""
+
+import io
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import expect
+
+import fascicle as fs
+from tests.apps import test_explorer as explorer
+
+
+pytestmark = explorer.pytestmark
+server, browser, idle, visit = explorer.server, explorer.browser, explorer.idle, explorer.visit
+MUSCLE = fs.example("kim2021_figure_6")
+TWO = "d => d.xs.length === 2"
+
+
+def test_two_braid_angles_are_compared(visit):
+    page = visit("?pressure=137.9kPa&strain=0.1")
+    explorer.source(page, "curve")
+    page.get_by_role("button", name="Pin this curve").first.click()
+    page.get_by_text("Pinned in Compare as").wait_for()
+    angle = explorer.field(page, "Braid angle")
+    angle.fill("28 deg")
+    angle.press("Enter")
+    blocked = float(MUSCLE.force(137.9e3, 0.0))
+    explorer.until(page, f"old => ({explorer.SOURCE})('curve').force[0] > 1.2 * old", arg=blocked)
+    page.get_by_role("button", name="Pin this curve").first.click()
+    page.get_by_text("“braid angle 28 deg”").wait_for()
+    page.get_by_text("Compare", exact=True).first.click()
+    shown = explorer.source(page, "compared", TWO)
+    other = MUSCLE.replace(braid_angle=math.radians(28))
+    for muscle, strain, force in zip((MUSCLE, other), shown["xs"], shown["ys"], strict=True):
+        law = muscle.force(137.9e3, np.array(strain))
+        np.testing.assert_allclose(force, law, rtol=1e-9, atol=1e-9)
+    assert shown["dash"][0] != shown["dash"][1] and shown["color"][0] != shown["color"][1]
+    # the table, and another contraction
+    difference = float(other.force(137.9e3, 0.0)) - blocked
+    expect(page.locator("table").first).to_contain_text(f"+{difference:.4g}")
+    typed = explorer.field(page, "Contraction ε to compare at, typed")
+    typed.fill("0.2")
+    typed.press("Enter")
+    force = f"{float(other.force(137.9e3, 0.2)):.4g}"
+    expect(page.locator("table").last).to_contain_text("Force at ε = 0.2 [N]")
+    expect(page.locator("table").last).to_contain_text(force)
+    # a name, which stays in the link
+    name = explorer.field(page, "Name of curve 2")
+    name.fill("28°")
+    name.press("Enter")
+    explorer.source(page, "compared", "d => d.label[1] === '28°'")
+    explorer.until(page, "() => location.search.includes('tab=compare')")
+    shown = explorer.source(page, "compared", TWO)
+    page.wait_for_timeout(1_000)  # ms: the address follows when nothing has changed for a while
+    again = visit(page.evaluate("() => location.search"))
+    assert explorer.source(again, "compared", TWO) == shown
+    for label, check in (
+        ("Download SVG", lambda raw: ET.fromstring(raw).tag.endswith("svg")),  # noqa: S314 ours
+        ("Download PNG", lambda raw: raw.startswith(b"\x89PNG")),
+        ("Download CSV", lambda raw: len(io.BytesIO(raw).readlines()) == 2 * 201 + 1),
+    ):
+        with again.expect_download() as download:
+            again.get_by_text(label).first.click()
+        assert check(Path(download.value.path()).read_bytes()), label
+    again.get_by_role("button", name="Remove 1").click()
+    left = explorer.source(again, "compared", "d => d.xs.length === 1")
+    assert left["label"] == ["28°"]
+
+
+@pytest.mark.parametrize(
+    ("theme", "width", "height"),
+    [("default", 390, 844), ("default", 1280, 800), ("dark", 1920, 1080)],
+)
+def test_the_tab_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, height):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    page = visit(f"?tab=compare&theme={theme}", width=width, height=height)
+    example = page.get_by_role("button", name="Try two braid angles")
+    example.wait_for()
+    explorer.wait_for_layout(page)
+    assert explorer.untidy(page, width) == []
+    example.click()
+    explorer.source(page, "compared", TWO)
+    explorer.wait_for_layout(page)
+    assert explorer.untidy(page, width) == []
+    violations = axe.Axe().run(page).response["violations"]
+    grave = [fault["id"] for fault in violations if fault["impact"] in ("serious", "critical")]
+    assert grave == []
