@@ -2,6 +2,9 @@
 
 import pytest
 
+import fascicle as fs
+from fascicle.files import dumps
+
 
 def test_c_is_written(fascicle, tmp_path):
     pytest.importorskip("casadi", reason="C is written by CasADi, which isn't here")
@@ -44,3 +47,18 @@ def test_a_unit_is_written_and_without_a_compiler_its_sources_are(fascicle, tmp_
     code, _, err = fascicle("export", "kim2021_figure_6", "--fmu", "bare.fmu", "--name", "arm")
     assert code == 2 and "no C compiler here" in err and "holds sources only" in err
     assert "sources/arm.c" in zipfile.ZipFile(tmp_path / "bare.fmu").namelist()
+
+
+def test_a_page_is_written_once(fascicle, refused, tmp_path):
+    code, out, err = fascicle("export", "kim2021_figure_6", "--page", "arm.html", "-p", "1bar,2bar")
+    assert (code, out, err) == (0, "wrote arm.html\n", "")
+    text = (tmp_path / "arm.html").read_text()
+    assert "<h1>kim2021_figure_6</h1>" in text and 'value="100, 200"' in text
+    assert "arm.html" in refused("export kim2021_figure_6 --page arm.html")
+    assert fascicle("export", "kim2021_figure_6", "--page", "arm.html", "--overwrite")[0] == 0
+    assert "--page" in refused("export kim2021_figure_6 --c code -p 100kPa")
+    assert "--page" in refused("export ramp_hand_over --page ramp.html")
+    (tmp_path / "stiff.toml").write_text(
+        dumps(fs.example("kim2021_figure_6").replace(tension="elastic_braid"))
+    )
+    assert "--c" in refused("export stiff.toml --page stiff.html")

@@ -1,49 +1,11 @@
-// Projects the points of solids, drops the faces that look away, shades the others and draws the far
-// ones first, the braid's fibers as thin ribbons among them. Bokeh draws flat patches; there is no
-// physics here. Arguments: camera, points (tags: half of what must be seen across and up, half a
-// fiber's width), faces, fibers (tags: a color each), drawn, frame, along, lift, sign.
-const [az, el] = [camera.data.azimuth[0], camera.data.elevation[0]].map(d => d * Math.PI / 180);
-const [ca, sa, ce, se] = [Math.cos(az), Math.sin(az), Math.cos(el), Math.sin(el)];
-const P = points.data, n = P.x.length, u = new Float64Array(n), v = new Float64Array(n),
-      w = new Float64Array(n);
-for (let i = 0; i < n; i++) {
-  const a = P.x[i] * ca - P.z[i] * sa, b = P.x[i] * sa + P.z[i] * ca;
-  u[i] = b; v[i] = P.y[i] * ce - a * se; w[i] = P.y[i] * se + a * ce;
-}
-const Q = faces.data, seen = [];
-for (let k = 0; k < Q.a.length; k++) {
-  const at = [Q.a[k], Q.b[k], Q.c[k], Q.d[k]], [a, b, c, d] = at;
-  const [e1, e2, e3] = [u[c] - u[a], v[c] - v[a], w[c] - w[a]];
-  const [f1, f2, f3] = [u[d] - u[b], v[d] - v[b], w[d] - w[b]];
-  const nz = e1 * f2 - e2 * f1;
-  const area = Math.hypot(e2 * f3 - e3 * f2, e3 * f1 - e1 * f3, nz);
-  if (area === 0 || sign * nz <= 0) continue;
-  const ny = sign * (e3 * f1 - e1 * f3) / area;
-  const light = 0.55 + 0.35 * sign * nz / area + 0.18 * ny;
-  const rgb = [Q.red[k], Q.green[k], Q.blue[k]].map(x => Math.round(Math.min(255, x * light)));
-  seen.push([(w[a] + w[b] + w[c] + w[d]) / 4, at.map(i => u[i]), at.map(i => v[i]),
-             `rgb(${rgb})`]);
-}
+// Projects solids by `plot/projection.js`, which stands ahead of this; Bokeh draws flat patches.
+// Arguments: camera, points (tags: half of what must be seen across and up, half a fiber's width),
+// faces, fibers (tags: a color each), drawn, frame, along, lift.
 const [reach, tall, thin] = points.tags;
-const F = fibers.data;
-for (let first = 0, thread = 0; first < F.x.length; first += along, thread++) {
-  let last = null;
-  for (let i = first; i < first + along; i++) {
-    const a = F.x[i] * ca - F.z[i] * sa, na = F.nx[i] * ca - F.nz[i] * sa;
-    const at = [F.x[i] * sa + F.z[i] * ca, F.y[i] * ce - a * se, F.y[i] * se + a * ce];
-    const facing = F.ny[i] * se + na * ce >= 0;
-    if (facing && last) {
-      const [du, dv] = [at[0] - last[0], at[1] - last[1]], long = Math.hypot(du, dv) || 1;
-      const [pu, pv] = [-thin * dv / long, thin * du / long];
-      // nearer by a few of its widths: it lies on the face that it would vanish in
-      seen.push([(last[2] + at[2]) / 2 + lift * thin,
-                 [last[0] + pu, at[0] + pu, at[0] - pu, last[0] - pu],
-                 [last[1] + pv, at[1] + pv, at[1] - pv, last[1] - pv], fibers.tags[thread]]);
-    }
-    last = facing ? at : null;
-  }
-}
-seen.sort((p, q) => p[0] - q[0]);
+const seen = projectSolids({
+  azimuth: camera.data.azimuth[0], elevation: camera.data.elevation[0], points: points.data,
+  faces: faces.data, fibers: fibers.data, along, colors: fibers.tags, thin, lift,
+});
 drawn.data = {xs: seen.map(s => s[1]), ys: seen.map(s => s[2]), color: seen.map(s => s[3])};
 // undistorted in whatever room there is, and all of it to be seen
 const size = name => frame.properties[name].is_unset ? 1 : frame[name] || 1;

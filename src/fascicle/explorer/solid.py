@@ -6,7 +6,8 @@ upward it reaches as far as the outline, sideways the radius, so that a hinge fo
 arc a fiber turns by $\mathrm{d}\varphi = \pm\tan\alpha\,\mathrm{d}s/r$.
 
 Axes: z along the muscle, y the way it bows, x across; meters. The number of points is fixed. The
-browser projects and shades the points (`solid.js`), and turns them without asking the server.
+browser projects and shades the points (`plot/projection.js`), and turns them without asking the
+server.
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,7 @@ from bokeh.events import DoubleTap, Pan, PanStart
 from bokeh.models import CustomJS, Slider
 
 from ..muscle import Muscle
-from ..plot.shapes import Outline, outline
+from ..plot.shapes import PROJECTION, Outline, outline
 from ..plot.theme import Colors, red_green_blue
 from .chart import Chart
 from .muscle_curves import MuscleCurves
@@ -34,9 +35,10 @@ AZIMUTH, ELEVATION = 30, 20  # degrees, of the camera at first
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
 _FIBER_WIDTH = 0.0028  # half of it, over the width of the view
-_PROJECT, _TURN = (
+_SHOW, _TURN = (
     Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("solid.js", "camera.js")
 )
+_PROJECT = PROJECTION + _SHOW
 _FRAME = ":host { border-radius: var(--round); overflow: hidden; cursor: grab; }"
 
 
@@ -148,7 +150,7 @@ class Scene:
         project = CustomJS(
             args={"camera": camera, "points": self.points, "faces": self._faces,
                   "fibers": self._fibers, "drawn": drawn, "along": ALONG, "lift": _LIFT,
-                  "frame": figure, "sign": -1},
+                  "frame": figure},
             code=_PROJECT,
         )  # fmt: skip
         for source in (self.points, camera):  # all else changes before the points do

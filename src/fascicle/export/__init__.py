@@ -1,5 +1,5 @@
 """Muscles, bundles and controllers for other programs: C without dependencies, from the laws
-themselves or as a table, and units for co-simulation.
+themselves or as a table, units for co-simulation, and a web page that computes the laws.
 """
 
 from typing import TYPE_CHECKING
@@ -15,16 +15,20 @@ if TYPE_CHECKING:
     from .c_table import write_table as write_table
     from .controller import tabulate_controller as tabulate_controller
     from .fmu import write_fmu as write_fmu
+    from .page import page_text as page_text
+    from .page import write_page as write_page
 
 
 # a controller's step and tables need JAX, the law as C doesn't
 _HOMES = {
     "c_code": "c_source",
+    "page_text": "page",
     "table_code": "c_table",
     "tabulate": "c_table",
     "tabulate_controller": "controller",
     "write_c": "c_source",
     "write_fmu": "fmu",
+    "write_page": "page",
     "write_table": "c_table",
 }
 

@@ -10,6 +10,7 @@ radius of it, and how many fibers there are, belong to the drawing alone.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,8 @@ from .theme import BLUE, DOUBLE, LIGHT, new_figure, styled
 
 ARC_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
 _FIBERS = 9  # each way around: as many as stay apart in print
+# JavaScript of the same in three dimensions: patches that a camera sees
+PROJECTION = Path(__file__).with_name("projection.js").read_text(encoding="utf-8")
 _HINGE_POINTS, _CREASE = 41, 0.8  # points around the hinge; radii over which the tube folds in
 
 

@@ -1,11 +1,11 @@
-"""`fascicle export`: a muscle or bundle for other programs."""
+"""`fascicle export`: a muscle or bundle for other programs, and as a page."""
 
 from pathlib import Path
 from typing import Any
 
 from .. import options
 from ..errors import UserError, user_errors
-from ..inputs import is_scenario, read_scenario, read_target
+from ..inputs import is_scenario, read_list, read_scenario, read_target
 from ..options import option
 from ..outputs import check_file, print_line, replace_output, status, write_text
 
@@ -24,6 +24,15 @@ def run(
         "Functional mock-up unit (.fmu) with the table, for co-simulation by FMI 2.0.",
         metavar="PATH",
     ),
+    page: str | None = option(
+        "Web page (.html) that computes and draws it offline, in any current browser.",
+        metavar="PATH",
+    ),
+    pressure: str | None = option(
+        "Pressures of the page's curves: a list (100kPa,2bar) or a range (start:stop:step).",
+        "--pressure -p",
+        metavar="LIST",
+    ),
     precision: str = option(
         "Number type of the table; float takes a seventh of the memory.",
         metavar="double|float",
@@ -39,20 +48,29 @@ def run(
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
-    """Write a muscle's or bundle's force as C code or an FMU.
+    """Write a muscle's or bundle's force as C code, an FMU or a web page.
 
     `--c` writes the force law itself, its derivatives and its free strain; it needs
     `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a
     scenario with force control it adds one step of the controller. Both have the inverse,
     `NAME_pressures`: the pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
     packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
-    platform it holds sources only. Later changes of FILE don't change what was exported.
+    platform it holds sources only. `--page` writes one file with sliders for pressure, contraction
+    and sizes, which needs neither fascicle nor a network. Later changes of FILE don't change what
+    was exported.
     """
-    if c is None and table is None and fmu is None:
-        raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")
+    if c is None and table is None and fmu is None and page is None:
+        raise UserError(
+            "nothing to write: give --c or --table and a folder, or --fmu or --page and a file."
+        )
+    if pressure is not None and page is None:
+        raise UserError("--pressure: it is of the page's curves: give --page, too.")
     if fmu is not None:
         check_file("--fmu", fmu, overwrite, [".fmu"])
-    target = _read(file, c is not None)
+    if page is not None:
+        check_file("--page", page, overwrite, [".html", ".htm"])
+    law = "--c" if c is not None else "--page" if page is not None else ""
+    target = _read(file, law)
     from ... import export
     from ...export.c_files import check_name
     from ...export.fmu import UnbuiltUnitError
@@ -62,6 +80,9 @@ def run(
     for flag, folder in (("--c", c), ("--table", table)):
         if folder is not None:
             _check_c(flag, folder, name, overwrite)
+    if page is not None:
+        write_text("--page", page, overwrite, _page_text(target, file, pressure))
+        print_line(f"wrote {page}")
     if c is not None:
         with status("writing the law as C"), user_errors():
             texts = export.c_code(target, name)
@@ -87,12 +108,14 @@ def run(
         print_line(f"wrote {fmu}")
 
 
-def _read(file: str, law: bool) -> Any:
-    """Read a muscle, a bundle, or a scenario's controller; `law`: the law itself is exported."""
+def _read(file: str, law: str) -> Any:
+    """Read a muscle, a bundle, or a scenario's controller; `law`: option that exports the law
+    itself, if any.
+    """
     if not is_scenario(file):
         return read_target(file)
     if law:
-        raise UserError(f"--c: {file} is a scenario, the law is a bundle's: give --table.")
+        raise UserError(f"{law}: {file} is a scenario, the law is a bundle's: give --table.")
     scenario = read_scenario(file)
     if scenario.control:
         return scenario.control.controller
@@ -119,3 +142,12 @@ def _write_c(flag: str, folder: str, name: str, texts: tuple[str, str], overwrit
     for path, text in zip(paths, texts, strict=True):
         write_text(flag, path, overwrite, text)
     print_line(f"wrote {paths[0]} and {paths[1]}")
+
+
+def _page_text(target: Any, file: str, pressure: str | None) -> str:
+    """Text of the page of a muscle or bundle."""
+    from ...export.page import CURVES, page_text
+
+    pressures = CURVES if pressure is None else read_list(pressure, "pressure", "--pressure")
+    with user_errors("--page: "):
+        return page_text(target, Path(file).stem, pressures)

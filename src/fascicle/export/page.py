@@ -1,0 +1,173 @@
+"""A page of a muscle or bundle: one HTML file that computes the law itself and needs nothing else.
+
+The laws run as WebAssembly (`page_law`), which the page's scripts call; they draw the curves of
+force over contraction, the shape and, of a bundle, the free strain over the second unit's pressure.
+"""
+
+import base64
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..bundle import Bundle
+from ..core.errors import InvalidInputError, require
+from ..core.module import unique_indices
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE, RANGES
+from ..io.atomic import write_text
+from ..muscle import Muscle
+from .c_files import as_bundle, length_ratios
+from .page_law import FOLDER, MODULE, POINTS, manifest, muscle_data
+
+
+CURVES = tuple(1e3 * pressure for pressure in (0.0, 100.0, 200.0, 300.0, 400.0))  # Pa
+_SCRIPTS = ("law.js", "solid.js", "page.js")
+_MOST_UNITS, _MOST_MUSCLES = 8, 60  # as in the explorer: more can't be told apart
+_MOST_CURVES = 12  # as the page's own field allows
+_START = 1 / 3, 0.1  # pressure at first, over the highest; contraction
+_SIZES = (
+    ("length", "Length", "mm", 1.0),
+    ("outer_radius", "Bladder radius", "mm", 0.05),
+    ("wall_thickness", "Wall thickness", "mm", 0.05),
+    ("braid_angle", "Braid angle", "deg", 0.5),
+)
+
+
+def page_text(
+    target: Muscle | Bundle, title: str = "Muscle", pressures: Sequence[float] = CURVES
+) -> str:
+    """Text of the page of a muscle or bundle.
+
+    **Arguments:**
+
+    - `target`: the muscle or bundle, with numbers, not arrays.
+    - `title`: of the page.
+    - `pressures`: of the thin curves [Pa], at most twelve.
+
+    **Returns:** HTML.
+
+    **Raises:** `ValueError` for laws that the page's module has not, for more units or muscles than
+    can be told apart, and for pressures off the domain.
+    """
+    require("matplotlib")  # of its theme, which has the colors; jinja2 is of the same extra
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    from ..plot.shapes import PROJECTION
+    from ..plot.theme import DARK, LIGHT, SANS, css
+
+    bundle = as_bundle(target)
+    values = _page_values(bundle, title, pressures)
+    data = values.pop("data") | {
+        "theme": {"light": _theme(LIGHT), "dark": _theme(DARK)}, "font": SANS,
+    }  # fmt: skip
+    environment = Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    scripts = [(FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS]
+    script = "\n".join([PROJECTION, *scripts])
+    # "<" ends no script in JSON; the scripts are fascicle's own
+    text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    module = base64.b64encode(MODULE.read_bytes()).decode("ascii")
+    return environment.get_template("page.html").render(
+        values,
+        version=__version__,
+        light=Markup(css(LIGHT)),  # noqa: S704 fascicle's own
+        dark=Markup(css(DARK)),  # noqa: S704 fascicle's own
+        data=Markup(text),  # noqa: S704 escaped above
+        module=module,
+        script=Markup(script),  # noqa: S704 fascicle's own
+    )
+
+
+def write_page(
+    target: Muscle | Bundle,
+    path: str | os.PathLike[str],
+    title: str = "Muscle",
+    pressures: Sequence[float] = CURVES,
+) -> Path:
+    """Write the page of a muscle or bundle to a file.
+
+    **Arguments:** `path`: of the file; the others are those of `page_text`.
+
+    **Returns:** the path.
+
+    **Raises:** as `page_text`; `OSError` where the file can't be written.
+    """
+    path = Path(path)
+    write_text(path, page_text(target, title, pressures))
+    return path
+
+
+def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict[str, Any]:
+    """Values of the template; `data` is what the scripts compute with [SI]."""
+    curves = sorted({float(pressure) for pressure in pressures})
+    if len(curves) > _MOST_CURVES or not all(0 <= x <= HIGHEST_PRESSURE for x in curves):
+        rule = f"must be at most {_MOST_CURVES} in 0 to {HIGHEST_PRESSURE / 1e3:g} kPa"
+        raise InvalidInputError("pressure", rule, curves, shown=f"{len(curves)} pressures")
+    units, count = bundle.motor_units, int(np.sum(bundle.counts))
+    if len(units) > _MOST_UNITS or count > _MOST_MUSCLES:
+        rule = f"must have at most {_MOST_UNITS} motor units and {_MOST_MUSCLES} muscles"
+        raise InvalidInputError("bundle", rule, count, shown=f"{len(units)} and {count}")
+    supply = bundle.supply_pressure
+    highest = max(curves, default=0.0) or CURVES[-1] if supply is None else float(supply)
+    muscles, owners = unique_indices([unit.muscle for unit in units])
+    kinds = [units[i].muscle for i in muscles]
+    ratios = length_ratios(bundle)
+    largest = min(1 - (1 - LARGEST_STRAIN) / ratio for ratio in ratios)
+    limits = {name: [RANGES[name].least, RANGES[name].largest] for name, *_ in _SIZES[:3]}
+    distance = bundle.plate_distance
+    is_bundle = count > 1
+    first = kinds[0]
+    laws = f"{first.tension.name}, {first.buckling.name}"
+    return {
+        "title": title,
+        "lead": f"{f'Bundle of {count} muscles' if is_bundle else 'Muscle'}; laws: {laws}.",
+        "note": f"Made by fascicle {__version__}. The page computes the library's own formulas and"
+        " loads nothing. Gauge pressures; contraction over the length at rest.",
+        "kind": "bundle" if is_bundle else "muscle",
+        "bundle": is_bundle,
+        "units": [{"count": int(unit.count)} for unit in units],
+        "muscles": [
+            [i + 1 for i, owner in enumerate(owners) if owner == k] for k in range(len(kinds))
+        ],
+        "sizes": _SIZES,
+        "curves": ", ".join(f"{pressure / 1e3:.6g}" for pressure in curves),
+        "highest": f"{highest / 1e3:.9g}",
+        "largest_strain": f"{largest:.9g}",
+        "data": {
+            "title": title,
+            "units": [
+                {"muscle": owner, "count": int(unit.count)}
+                for owner, unit in zip(owners, units, strict=True)
+            ],
+            "muscles": [muscle_data(kind) for kind in kinds],
+            "distance": None if distance is None else float(distance),
+            "highest": highest,
+            "start": _START[0] * highest,
+            "strain": min(_START[1], largest),
+            "curves": curves,
+            "limits": limits | {"braid_angle": [np.radians(1.0), NEUTRAL_ANGLE]},
+            "functions": {key: manifest()[key] for key in {muscle_data(m)["law"] for m in kinds}},
+            "points": POINTS,
+        },
+    }
+
+
+def _theme(colors: Any) -> dict[str, Any]:
+    """Colors of the figures of a page with these `colors`."""
+    from ..plot.theme import VERMILION, mix
+
+    first, last = ("#7fa8ff", "#2bc79b") if colors.dark else ("#443983", "#35b779")
+    return {
+        **{name: getattr(colors, name) for name in
+           ("ink", "soft", "edge", "line", "paper", "bad", "curves", "fiber", "fitting")},
+        "mark": VERMILION,
+        "tubes": [colors.tube, *(mix(colors.tube, color, 0.45) for color in colors.curves[1:7])],
+        "family": [mix(first, last, i / 7) for i in range(8)],
+    }  # fmt: skip

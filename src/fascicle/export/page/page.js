@@ -1,0 +1,596 @@
+// The page: one state, sliders and figures that show it. Quantities are in SI units; those shown
+// are in kPa, mm, deg and N.
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const KPA = 1e3, MM = 1e-3, DEG = Math.PI / 180;
+const SIZES = [  // of a muscle, in the order of its constants
+  ["length", "Length at rest", "mm", MM, 0.1],
+  ["outer_radius", "Bladder radius", "mm", MM, 0.01],
+  ["wall_thickness", "Wall thickness", "mm", MM, 0.01],
+  ["braid_angle", "Braid angle", "deg", DEG, 0.1],
+];
+const POINTS = 161;  // of a curve
+const REVERSAL_POINTS = 97;
+const SLICE = 6;  // ms of a frame that a long curve may take
+const $ = id => document.getElementById(id);
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+let functions = {};  // of the module, by the key of laws
+const original = JSON.stringify(DATA.muscles);
+const view = {
+  muscles: DATA.muscles, pressures: DATA.units.map(() => DATA.start), strain: DATA.strain,
+  curves: DATA.curves, azimuth: 30, elevation: 20,
+};
+const isBundle = DATA.units.length > 1 || DATA.units[0].count > 1;
+
+const figures = value => !Number.isFinite(value) ? "never"
+  : value === 0 ? "0" : String(Number(value.toPrecision(4)));
+const theme = () => DATA.theme[dark.matches ? "dark" : "light"];
+
+// ---- the muscles
+
+const solved = new Map();  // muscles at pressures, until a size changes
+function find(muscle, pressure) {
+  const key = `${muscle} ${pressure}`;
+  if (!solved.has(key)) {
+    if (solved.size > 2000) solved.clear();
+    const data = view.muscles[muscle];
+    solved.set(key, new PressurizedMuscle(functions[data.law], data, pressure));
+  }
+  return solved.get(key);
+}
+
+const ratios = () => DATA.units.map(({muscle}) =>
+  DATA.distance === null ? 1 : DATA.distance / view.muscles[muscle].constants[0]);
+
+const bundleAt = pressures => new PressurizedBundle(DATA.units, pressures, ratios(), find);
+
+// Largest strain that is drawn, well past the free strain at the highest pressure.
+function strainLimit() {
+  const free = bundleAt(view.pressures.map(() => DATA.highest));
+  const most = Math.max(...free.units.map((unit, i) => free.plateStrain(i, unit.free)));
+  return Math.min(free.largestStrain, Math.max(0.1, Math.ceil(1.5 * most * 20) / 20));
+}
+
+// All that is shown of the state, as numbers [SI].
+function results() {
+  const bundle = bundleAt(view.pressures), {strain} = view;
+  return {
+    bundle, strain,
+    force: bundle.force(strain), blocked: bundle.force(0), free: bundle.freeStrain(),
+    units: bundle.units.map((unit, i) => ({
+      force: bundle.unitForce(i, strain), blocked: bundle.unitForce(i, 0),
+      free: bundle.plateStrain(i, unit.free), collapse: bundle.plateStrain(i, unit.collapse),
+      region: unit.region(bundle.muscleStrain(i, strain)),
+      shape: unit.shape(bundle.muscleStrain(i, strain)),
+    })),
+  };
+}
+
+// ---- charts
+
+function canvasContext(canvas) {
+  const box = canvas.getBoundingClientRect(), scale = window.devicePixelRatio || 1;
+  const [width, height] = [Math.round(box.width * scale), Math.round(box.height * scale)];
+  if (canvas.width !== width || canvas.height !== height) {
+    canvas.width = width; canvas.height = height;
+  }
+  const context = canvas.getContext("2d");
+  context.setTransform(scale, 0, 0, scale, 0, 0);
+  context.clearRect(0, 0, box.width, box.height);
+  return [context, box.width, box.height];
+}
+
+function ticks(low, high, most) {
+  const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find(x => x * power >= rough);
+  const result = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
+    result.push(Number((i * step).toPrecision(6)));
+  }
+  return result;
+}
+
+class Chart {
+  constructor(canvas, xLabel, yLabel) { Object.assign(this, {canvas, xLabel, yLabel}); }
+
+  begin(xRange, yRange) {
+    const [context, width, height] = canvasContext(this.canvas), colors = theme();
+    Object.assign(this, {context, xRange, yRange, labels: []});
+    context.font = `13px ${DATA.font}`;
+    const yTicks = ticks(...yRange, 6), xTicks = ticks(...xRange, width < 500 ? 4 : 8);
+    const wide = Math.max(...yTicks.map(tick => context.measureText(String(tick)).width));
+    this.box = [wide + 32, 12, width - 12, height - 44];
+    const [left, top, right, bottom] = this.box;
+    context.lineWidth = 1;
+    context.fillStyle = colors.soft;
+    context.strokeStyle = colors.line;
+    context.beginPath();
+    context.textAlign = "center"; context.textBaseline = "top";
+    for (const tick of xTicks) {
+      context.moveTo(this.x(tick), top); context.lineTo(this.x(tick), bottom);
+      context.fillText(String(tick), this.x(tick), bottom + 6);
+    }
+    context.textAlign = "right"; context.textBaseline = "middle";
+    for (const tick of yTicks) {
+      context.moveTo(left, this.y(tick)); context.lineTo(right, this.y(tick));
+      context.fillText(String(tick), left - 6, this.y(tick));
+    }
+    context.stroke();
+    context.fillStyle = colors.ink;
+    context.textAlign = "center"; context.textBaseline = "bottom";
+    context.fillText(this.xLabel, (left + right) / 2, height - 4);
+    context.save();
+    context.translate(4, (top + bottom) / 2); context.rotate(-Math.PI / 2);
+    context.textBaseline = "top";
+    context.fillText(this.yLabel, 0, 0);
+    context.restore();
+    context.strokeStyle = colors.edge;
+    context.beginPath();
+    if (yRange[0] < 0 && yRange[1] > 0) {
+      context.moveTo(left, this.y(0)); context.lineTo(right, this.y(0));
+    }
+    context.moveTo(left, top); context.lineTo(left, bottom);
+    context.stroke();
+  }
+
+  x(value) {
+    const [left, , right] = this.box, [low, high] = this.xRange;
+    return left + (value - low) / (high - low) * (right - left);
+  }
+
+  y(value) {
+    const [, top, , bottom] = this.box, [low, high] = this.yRange;
+    return bottom - (value - low) / (high - low) * (bottom - top);
+  }
+
+  value(pixel) {
+    const [left, , right] = this.box, [low, high] = this.xRange;
+    return low + (high - low) * Math.min(Math.max((pixel - left) / (right - left), 0), 1);
+  }
+
+  line(curve, color, width, dash = []) {
+    const {context} = this, [left, top, right, bottom] = this.box;
+    context.save();
+    context.beginPath();
+    context.rect(left, top, right - left, bottom - top); context.clip();
+    context.strokeStyle = color; context.lineWidth = width; context.setLineDash(dash);
+    context.lineJoin = "round";
+    context.beginPath();
+    curve.x.forEach((x, i) => {
+      if (Number.isFinite(curve.y[i])) context.lineTo(this.x(x), this.y(curve.y[i]));
+    });
+    context.stroke();
+    context.restore();
+  }
+
+  mark(x, y, color, text, radius = 4) {
+    const {context} = this, [left, top, right, bottom] = this.box;
+    const [a, b] = [this.x(x), this.y(y)];
+    if (!(a >= left - 1 && a <= right + 1 && b >= top - 1 && b <= bottom + 1)) return;
+    context.fillStyle = color; context.strokeStyle = theme().paper; context.lineWidth = 2;
+    context.beginPath(); context.arc(a, b, radius, 0, 2 * Math.PI);
+    context.fill(); context.stroke();
+    if (!text) return;
+    const wide = context.measureText(text).width, turned = a + wide + 12 > right;
+    const from = turned ? a - 9 - wide : a + 9;
+    // above the mark, and above the labels that stand there
+    const heights = this.labels.filter(x => x.from < from + wide + 6 && from < x.from + x.wide + 6);
+    let height = b - 12;
+    while (heights.some(x => Math.abs(x.height - height) < 16)) height -= 2;
+    height = Math.max(height, top + 9);
+    this.labels.push({from, wide, height});
+    context.textAlign = "left"; context.textBaseline = "middle";
+    this.label(text, from, height, theme().ink);
+  }
+
+  label(text, a, b, color) {
+    const {context} = this;
+    context.lineWidth = 4; context.strokeStyle = theme().paper; context.fillStyle = color;
+    context.strokeText(text, a, b); context.fillText(text, a, b);
+  }
+}
+
+const forceChart = new Chart($("force"), "Contraction ε [–]", "Force F [N]");
+const reversalChart = isBundle && DATA.units.length > 1
+  ? new Chart($("reversal"), "Pressure of unit 2 [kPa]", "Free strain [–]") : null;
+
+function curveOf(bundle, top, force = strain => bundle.force(strain)) {
+  const x = bundle.grid(0, top, POINTS);
+  return {x, y: x.map(force)};
+}
+
+let family = null;  // curves at the chosen pressures, until a size or the list changes
+function familyOf() {
+  if (family) return family;
+  const top = strainLimit();
+  const curves = [...new Set(view.curves)].map(pressure => {
+    const bundle = bundleAt(view.pressures.map(() => pressure));
+    return {pressure, ...curveOf(bundle, top)};
+  });
+  // the axis holds the highest pressure, so that it stands still while a slider moves
+  const limit = bundleAt(view.pressures.map(() => DATA.highest));
+  const values = [0, ...curves.flatMap(curve => curve.y), ...curveOf(limit, top).y];
+  const [low, high] = [Math.min(...values), Math.max(...values)], pad = 0.05 * (high - low) || 1;
+  return family = {curves, top, range: [low - pad, high + pad]};
+}
+
+function drawForce(shown) {
+  const {curves, top, range} = familyOf(), colors = theme(), chart = forceChart;
+  chart.begin([0, top], range);
+  let last = Infinity;
+  curves.forEach((curve, i) => {
+    const color = colors.family[Math.round(i / Math.max(curves.length - 1, 1) *
+                                           (colors.family.length - 1))];
+    chart.line(curve, color, 1.3);
+    const place = chart.y(curve.y[0]);
+    if (Math.abs(place - last) > 15) {
+      chart.context.textAlign = "left"; chart.context.textBaseline = "middle";
+      chart.label(`${figures(curve.pressure / KPA)} kPa`, chart.x(0) + 6, place, color);
+      last = place;
+    }
+  });
+  const {bundle} = shown;
+  if (isBundle) {
+    bundle.units.forEach((_, i) => {
+      chart.line(curveOf(bundle, top, strain => bundle.unitForce(i, strain)),
+                 colors.curves[(i + 1) % colors.curves.length], 1.6, [6, 4]);
+    });
+  }
+  chart.line(curveOf(bundle, top), colors.curves[0], 2.6);
+  chart.mark(0, shown.blocked, colors.curves[0]);
+  if (Number.isFinite(shown.free)) chart.mark(shown.free, 0, colors.curves[0],
+                                             `free ${figures(shown.free)}`);
+  shown.units.forEach((unit, i) => {
+    if (unit.collapse > top) return;
+    chart.mark(unit.collapse, bundle.force(unit.collapse), colors.bad,
+               isBundle ? `${i + 1}` : `collapse ${figures(unit.collapse)}`, 3);
+  });
+  chart.mark(shown.strain, shown.force, colors.mark, `${figures(shown.force)} N`, 7);
+}
+
+// ---- the reversal: a curve that is computed in slices, so that no frame waits for it
+
+let reversal = null;
+function reversalKey() {
+  return JSON.stringify([view.pressures.filter((_, i) => i !== 1),
+                         view.muscles.map(muscle => muscle.constants)]);
+}
+
+function* reversalSteps(key) {
+  const curve = {key, x: [], y: [], done: false};
+  const freeAt = pressure =>
+    bundleAt(view.pressures.map((p, i) => i === 1 ? pressure : p)).freeStrain(32);
+  for (let i = 0; i < REVERSAL_POINTS; i++) {
+    // dense at low pressure, where it turns
+    const pressure = DATA.highest * (i / (REVERSAL_POINTS - 1)) ** 2;
+    curve.x.push(pressure / KPA); curve.y.push(freeAt(pressure));
+    yield curve;
+  }
+  let least = curve.y.indexOf(Math.min(...curve.y));
+  let [low, high] = [Math.max(least - 1, 0), Math.min(least + 1, REVERSAL_POINTS - 1)]
+    .map(i => curve.x[i] * KPA);
+  for (let zoom = 0; zoom < 5; zoom++) {
+    const at = Array.from({length: 17}, (_, i) => low + (high - low) * i / 16), values = [];
+    for (const pressure of at) { values.push(freeAt(pressure)); yield curve; }
+    least = values.indexOf(Math.min(...values));
+    curve.turn = [at[least], values[least]];
+    [low, high] = [at[Math.max(least - 1, 0)], at[Math.min(least + 1, 16)]];
+  }
+  curve.done = true;
+  yield curve;
+}
+
+let job = null;
+function drawReversal(shown) {
+  if (!reversalChart) return;
+  const key = reversalKey();
+  if (job?.key !== key) job = {key, steps: reversalSteps(key)};
+  if (!reversal || reversal.key !== key) {
+    const end = performance.now() + SLICE;
+    let step;
+    do step = job.steps.next(); while (!step.value.done && performance.now() < end);
+    if (step.value.done) reversal = step.value; else schedule();
+  }
+  if (!reversal) return;
+  const colors = theme(), values = reversal.y.filter(Number.isFinite);
+  const [low, high] = [Math.min(...values), Math.max(...values)], pad = 0.08 * (high - low) || 0.01;
+  reversalChart.begin([0, DATA.highest / KPA], [Math.max(low - pad, 0), high + pad]);
+  const color = reversal.key === key ? colors.curves[0] : colors.edge;
+  reversalChart.line(reversal, color, 2.6);
+  const [turn, free] = reversal.turn, depth = reversal.y[0] - free;
+  const turns = depth > 1e-12;  // as in the library: rounding of two roots
+  $("turn").textContent = turns
+    ? `The free strain falls by ${figures(depth)} up to ${figures(turn / KPA)} kPa of unit 2, then`
+      + " rises: the reversal."
+    : "The free strain never falls: there is no reversal.";
+  if (turns) reversalChart.mark(turn / KPA, free, colors.bad, "reversal");
+  if (Number.isFinite(shown.free)) {
+    reversalChart.mark(view.pressures[1] / KPA, shown.free, colors.mark, "", 7);
+  }
+}
+
+// ---- the solid
+
+const hex = color => [1, 3, 5].map(i => parseInt(color.slice(i, i + 2), 16));
+
+function drawSolid(shown) {
+  const [context, width, height] = canvasContext($("solid")), colors = theme();
+  const count = DATA.units.reduce((sum, unit) => sum + unit.count, 0);
+  const detail = count > 2 ? {rings: 31, around: 14, fibers: count > 6 ? 0 : 4}
+    : {rings: 45, around: 20, fibers: 8};
+  const solids = [], tubes = [], threads = [];
+  shown.units.forEach((unit, i) => {
+    const {constants} = view.muscles[DATA.units[i].muscle], [, restRadius, wall] = constants;
+    const {radius, angle} = unit.shape;
+    const solid = solidOf(unit.shape, {
+      radius, angle, restRadius, wall, collapsed: unit.region === "collapsed", ...detail,
+    });
+    for (let k = 0; k < DATA.units[i].count; k++) {
+      solids.push(solid); tubes.push(hex(colors.tubes[i % colors.tubes.length]));
+      for (let j = 0; j < 2 * detail.fibers; j++) threads.push(colors.fiber);
+    }
+  });
+  const lengths = DATA.units.map(unit => view.muscles[unit.muscle].constants[0]);
+  const radii = DATA.units.map(unit => view.muscles[unit.muscle].constants[1]);
+  const length = Math.max(...lengths), widest = Math.max(...radii);
+  const positions = musclePositions(solids.length, 2.7 * widest);
+  const {points, faces, fibers} = scene(solids, positions, tubes, hex(colors.fitting));
+  const envelope = points.x.reduce((most, x, i) => Math.max(most, Math.hypot(x, points.y[i])), 0);
+  const reach = Math.max(0.58 * length, 1.1 * envelope);
+  const tall = Math.max(1.05 * envelope + 0.05 * length, 3 * widest);
+  let scale = Math.min(width / (2 * reach), height / (2 * tall));
+  const patches = projectSolids({
+    azimuth: view.azimuth, elevation: view.elevation, points, faces, fibers,
+    along: ALONG, colors: threads, thin: 0.9 / scale, lift: 9,
+  });
+  // a view that shows more of the length upright is smaller
+  const extent = axis => patches.reduce(
+    (most, patch) => Math.max(most, Math.abs(patch[axis][0]), Math.abs(patch[axis][2])), 0);
+  scale = Math.min(scale, 0.48 * width / extent(1), 0.48 * height / extent(2));
+  const [x0, y0] = [width / 2, height / 2];
+  context.lineWidth = 0.6;
+  for (const [, xs, ys, color] of patches) {
+    context.fillStyle = context.strokeStyle = color;
+    context.beginPath();
+    context.moveTo(x0 + scale * xs[0], y0 - scale * ys[0]);
+    for (let i = 1; i < 4; i++) context.lineTo(x0 + scale * xs[i], y0 - scale * ys[i]);
+    context.closePath(); context.fill(); context.stroke();
+  }
+}
+
+// ---- controls and readings
+
+function setText(id, text) { const node = $(id); if (node.textContent !== text) node.textContent = text; }
+
+function showReadings(shown) {
+  setText("force-value", `${figures(shown.force)} N`);
+  setText("blocked-value", `${figures(shown.blocked)} N`);
+  setText("free-value", figures(shown.free));
+  if (!isBundle) {
+    setText("collapse-value", figures(shown.units[0].collapse));
+    setText("region-value", shown.units[0].region);
+    setText("deflection-value", `${figures(shown.units[0].shape.deflection / MM)} mm`);
+  }
+  shown.units.forEach((unit, i) => {
+    const values = {force: `${figures(unit.force)} N`, free: figures(unit.free),
+                    collapse: figures(unit.collapse), region: unit.region};
+    if (isBundle) for (const [name, text] of Object.entries(values)) setText(`${name}-${i}`, text);
+  });
+  const [strain, force] = [figures(shown.strain), `${figures(shown.force)} N`];
+  $("strain").setAttribute("aria-valuetext", `${strain}, force ${force}`);
+  view.pressures.forEach((pressure, i) => {
+    $(`pressure-${i}`).setAttribute("aria-valuetext", `${figures(pressure / KPA)} kPa, force ${force}`);
+  });
+}
+
+function showControls() {
+  view.pressures.forEach((pressure, i) => {
+    for (const id of [`pressure-${i}`, `pressure-number-${i}`]) {
+      if (document.activeElement !== $(id) || $(id).type === "range") {
+        $(id).value = Number((pressure / KPA).toPrecision(6));
+      }
+    }
+  });
+  for (const id of ["strain", "strain-number"]) {
+    if (document.activeElement !== $(id) || $(id).type === "range") {
+      $(id).value = Number(view.strain.toPrecision(6));
+    }
+  }
+}
+
+let waiting = false;
+function schedule() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; render(); });
+}
+
+function render() {
+  const shown = results();
+  drawForce(shown); drawSolid(shown); drawReversal(shown);
+  showReadings(shown); showControls();
+}
+
+function changeSizes() { solved.clear(); family = null; schedule(); }
+
+// A number that someone types: shown as wrong, with the reason, until it is right.
+function onNumber(input, low, high, unit, set) {
+  input.addEventListener("input", () => {
+    const value = input.valueAsNumber;
+    let message = "";
+    if (!(value >= low && value <= high)) {
+      const [from, to] = [low, high].map(figures);
+      message = `${input.dataset.name} must lie in ${from} to ${to} ${unit}`.trim() + ".";
+    } else message = set(value) ?? "";
+    input.setAttribute("aria-invalid", message ? "true" : "false");
+    setText("message", message);
+  });
+}
+
+function prepareControls() {
+  view.pressures.forEach((_, i) => {
+    const set = value => { view.pressures[i] = value * KPA; schedule(); };
+    $(`pressure-${i}`).addEventListener("input", event => set(event.target.valueAsNumber));
+    onNumber($(`pressure-number-${i}`), 0, DATA.highest / KPA, "kPa", set);
+  });
+  const setStrain = value => { view.strain = value; schedule(); };
+  const {largestStrain} = bundleAt(view.pressures);
+  $("strain").addEventListener("input", event => setStrain(event.target.valueAsNumber));
+  onNumber($("strain-number"), 0, largestStrain, "", setStrain);
+  $("curves").addEventListener("input", event => {
+    const values = event.target.value.split(/[\s,;]+/).filter(Boolean).map(Number);
+    const good = values.length <= 12 && values.every(x => x >= 0 && x <= DATA.highest / KPA);
+    event.target.setAttribute("aria-invalid", String(!good));
+    setText("message", good ? "" : `Curves must be up to 12 pressures in 0 to ${
+      figures(DATA.highest / KPA)} kPa, such as 100, 200.`);
+    if (good) { view.curves = values.map(x => x * KPA); family = null; schedule(); }
+  });
+  prepareSizes();
+  prepareTurning();
+  prepareDragging();
+  $("save").addEventListener("click", savePicture);
+  $("reset").addEventListener("click", () => {
+    view.muscles = JSON.parse(original);
+    showSizes(); setText("message", ""); changeSizes();
+  });
+}
+
+// Muscles that a size belongs to: without a distance of plates all have one length.
+const muscleIndices = (muscle, name) =>
+  name === "length" && DATA.distance === null ? view.muscles.map((_, i) => i) : [muscle];
+
+function showSizes() {
+  view.muscles.forEach((muscle, k) => SIZES.forEach(([name, , , scale], i) => {
+    const input = $(`${name}-${k}`);
+    input.value = Number((muscle.constants[i] / scale).toPrecision(7));
+    input.setAttribute("aria-invalid", "false");
+  }));
+}
+
+function prepareSizes() {
+  showSizes();
+  view.muscles.forEach((_, k) => SIZES.forEach(([name, , unit, scale], i) => {
+    const [low, high] = DATA.limits[name].map(limit => limit / scale);
+    onNumber($(`${name}-${k}`), low, high, unit, value => {
+      const before = JSON.stringify(view.muscles);
+      for (const index of muscleIndices(k, name)) view.muscles[index].constants[i] = value * scale;
+      const message = impossible();
+      if (message) { view.muscles = JSON.parse(before); return message; }
+      const active = document.activeElement, text = active.value;
+      showSizes();
+      active.value = text;  // as it is being typed
+      changeSizes();
+    });
+  }));
+}
+
+// Why muscles of these sizes can't exist, as the library says; empty if they can.
+function impossible() {
+  for (const {constants, inactive_length} of view.muscles) {
+    const [length, radius, wall] = constants;
+    if (!(wall < radius)) return "The wall must be thinner than the bladder's radius.";
+    if (length <= 3 * inactive_length) {
+      return `The length must be more than three times the ends' inactive ${
+        figures(inactive_length / MM)} mm.`;
+    }
+  }
+  const lengths = ratios();
+  for (const [i, {muscle}] of DATA.units.entries()) {
+    const straight = 1 - 1 / Math.cos(view.muscles[muscle].constants[3]);
+    if (1 - lengths[i] <= straight) return `The fibers of unit ${i + 1} would be straight.`;
+  }
+  return "";
+}
+
+function prepareTurning() {
+  const canvas = $("solid"), slider = $("turn-view");
+  const turn = (azimuth, elevation) => {
+    view.azimuth = ((azimuth + 180) % 360 + 360) % 360 - 180;
+    view.elevation = Math.max(-89, Math.min(89, elevation));
+    slider.value = Math.round(view.azimuth);
+    schedule();
+  };
+  let grip = null;
+  canvas.addEventListener("pointerdown", event => {
+    grip = [event.clientX, event.clientY, view.azimuth, view.elevation];
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", event => {
+    if (!grip) return;
+    const [x, y, azimuth, elevation] = grip;
+    // a finger that moves up or down scrolls the page
+    const up = event.pointerType === "touch" ? 0 : 0.5 * (event.clientY - y);
+    turn(azimuth - 0.5 * (event.clientX - x), elevation + up);
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, () => { grip = null; });
+  }
+  canvas.addEventListener("dblclick", () => turn(30, 20));
+  slider.addEventListener("input", () => turn(slider.valueAsNumber, view.elevation));
+}
+
+// The pointer on the force's curves sets the strain; a finger that moves up or down scrolls instead.
+function prepareDragging() {
+  const canvas = $("force");
+  let start = null;  // of a drag, which a finger begins by moving to the side
+  const set = event => {
+    view.strain = forceChart.value(event.clientX - canvas.getBoundingClientRect().left);
+    schedule();
+  };
+  canvas.addEventListener("pointerdown", event => {
+    start = {x: event.clientX, y: event.clientY, moves: event.pointerType !== "touch"};
+    canvas.setPointerCapture(event.pointerId);
+    if (start.moves) set(event);
+  });
+  canvas.addEventListener("pointermove", event => {
+    if (!start) return;
+    const [dx, dy] = [event.clientX - start.x, event.clientY - start.y].map(Math.abs);
+    start.moves ||= dx > 4 && dx > dy;
+    if (start.moves) set(event);
+  });
+  canvas.addEventListener("pointerup", event => { if (start) set(event); start = null; });
+  canvas.addEventListener("pointercancel", () => { start = null; });
+}
+
+// All figures, one below the other, with the title and the readings.
+function savePicture() {
+  const pictures = [$("force"), $("solid"), ...(reversalChart ? [$("reversal")] : [])];
+  const scale = window.devicePixelRatio || 1, head = 60 * scale;
+  const picture = document.createElement("canvas");
+  picture.width = Math.max(...pictures.map(canvas => canvas.width));
+  picture.height = pictures.reduce((sum, canvas) => sum + canvas.height, head);
+  const context = picture.getContext("2d"), colors = theme();
+  context.fillStyle = colors.paper;
+  context.fillRect(0, 0, picture.width, picture.height);
+  context.fillStyle = colors.ink;
+  context.font = `bold ${18 * scale}px ${DATA.font}`;
+  context.fillText(DATA.title, 12 * scale, 24 * scale);
+  context.font = `${13 * scale}px ${DATA.font}`;
+  const pressures = view.pressures.map(pressure => `${figures(pressure / KPA)} kPa`).join(", ");
+  context.fillText(`${pressures}; ε = ${figures(view.strain)}; F = ${$("force-value").textContent}`,
+                   12 * scale, 48 * scale);
+  let top = head;
+  for (const canvas of pictures) { context.drawImage(canvas, 0, top); top += canvas.height; }
+  picture.toBlob(blob => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `${DATA.title.replace(/[^\w.-]+/g, "_")}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+  }, "image/png");
+}
+
+const ready = loadModule($("law").textContent).then(module => {
+  for (const [key, entry] of Object.entries(DATA.functions)) {
+    functions[key] = new LawFunctions(module, entry, DATA.points);
+  }
+  prepareControls();
+  dark.addEventListener("change", schedule);
+  new ResizeObserver(schedule).observe($("force"));
+  render();
+  document.body.dataset.state = "ready";
+}).catch(error => {
+  document.body.dataset.state = "failed";
+  setText("message", `This browser can't compute the muscle: ${error.message}. Open the page in a`
+    + " current Firefox, Chrome, Edge or Safari.");
+});
