@@ -163,11 +163,10 @@ def _theme(colors: Any) -> dict[str, Any]:
     """Colors of the figures of a page with these `colors`."""
     from ..plot.theme import VERMILION, mix
 
-    first, last = ("#7fa8ff", "#2bc79b") if colors.dark else ("#443983", "#35b779")
     return {
         **{name: getattr(colors, name) for name in
            ("ink", "soft", "edge", "line", "paper", "bad", "curves", "fiber", "fitting")},
         "mark": VERMILION,
         "tubes": [colors.tube, *(mix(colors.tube, color, 0.45) for color in colors.curves[1:7])],
-        "family": [mix(first, last, i / 7) for i in range(8)],
+        "family": [mix(colors.curves[3], colors.good, i / 7) for i in range(8)],
     }  # fmt: skip
