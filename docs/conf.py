@@ -54,6 +54,7 @@ extensions = [
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
     "pages",  # _ext: executed in a warm kernel, the long ones first
     "gallery",  # _ext: a grid of pages with the first picture of each
+    "live_page",  # _ext: the muscle that the first page shows at work
     "offline",  # _ext: a page that would ask another server fails the build
 ]
 exclude_patterns = ["_build", "_ext", "_templates", "jupyter_execute"]

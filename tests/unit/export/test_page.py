@@ -212,6 +212,9 @@ def test_a_phones_page_scrolls_and_drags(visit, scheme):
                 "Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points}
             )
 
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    violations = axe.Axe().run(page).response["violations"]
+    assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in violations] == []
     before = page.evaluate("view.strain")
     swipe(80, 0)
     page.wait_for_function(f"view.strain > {before}")

@@ -316,8 +316,9 @@ const hex = color => [1, 3, 5].map(i => parseInt(color.slice(i, i + 2), 16));
 function drawSolid(shown) {
   const [context, width, height] = canvasContext($("solid")), colors = theme();
   const count = DATA.units.reduce((sum, unit) => sum + unit.count, 0);
-  const detail = count > 2 ? {rings: 31, around: 14, fibers: count > 6 ? 0 : 4}
-    : {rings: 45, around: 20, fibers: 8};
+  // fewer points of each of many muscles, so that a frame stays short
+  const detail = count > 2 ? {rings: 25, around: 12, fibers: count > 6 ? 0 : 3, along: 32}
+    : {rings: 41, around: 18, fibers: 8, along: 48};
   const solids = [], tubes = [], threads = [];
   shown.units.forEach((unit, i) => {
     const {constants} = view.muscles[DATA.units[i].muscle], [, restRadius, wall] = constants;
@@ -341,7 +342,7 @@ function drawSolid(shown) {
   let scale = Math.min(width / (2 * reach), height / (2 * tall));
   const patches = projectSolids({
     azimuth: view.azimuth, elevation: view.elevation, points, faces, fibers,
-    along: ALONG, colors: threads, thin: 0.9 / scale, lift: 9,
+    along: detail.along, colors: threads, thin: 0.9 / scale, lift: 9,
   });
   // a view that shows more of the length upright is smaller
   const extent = axis => patches.reduce(
@@ -354,7 +355,8 @@ function drawSolid(shown) {
     context.beginPath();
     context.moveTo(x0 + scale * xs[0], y0 - scale * ys[0]);
     for (let i = 1; i < 4; i++) context.lineTo(x0 + scale * xs[i], y0 - scale * ys[i]);
-    context.closePath(); context.fill(); context.stroke();
+    context.closePath(); context.fill();
+    if (color !== colors.fiber) context.stroke();  // closes the hair between faces
   }
 }
 

@@ -2,7 +2,6 @@
 // along the muscle, y the way it bows, x across [m].
 const HINGE_POINTS = 41, CREASE = 0.8;  // points around a hinge; radii over which the tube folds in
 const FITTING = [1.3, 1.1];  // radius and depth, over the bladder's radius
-const ALONG = 48;  // points of a fiber
 
 // Outline around a centerline, with the tube's radius: its height above and below the line.
 function outline({z, y}, radius, wall, collapsed) {
@@ -55,7 +54,7 @@ function tube(points, radius) {
 }
 
 // Rings and fibers of a muscle: `radius` [m] and `angle` [rad] are those of its braid at the strain.
-function solidOf(line, {radius, angle, restRadius, wall, collapsed, rings, around, fibers}) {
+function solidOf(line, {radius, angle, restRadius, wall, collapsed, rings, around, fibers, along}) {
   const points = outline(line, radius, wall, collapsed), place = tube(points, radius);
   const length = points[points.length - 1].along, rows = [];
   const ring = at => Array.from({length: around}, (_, j) => at(2 * Math.PI * j / around));
@@ -65,18 +64,20 @@ function solidOf(line, {radius, angle, restRadius, wall, collapsed, rings, aroun
   }
   const [wide, deep] = FITTING.map(ratio => ratio * restRadius), closed = 1e-9 * wide;
   for (const [end, out] of [[line.z[0], -deep], [line.z[line.z.length - 1], deep]]) {
-    const stations = [[end, closed], [end, wide], [end + out, wide], [end + out, closed]];
-    if (out < 0) stations.reverse();  // faces look outward if rings run toward larger z
-    for (const [z, r] of stations) rows.push(ring(a => [r * Math.sin(a), r * Math.cos(a), z]));
+    const profile = [[end, closed], [end, wide], [end + out, wide], [end + out, closed]];
+    if (out < 0) profile.reverse();  // faces look outward if rings run toward larger z
+    for (const [z, r] of profile) rows.push(ring(a => [r * Math.sin(a), r * Math.cos(a), z]));
   }
+  const stations = Array.from({length: along}, (_, i) => {
+    const s = length * i / (along - 1), at = place(s), [top, bottom] = [at(0), at(Math.PI)];
+    return {at, turn: s * Math.tan(angle) / radius, middle: top.map((x, k) => (x + bottom[k]) / 2)};
+  });
   const threads = [];
   for (let k = 0; k < 2 * fibers; k++) {
     const start = 2 * Math.PI * (k % fibers) / fibers, way = k < fibers ? 1 : -1;
-    for (let i = 0; i < ALONG; i++) {
-      const s = length * i / (ALONG - 1), at = place(s);
-      const phase = start + way * s * Math.tan(angle) / radius;
-      const point = at(phase), top = at(0), bottom = at(Math.PI);
-      threads.push([point, point.map((x, axis) => x - (top[axis] + bottom[axis]) / 2)]);
+    for (const {at, turn, middle} of stations) {
+      const point = at(start + way * turn);
+      threads.push([point, point.map((x, axis) => x - middle[axis])]);
     }
   }
   return {rows, threads, rings};
