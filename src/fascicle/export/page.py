@@ -28,7 +28,7 @@ CURVES = tuple(1e3 * pressure for pressure in (0.0, 100.0, 200.0, 300.0, 400.0))
 _SCRIPTS = ("law.js", "solid.js", "page.js")
 _MOST_UNITS, _MOST_MUSCLES = 8, 60  # as in the explorer: more can't be told apart
 _MOST_CURVES = 12  # as the page's own field allows
-_START = 1 / 3, 0.1  # pressure at first, over the highest; contraction
+_START = 1 / 3, 0.1  # pressure at first, over the highest, but of a first of several units; strain
 _SIZES = (
     ("length", "Length", "mm", 1.0),
     ("outer_radius", "Bladder radius", "mm", 0.05),
@@ -149,7 +149,9 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
             "muscles": [muscle_data(kind) for kind in kinds],
             "distance": None if distance is None else float(distance),
             "highest": highest,
-            "start": _START[0] * highest,
+            "start": [
+                highest * (1.0 if i == 0 < len(units) - 1 else _START[0]) for i in range(len(units))
+            ],
             "strain": min(_START[1], largest),
             "curves": curves,
             "limits": limits | {"braid_angle": [np.radians(1.0), NEUTRAL_ANGLE]},

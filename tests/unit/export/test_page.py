@@ -174,7 +174,7 @@ def test_a_wrong_size_is_explained_and_the_figures_stay(visit):
 def test_a_bundles_units_and_reversal_are_the_librarys(visit):
     bundle = fs.example("kim2021_bundle_1_4")
     page = visit(bundle)
-    page.fill("#pressure-number-0", "413.7")
+    assert page.evaluate("view.pressures[0]") == float(bundle.supply_pressure)
     page.wait_for_function("reversal && reversal.key === reversalKey()", timeout=60_000)  # ms
     turn = fs.reversal.reversal(bundle)
     pressure, free = page.evaluate("reversal.turn")
@@ -227,10 +227,12 @@ def test_a_phones_page_scrolls_and_drags(visit, scheme):
 @needs_browser
 def test_sliders_move_by_keyboard_and_a_picture_is_saved(visit):
     page = visit(fs.example("kim2021_figure_6"))
-    before = page.evaluate("view.strain")
-    page.focus("#strain")
-    page.keyboard.press("ArrowRight")
-    page.wait_for_function(f"view.strain > {before}")
+    for slider, value in (("strain", "view.strain"), ("pressure-0", "view.pressures[0]"),
+                          ("turn-view", "view.azimuth")):  # fmt: skip
+        before = page.evaluate(value)
+        page.focus(f"#{slider}")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function(f"{value} > {before}")
     assert "force" in page.get_attribute("#strain", "aria-valuetext")
     with page.expect_download() as download:
         page.click("#save")

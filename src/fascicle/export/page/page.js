@@ -17,7 +17,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 let functions = {};  // of the module, by the key of laws
 const original = JSON.stringify(DATA.muscles);
 const view = {
-  muscles: DATA.muscles, pressures: DATA.units.map(() => DATA.start), strain: DATA.strain,
+  muscles: DATA.muscles, pressures: DATA.start, strain: DATA.strain,
   curves: DATA.curves, azimuth: 30, elevation: 20,
 };
 const isBundle = DATA.units.length > 1 || DATA.units[0].count > 1;
@@ -225,7 +225,7 @@ function drawForce(shown) {
     const place = chart.y(curve.y[0]);
     if (Math.abs(place - last) > 15) {
       chart.context.textAlign = "left"; chart.context.textBaseline = "middle";
-      chart.label(`${figures(curve.pressure / KPA)} kPa`, chart.x(0) + 6, place, color);
+      chart.label(`${figures(curve.pressure / KPA)} kPa`, chart.x(0) + 6, place, colors.ink);
       last = place;
     }
   });
@@ -259,7 +259,7 @@ function reversalKey() {
 function* reversalSteps(key) {
   const curve = {key, x: [], y: [], done: false};
   const freeAt = pressure =>
-    bundleAt(view.pressures.map((p, i) => i === 1 ? pressure : p)).freeStrain(32);
+    bundleAt(view.pressures.map((p, i) => i === 1 ? pressure : p)).freeStrain();
   for (let i = 0; i < REVERSAL_POINTS; i++) {
     // dense at low pressure, where it turns
     const pressure = DATA.highest * (i / (REVERSAL_POINTS - 1)) ** 2;
