@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from ..control import control_metrics, controlled_output, reachability
 from ..plot.trajectory import MOST, Tracking, display_unit, energy_balances, traces
+from ..units import figures, pretty
 from .page import lines, mark, picture, render
 
 
@@ -108,6 +109,40 @@ def worth_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list
         (f"demands out of reach, of {metrics.moments}", metrics.unreachable),
     ]
     return [(label, f"{number:.4g}") for label, number in rows]
+
+
+def control_text(scenario: "Scenario") -> str:
+    """Quantity that a scenario controls, its policy, and its gains by the keys of a file, or its
+    schedule.
+    """
+    plant = scenario.plant
+    if (controlled := scenario.control) is None:
+        assert scenario.schedule is not None
+        number = len(scenario.schedule.times)
+        return f"No control: valves follow a schedule of {number} command{'s' * (number != 1)}"
+    controller, turns = controlled.controller, plant.load.unit == "rad"
+    gains, prefix = controller.gains, "angular_" if turns else ""
+    names = {"force": "moment", "position": "joint angle"} if turns else {"position": "contraction"}
+    shown = {
+        "force_gain": figures(float(gains.force)),
+        "force_integral_time": _inverse(float(gains.force_integral)),
+        "pressure_time": pretty(float(gains.pressure_time), "time"),
+    }
+    if controller.of == "position":
+        shown = {
+            "position_gain": pretty(float(gains.position), f"{prefix}stiffness"),
+            "integral_time": _inverse(float(gains.integral) / (float(gains.position) or 1.0)),
+            "velocity_gain": pretty(float(gains.velocity), f"{prefix}damping"),
+            "pressure_time": shown["pressure_time"],
+        }
+    texts = ", ".join(f"{key} {text}" for key, text in shown.items())
+    quantity = names.get(controller.of, controller.of)
+    return f"Control of {quantity} by {controlled.policy} ({texts})"
+
+
+def _inverse(rate: float) -> str:
+    """Text of the time that a `rate` [1/s] is the inverse of."""
+    return "none" if rate == 0 else pretty(1 / rate, "time")
 
 
 def worth_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:

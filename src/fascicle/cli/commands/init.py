@@ -5,10 +5,18 @@ from math import degrees
 from string import Template
 
 from ...bundle.schemes import format_names
+from ...core.validation import check_choice
 from .. import options
 from ..errors import UserError, user_errors
 from ..options import argument, complete_target, flag, option
 from ..outputs import check_file, print_line, status, write_text
+
+
+_LIFTS = {"air": "lift_gas", "oil": "lift_oil"}  # scenarios that are templates, by fluid
+
+
+def _fluids(incomplete: str) -> list[str]:
+    return [name for name in _LIFTS if name.startswith(incomplete)]
 
 
 def run(
@@ -23,6 +31,9 @@ def run(
     ),
     task: bool = flag("Task file for `fascicle design`.", "--task"),
     scenario: bool = flag("Scenario file for `fascicle simulate`.", "--scenario"),
+    fluid: str | None = option(
+        "Fluid of a scenario: air or oil; default: air.", metavar="NAME", autocompletion=_fluids
+    ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Write a commented muscle, task or scenario file to edit."""
@@ -32,11 +43,15 @@ def run(
         raise UserError("--task and --from: a task has no example to copy, drop one.")
     if task and scenario:
         raise UserError("--task and --scenario: only one file is written, drop one.")
+    if fluid is not None and (not scenario or example is not None):
+        raise UserError("--fluid: chooses the template of --scenario: give it alone with --scenario.")
     kind = "task" if task else "scenario" if scenario else "muscle"
     path = path or f"{kind}.toml"
     check_file("", path, overwrite)
     if scenario:
-        example = example or "lift_gas"
+        with user_errors():
+            fluid = check_choice(fluid or "air", _LIFTS, "--fluid")
+        example = example or _LIFTS[fluid]
         if example not in scenarios():
             names = ", ".join(scenarios())
             raise UserError(f"--from {example}: not a scenario: choose one of {names}.")

@@ -181,12 +181,14 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
     if balances:
         verdict += f": {closed} of {len(balances)} balances close"
     print_text(f"{study.name}: {result.time[-1]:g} s in {steps}; the run {verdict}.")
-    rows = []
-    if control is not None:
+    rows, text = [], pages.control_text(study)
+    if control is None:
+        print_text(f"{text}.")
+    else:
         quantity, metrics = control.controller.of, pages.control_worth(control, result)
         rows = pages.worth_rows(plant, quantity, metrics)
         summary = pages.worth_summary(plant, quantity, metrics)
-        print_text(f"Control of {quantity} by {control.policy}: {summary}.")
+        print_text(f"{text}: {summary}.")
         if message := pages.unreachable_message(plant, quantity, metrics):
             print_text(f"note: {message}")
     for note in study.notes:
