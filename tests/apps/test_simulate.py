@@ -90,6 +90,10 @@ def test_policies_are_compared_and_what_none_can_reach_is_told(fascicle, tmp_pat
     assert "On the front of drawdown" in (tmp_path / "a.html").read_text()
     code, out, err = fascicle("simulate", "a.toml", "--policy", "threshold")
     assert (code, err) == (0, "") and "Control of force by threshold" in out
+    # by the keys of the file, whose gains these are
+    assert re.search(
+        r"by threshold \(force_gain [\d.]+, force_integral_time [\d.]+ m?s,", " ".join(out.split())
+    )
 
 
 def test_a_supply_that_runs_dry_says_so(fascicle):
@@ -146,3 +150,7 @@ def test_init_writes_one_that_runs(fascicle, tmp_path):
     assert (tmp_path / "scenario.toml").read_text() == example_text("lift_gas")
     assert fascicle("init", "--scenario", "--from", "joint_step", "j.toml")[0] == 0
     assert (tmp_path / "j.toml").read_text() == example_text("joint_step")
+    assert fascicle("init", "--scenario", "--fluid", "oil", "o.toml")[0] == 0
+    assert (tmp_path / "o.toml").read_text() == example_text("lift_oil")
+    for wrong in (["--scenario", "--fluid", "beer"], ["--fluid", "oil"]):
+        assert fascicle("init", *wrong, "w.toml")[0] == 2

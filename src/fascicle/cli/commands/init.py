@@ -44,7 +44,7 @@ def run(
     if task and scenario:
         raise UserError("--task and --scenario: only one file is written, drop one.")
     if fluid is not None and (not scenario or example is not None):
-        raise UserError("--fluid: chooses the template of --scenario: give it alone with --scenario.")
+        raise UserError("--fluid: chooses the template of a scenario: add --scenario, drop --from.")
     kind = "task" if task else "scenario" if scenario else "muscle"
     path = path or f"{kind}.toml"
     check_file("", path, overwrite)
