@@ -69,8 +69,8 @@ class Cycle:
         if self.hose_length is not None:
             check_interval(self.hose_length, 0.0, _LONGEST_HOSE, "hose_length", "m")
         if self.time * self.per_minute > 60 * (1 + 1e-9):  # rounding of 60 s
-            most = 60 / self.time
-            rule = f"must be at most {most:.4g}: each cycle takes {self.time:g} s"
+            largest_rate = 60 / self.time
+            rule = f"must be at most {largest_rate:.4g}: each cycle takes {self.time:g} s"
             raise InvalidInputError("per_minute", rule, self.per_minute, "take fewer, or less time")
 
 
@@ -80,9 +80,9 @@ class ValveSizing:
 
     - `cycle`: what was demanded.
     - `case`: the load case that needs the largest conductance, counted from 0.
-    - `fed`: mask of the units that it feeds.
+    - `filled`: mask of the units that it fills.
     - `conductance`: that each unit's valve needs at the `cycle`'s b [m³/(s·Pa)]; 0 for a unit that
-      is never fed; infinite where no valve is enough.
+      is never filled; infinite where no valve is enough.
     - `fill`, `vent`: times of the unit with the largest conductance in that case [s].
     - `bore`: of the hoses [m], or `None` for none, or none wide enough.
     - `valves`: the smallest of the catalog that is enough for each unit, or `None`.
@@ -90,7 +90,7 @@ class ValveSizing:
 
     cycle: Cycle
     case: int
-    fed: Bool[np.ndarray, " unit"]
+    filled: Bool[np.ndarray, " unit"]
     conductance: Float[np.ndarray, " unit"]
     fill: float
     vent: float
@@ -192,13 +192,13 @@ def size_valves(
     **Returns:** the sizing; `None` if no load case is reached. Of more than 64 load cases, those
     that take most fluid and those with the least margin are run.
     """
-    (reached,) = np.nonzero((margin >= 0) & pressurized.any(axis=1))
-    if not reached.size:
+    (successes,) = np.nonzero((margin >= 0) & pressurized.any(axis=1))
+    if not successes.size:
         return None
-    hardest = [reached[np.argsort(key[reached])[:_CASES]] for key in (-fluid, margin)]
+    hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
     cases = np.unique(np.concatenate(hardest))
-    fed, path = pressurized[cases], _path(designs, index, task, cases, pressurized[cases])
-    C, bore, volume = _conductances(path, cycle, fed)
+    filled, path = pressurized[cases], _path(designs, index, task, cases, pressurized[cases])
+    C, bore, volume = _conductances(path, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
     needed = C.max(axis=0)
     line = None if cycle.hose_length is None or bore is None else Line(cycle.hose_length, bore)
@@ -208,14 +208,18 @@ def size_valves(
         valve = SonicValve(np.where(needed > 0, needed, needed.max()), cycle.b, line=line)
         fill, vent = (float(t[case, unit]) for t in path.times(valve, valve, volume))
         for candidate in reversed(catalog_valves()):
-            supply, exhaust = (with_fields(way, line=line) for way in candidate[1:3])
-            enough = np.all(~fed | (sum(path.times(supply, exhaust, volume)) <= cycle.time), axis=0)
+            supply, exhaust = (with_fields(valve, line=line) for valve in candidate[1:3])
+            enough = np.all(
+                ~filled | (sum(path.times(supply, exhaust, volume)) <= cycle.time), axis=0
+            )
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
-    return ValveSizing(cycle, int(cases[case]), fed[case], needed, fill, vent, bore, tuple(valves))
+    return ValveSizing(
+        cycle, int(cases[case]), filled[case], needed, fill, vent, bore, tuple(valves)
+    )
 
 
-def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, fed: np.ndarray) -> _Path:
-    """Path of a design to some load cases, whose units `fed` have one pressure."""
+def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, filled: np.ndarray) -> _Path:
+    """Path of a design to some load cases, whose `filled` units have one pressure."""
     counts = designs.counts[index][designs.counts[index] > 0]
     muscles = [designs.muscle(index, unit) for unit in range(len(counts))]
     if designs.uniform[index]:
@@ -227,7 +231,7 @@ def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, fed: np.n
     forces = [np.asarray(muscle.force(P, strain)) for muscle in muscles]
     volumes = [np.asarray(muscle.volume(strain)) for muscle in muscles]
     total = sum(
-        n * np.where(fed[:, unit], force, force[:1])
+        n * np.where(filled[:, unit], force, force[:1])
         for unit, n in enumerate(counts)
         for force in [forces[unit % len(forces)]]
     )
@@ -238,30 +242,37 @@ def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, fed: np.n
     pressure = np.maximum.accumulate(pressure, axis=0)
     volume = np.stack([n * volumes[u % len(volumes)] for u, n in enumerate(counts)], axis=-1)
     start = np.linspace(0.0, 1.0, _STEPS + 1)[:-1, None] * pressure[:1]  # before the load is lifted
-    at_rest = np.broadcast_to(volume[:1], (_STEPS, *volume.shape[1:]))
+    volume_at_rest = np.broadcast_to(volume[:1], (_STEPS, *volume.shape[1:]))
     return _Path(
-        np.concatenate([start, pressure]), np.concatenate([at_rest, volume]), task.supply_pressure
+        np.concatenate([start, pressure]),
+        np.concatenate([volume_at_rest, volume]),
+        task.supply_pressure,
     )
 
 
 def _conductances(
-    path: _Path, cycle: Cycle, fed: np.ndarray
+    path: _Path, cycle: Cycle, filled: np.ndarray
 ) -> tuple[np.ndarray, float | None, float]:
     """Conductance that each unit needs in each case [m³/(s·Pa)], and the hoses' bore [m] and volume
     [m³]; infinite conductances if no hose is wide enough.
     """
     unit_valve = SonicValve(1e-8, cycle.b)
-    alone = np.where(fed, 1e-8 * sum(path.times(unit_valve, unit_valve)) / cycle.time, 0.0)
+    valve_conductance = np.where(
+        filled, 1e-8 * sum(path.times(unit_valve, unit_valve)) / cycle.time, 0.0
+    )
     if cycle.hose_length is None:
-        return alone, None, 0.0
+        return valve_conductance, None, 0.0
     for bore in _BORES:
         line, volume = Line(cycle.hose_length, bore), np.pi / 4 * bore**2 * cycle.hose_length
         # a conductance half the hose's must be enough, and one without hose isn't too much
-        low, high = alone, np.broadcast_to(line.conductance / _HOSE_SHARE, alone.shape)
+        low, high = (
+            valve_conductance,
+            np.broadcast_to(line.conductance / _HOSE_SHARE, valve_conductance.shape),
+        )
 
         def time(C: np.ndarray, line: Line = line, volume: float = volume) -> np.ndarray:
-            valve = SonicValve(np.where(fed, C, 1e-8), cycle.b, line=line)
-            return np.where(fed, sum(path.times(valve, valve, volume)), 0.0)
+            valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
+            return np.where(filled, sum(path.times(valve, valve, volume)), 0.0)
 
         if np.any(low > high) or np.any(time(high) > cycle.time):
             continue
@@ -269,5 +280,5 @@ def _conductances(
             middle = (low + high) / 2
             enough = time(middle) <= cycle.time
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-        return np.where(fed, high, 0.0), float(bore), float(volume)
-    return np.where(fed, np.inf, 0.0), None, 0.0
+        return np.where(filled, high, 0.0), float(bore), float(volume)
+    return np.where(filled, np.inf, 0.0), None, 0.0

@@ -43,10 +43,10 @@ class CycleRun(NamedTuple):
 
 
 class _LiftAndRelease(Module):
-    """Controller: supply to the units that are fed until the stroke is reached, then the room."""
+    """Controller: supply to the units that are filled until the stroke is reached, then the room."""
 
     stroke: Batch
-    fed: Numbers
+    filled: Numbers
 
     @property
     def memory(self) -> Batch:
@@ -59,7 +59,7 @@ class _LiftAndRelease(Module):
         """Next memory and a command for each unit [-]."""
         del reference
         memory = maximum(memory, where(measurement.position >= self.stroke, 1.0, 0.0))
-        return memory, where(memory > 0, -1.0, self.fed)
+        return memory, where(memory > 0, -1.0, self.filled)
 
 
 def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:
@@ -86,14 +86,14 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
         Isothermal(dead_volume=sizing.hose_volume, room_pressure=ATMOSPHERE),
         SonicValve(C, sizing.cycle.b, line=sizing.line),
     )
-    controller = _LiftAndRelease(np.float64(stroke), np.where(sizing.fed, 1.0, -1.0))
+    controller = _LiftAndRelease(np.float64(stroke), np.where(sizing.filled, 1.0, -1.0))
     reference = np.zeros((_LONGER * _STEPS, 1))
     run = simulate(plant, controller, reference, dt=sizing.cycle.time / _STEPS)
     position = np.asarray(run.outputs.position)
-    above = np.flatnonzero(position >= stroke)
-    if not above.size:
+    arrivals = np.flatnonzero(position >= stroke)
+    if not arrivals.size:
         return CycleRun(np.nan, np.nan, float(position.max()), stroke)
-    first = int(above[0])
+    first = int(arrivals[0])
     # a load that swings up again isn't released yet
     down = int(np.flatnonzero(position > _LEFT * stroke)[-1]) + 1
     released = float(run.time[down]) if down < len(position) else np.nan

@@ -249,8 +249,11 @@ class Summary:
         """
         assert self.sizing is not None
         task, hoses = self.cases.task, self.sizing.hose_volume
-        fed = np.average(np.sum(self.cases.content != 0, axis=1), weights=task.weight)
-        air = self.cases.fluid_of_a_cycle + fed * hoses * task.supply_pressure / ATMOSPHERE
+        pressurized_units = np.average(np.sum(self.cases.content != 0, axis=1), weights=task.weight)
+        air = (
+            self.cases.fluid_of_a_cycle
+            + pressurized_units * hoses * task.supply_pressure / ATMOSPHERE
+        )
         return air * self.sizing.cycle.per_minute / 60
 
     @property

@@ -106,9 +106,9 @@ def muscle_data(muscle: Muscle) -> dict[str, Any]:
     key = function_key(muscle)
     if key not in manifest():
         parts = key.split("/")
-        near = max(manifest(), key=lambda k: [a == b for a, b in zip(k.split("/"), parts)])  # noqa: B905 shear is no part of most
+        nearest = max(manifest(), key=lambda k: [a == b for a, b in zip(k.split("/"), parts)])  # noqa: B905 shear is no part of most
         rule = "has laws that a page can't compute"
-        remedy = f"write C (--c) or a table (--table), or take {near}"
+        remedy = f"write C (--c) or a table (--table), or take {nearest}"
         raise InvalidInputError("muscle", rule, key, remedy, shown=key)
     general, table = general_muscle(muscle), muscle.tuning
     leaves = tree_leaves(general)

@@ -27,8 +27,10 @@ def _valve(
     name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
 ) -> CatalogValve:
     """A valve from printed figures: C [L/(s·bar)] and b [-] of both ways."""
-    one, other = (SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust))
-    return CatalogValve(name, one, other, source)
+    supply_valve, exhaust_valve = (
+        SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust)
+    )
+    return CatalogValve(name, supply_valve, exhaust_valve, source)
 
 
 def catalog_valves() -> tuple[CatalogValve, ...]:

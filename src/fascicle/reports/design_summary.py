@@ -304,11 +304,11 @@ def _valves(summary: Summary, sizing: ValveSizing) -> str:
             " too little air through; take a shorter hose, or more time, in [cycle]"
         )
     conductances = [figures(1e8 * C, 3) for C in sizing.conductance]
-    each = dict.fromkeys(conductances)
-    whose = f" (units {', '.join(map(str, range(1, 1 + len(conductances))))})"
+    values = dict.fromkeys(conductances)
+    units = f" (units {', '.join(map(str, range(1, 1 + len(conductances))))})"
     text = (
-        f"each needs C of {', '.join(each if len(each) == 1 else conductances)} L/(s·bar)"
-        f"{whose if len(each) > 1 else ''} at b = {cycle.b:g} {demand}: at case {sizing.case + 1}"
+        f"each needs C of {', '.join(values if len(values) == 1 else conductances)} L/(s·bar)"
+        f"{units if len(values) > 1 else ''} at b = {cycle.b:g} {demand}: at case {sizing.case + 1}"
         f" fills in {pretty(sizing.fill, 'time', 3)}, vents in {pretty(sizing.vent, 'time', 3)}"
     )
     if sizing.bore is not None:
@@ -351,8 +351,8 @@ def _run_text(run: "CycleRun", sizing: ValveSizing) -> str:
     """Result of a run in words."""
     time = sizing.cycle.time
     if np.isnan(run.lifted):
-        reached = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
-        return f"FAILS, it contracts by {reached} within {pretty(2 * time, 'time', 3)}"
+        arrival = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
+        return f"FAILS, it contracts by {arrival} within {pretty(2 * time, 'time', 3)}"
     text = f"contracted after {pretty(run.lifted, 'time', 3)}, "
     if np.isnan(run.released):
         return f"FAILS, {text}not released within {pretty(2 * time, 'time', 3)}"

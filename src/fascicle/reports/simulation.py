@@ -120,22 +120,26 @@ def control_text(scenario: "Scenario") -> str:
         assert scenario.schedule is not None
         number = len(scenario.schedule.times)
         return f"No control: valves follow a schedule of {number} command{'s' * (number != 1)}"
-    controller, turns = controlled.controller, plant.load.unit == "rad"
-    gains, prefix = controller.gains, "angular_" if turns else ""
-    names = {"force": "moment", "position": "joint angle"} if turns else {"position": "contraction"}
-    shown = {
+    controller, is_rotation = controlled.controller, plant.load.unit == "rad"
+    gains, prefix = controller.gains, "angular_" if is_rotation else ""
+    names = (
+        {"force": "moment", "position": "joint angle"}
+        if is_rotation
+        else {"position": "contraction"}
+    )
+    values = {
         "force_gain": figures(float(gains.force)),
         "force_integral_time": _inverse(float(gains.force_integral)),
         "pressure_time": pretty(float(gains.pressure_time), "time"),
     }
     if controller.of == "position":
-        shown = {
+        values = {
             "position_gain": pretty(float(gains.position), f"{prefix}stiffness"),
             "integral_time": _inverse(float(gains.integral) / (float(gains.position) or 1.0)),
             "velocity_gain": pretty(float(gains.velocity), f"{prefix}damping"),
-            "pressure_time": shown["pressure_time"],
+            "pressure_time": values["pressure_time"],
         }
-    texts = ", ".join(f"{key} {text}" for key, text in shown.items())
+    texts = ", ".join(f"{key} {text}" for key, text in values.items())
     quantity = names.get(controller.of, controller.of)
     return f"Control of {quantity} by {controlled.policy} ({texts})"
 

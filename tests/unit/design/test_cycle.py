@@ -42,7 +42,7 @@ def test_conductance_of_a_choked_filling(muscle):
 def test_time_and_units_scale_the_conductance(muscle):
     together = Task.of([250.0], [0.1], SUPPLY)
     fast, slow = (sized(muscle, together, Cycle(t, 5.0)).sizing for t in (0.5, 5.0))
-    assert fast.fed.all()
+    assert fast.filled.all()
     assert_allclose(fast.conductance, 10 * slow.conductance, rtol=1e-12)
     assert_allclose(fast.conductance[1], 3 * fast.conductance[0], rtol=1e-9)
     assert fast.bore is None and fast.hose_volume == 0
