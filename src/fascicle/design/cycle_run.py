@@ -43,7 +43,7 @@ class CycleRun(NamedTuple):
 
 
 class _LiftAndRelease(Module):
-    """Controller: supply to the units that are filled until the stroke is reached, then the room."""
+    """Controller: supply to the `filled` units until the stroke is reached, then the room."""
 
     stroke: Batch
     filled: Numbers
