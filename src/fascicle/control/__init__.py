@@ -6,6 +6,8 @@ from ..core.lazy import attach_lazy
 from .branches import Branches as Branches
 from .cascade import Cascade as Cascade
 from .cascade import Gains as Gains
+from .confidence import CrossingConfidence as CrossingConfidence
+from .confidence import crossing_confidence as crossing_confidence
 from .crossing import Crossing as Crossing
 from .crossing import Path as Path
 from .crossing import crossing as crossing
@@ -18,6 +20,8 @@ from .identify import LoopMargins as LoopMargins
 from .identify import StepResponse as StepResponse
 from .identify import identify as identify
 from .identify import loop_margins as loop_margins
+from .learning import Correction as Correction
+from .learning import Learner as Learner
 from .metrics import ControlMetrics as ControlMetrics
 from .metrics import Reachability as Reachability
 from .metrics import control_metrics as control_metrics
@@ -32,6 +36,8 @@ from .transition import Transition as Transition
 from .transition import gain as gain
 from .transition import needed_reserve as needed_reserve
 from .transition import transition as transition
+from .uncertainty import ModelScatter as ModelScatter
+from .uncertainty import draw_bundles as draw_bundles
 from .valves import GasValves as GasValves
 from .valves import OilValves as OilValves
 from .valves import PlantValves as PlantValves

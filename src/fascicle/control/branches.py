@@ -16,7 +16,7 @@ pressure.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jax import lax
@@ -83,15 +83,13 @@ class Branches(Module):
         return cls.tabulated(Tables.from_muscles(muscles, supply, shape), supply)
 
     @classmethod
-    def tabulated(cls, muscles: Tables, top: float) -> "Branches":
+    def tabulated(cls, muscles: Any, top: float) -> "Branches":
         """Branches of tabulated `muscles` up to a pressure `top` [Pa]."""
-        table = muscles.table
-        columns = table.coefficients.shape[-3]
         rows = []
-        for index in range(len(table.coefficients)):
+        for index in range(max(muscles.indices) + 1):
             unit = int(np.flatnonzero(muscles.indices == index)[0])
-            low, high = (float(end[unit]) for end in table.strains)
-            rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
+            low, high = (float(end[unit]) for end in muscles.strains)
+            rows.append(_branch(muscles, unit, np.linspace(low, high, muscles.columns + 1), top))
         return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
@@ -172,7 +170,7 @@ class Branches(Module):
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
         """Column of the table at a `strain` [-], the fraction beyond it, and each unit's muscle."""
         xp = array_namespace(strain)
-        low, high = self.muscles.table.strains
+        low, high = self.muscles.strains
         columns = self.onsets.shape[-1] - 1
         x = minimum(maximum((strain - low) / (high - low) * columns, 0.0), float(columns))
         j = minimum(xp.floor(x), columns - 1.0).astype(int)

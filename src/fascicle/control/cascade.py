@@ -96,6 +96,11 @@ class Memory(NamedTuple):
     steps: Batch
 
 
+def valve_lag(plant: Plant) -> float:
+    """Lag of the slowest spool of a `plant` [s]."""
+    return float(np.max(getattr(plant.spool, "time_constant", 0.0)))
+
+
 class Cascade(Module):
     """Controller of a plant, as `simulate` takes it, made by `control.cascade`.
 
@@ -131,7 +136,7 @@ class Cascade(Module):
     @property
     def _valve_lag(self) -> float:
         """Lag of the slowest spool [s]."""
-        return float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
+        return valve_lag(self.plant)
 
     @property
     def _total_delay(self) -> float:

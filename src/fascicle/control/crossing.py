@@ -25,7 +25,7 @@ import numpy as np
 from ..bundle.bundle import Bundle, resolve_supply_pressure
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
-from ..core.validation import check_finite
+from ..core.validation import check_finite, check_interval
 from .branches import Branches
 from .transition import Transition, check_unit, transition, unit_strain
 from .units import SLACK
@@ -137,6 +137,7 @@ def crossing(
     unit: int = 2,
     supply_pressure: Values = None,
     slack: float = SLACK,
+    lag: float = 0.0,
 ) -> Crossing:
     """The latest hand-over to a unit without a dip, along a path of demand.
 
@@ -149,6 +150,8 @@ def crossing(
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
     - `slack`: factor on the valves' time [-]: 1 is the criterion itself, with which a ramp at the
       valves' limit leaves a controller nothing to correct with.
+    - `lag`: of the pressures behind a controller's demand [s]; a hand-over must be over by as much
+      earlier.
 
     **Returns:** a `Crossing` [s]; if there is none, with its `reason`.
 
@@ -159,6 +162,8 @@ def crossing(
     supply = resolve_supply_pressure(bundle, supply_pressure)
     per_unit = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
+    lag = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
+    path = path._replace(time=path.time - lag)  # pressures of now are those of this demand
     hand_over = _HandOver(bundle, unit, supply, path, per_unit, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
     F, state = hand_over.demand(t)

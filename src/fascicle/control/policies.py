@@ -16,8 +16,9 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
-from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains
+from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
 from .crossing import Crossing, Path, crossing, hand_over_time
+from .learning import Correction, correct_units
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
 from .units import Units
@@ -52,6 +53,7 @@ def cascade(
     flow_limit: Values = 1.0,
     compensate: bool = False,
     co_contraction: Values = 0.0,
+    correction: Correction | None = None,
 ) -> Cascade:
     """Controller of a plant, as `simulate` takes it.
 
@@ -71,6 +73,7 @@ def cascade(
     - `flow_limit`: largest opening of a valve [-].
     - `compensate`: feedforward of the plant's friction.
     - `co_contraction`: of each of a joint's bundles [N].
+    - `correction`: of the muscles' forces, from `Learner`; left out, none.
 
     **Raises:** `InvalidInputError` for arguments that don't fit.
     """
@@ -97,6 +100,8 @@ def cascade(
     ))  # fmt: skip
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
     units = tuple(Units.from_plant(plant, side) for side in range(len(plant.bundles)))
+    if correction is not None:
+        units = correct_units(plant, units, correction)
     if band is None:
         forces = (
             bundle.counts
@@ -147,7 +152,9 @@ class PolicyChoice(NamedTuple):
     crossings: tuple[Crossing, ...]
 
 
-def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> PolicyChoice:
+def select_policy(
+    plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
+) -> PolicyChoice:
     """Select a policy for a plant and its reference.
 
     **Arguments:**
@@ -156,6 +163,7 @@ def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> Policy
     - `reference`: one for each step [SI].
     - `dt`: the step [s].
     - `of`: quantity of the reference, "force" or "position".
+    - `delay`: of measurements [s]; the lag of valves is the plant's.
 
     **Raises:** `InvalidInputError` as `crossing` does.
     """
@@ -167,7 +175,8 @@ def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> Policy
     path = _path(plant, np.asarray(reference, float), dt, of)
     bundle, supply = plant.bundles[0], plant.supply_pressure
     units = range(2, plant.units + 1)
-    crossings = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
+    lag = DAMPED * (valve_lag(plant) + delay)  # of pressures, (K3a)
+    crossings = tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
     return PolicyChoice(*_select(plant, path, crossings), crossings)
 
 

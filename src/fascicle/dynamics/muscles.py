@@ -93,6 +93,11 @@ class Tables(AbstractMuscles):
         return lookup(self.table, pressure, strain, self.indices)
 
     @property
+    def columns(self) -> int:
+        """Number of cells in strain."""
+        return self.table.coefficients.shape[-3]
+
+    @property
     def strains(self) -> tuple[Numbers, Numbers]:
         """The table's ends [-], of each unit."""
         return self.table.strains

@@ -14,6 +14,7 @@ import numpy as np
 from ..bundle import Bundle
 from ..control import Cascade
 from ..control.branches import Branches
+from ..control.learning import CorrectedMuscles
 from ..control.sequential_policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
@@ -46,6 +47,11 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (plant.liquid, "is of a liquid", "use gas"),
         (not isinstance(plant.chamber, _CHAMBERS), "has a chamber of another kind", ""),
         (controller.delay > 0, "has a delay", "drop it: what C measures is late by itself"),
+        (
+            isinstance(controller.units[0].branches.muscles, CorrectedMuscles),
+            "has a learned correction",
+            "drop it",
+        ),
         (not _c_policy(controller), "has a policy of another kind", "take orderly or threshold"),
     )
     for is_violated, reason, remedy in limitations:

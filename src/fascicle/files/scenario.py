@@ -98,7 +98,8 @@ class ScenarioControl(NamedTuple):
             options = {**options, "compensate": compensate}
         plant, output, choice = self.controller.plant, self.controller.of, None
         if policy == "auto":
-            choice = select_policy(plant, self.reference, options["dt"], output)
+            delay = options.get("delay", 0.0)
+            choice = select_policy(plant, self.reference, options["dt"], output, delay)
             policy = choice.policy
         else:
             check_choice(policy, (*POLICIES, "auto"), "policy")

@@ -141,3 +141,24 @@ def test_invalid_input_is_refused(pair, call, argument):
     with pytest.raises(InvalidInputError) as error:
         call(pair)
     assert error.value.argument == argument
+
+
+def test_late_pressures_end_a_crossing_earlier(pair):
+    path, valves = ramp(pair, 0.2), of_conductance(1e-9, 1, 1)
+    prompt, late = (control.crossing(pair, path, valves, lag=lag) for lag in (0.0, 0.1))
+    # a ramp: all of it as much earlier
+    assert_allclose([late.start, late.end], [prompt.start - 0.1, prompt.end - 0.1], atol=1e-3)
+    assert not control.crossing(pair, path, valves, lag=3.0).found
+    with pytest.raises(InvalidInputError):
+        control.crossing(pair, path, valves, lag=-1.0)
+
+
+def test_confidence_in_a_crossing_is_a_share_of_the_draws(five):
+    path, valves = ramp(five, 0.2), of_conductance(1e-9, 1, 4)
+    draws = control.draw_bundles(five, 4, seed=1)
+    result = control.crossing_confidence(five, path, valves, draws=draws)
+    found = [control.crossing(drawn, path, valves).found for drawn in draws]
+    assert result.crossing.found and result.share == np.mean(found)
+    assert result.sure == (result.share >= 0.95)
+    model = control.crossing_confidence(five, path, valves, draws=[five])
+    assert model.share == 1.0 and model.sure and model.margin == 0.0

@@ -31,6 +31,12 @@ def test_random_muscles_are_handed_over_with_small_dips(reach):
 
 
 @pytest.mark.slow
+def test_the_third_crossing_is_held(reach):
+    result = reach.study(1, 0.2, 6, crossings=3, seed=7)
+    assert np.quantile(result["crossings"][2].dip, 0.9) <= 0.1
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("lag", "delay"), [(20e-3, 0.0), (None, 20e-3)])
 def test_late_loops_hand_over_better_than_threshold(reach, lag, delay):
     result = reach.study(1, 0.2, 6, lag, delay)
