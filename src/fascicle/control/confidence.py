@@ -56,8 +56,13 @@ def crossing_confidence(
     **Arguments:**
 
     - `bundle`: the model.
-    - `path`, `valves`, `unit`, `supply_pressure`, `slack`, `lag`: as of `crossing`.
+    - `path`: demand [N] and strain [-] over time [s].
+    - `valves`: as of `crossing`.
+    - `unit`: number of the recruited unit, counted from 1.
     - `draws`: bundles that it could be; left out, `draw_bundles`.
+    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
+    - `slack`: factor on the valves' time [-], as of `crossing`.
+    - `lag`: of the pressures behind a controller's demand [s].
 
     **Raises:** `InvalidInputError` as `crossing` does.
     """

@@ -163,6 +163,7 @@ def crossing(
     per_unit = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
     lag = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
+    begin = path.time[0]
     path = path._replace(time=path.time - lag)  # pressures of now are those of this demand
     hand_over = _HandOver(bundle, unit, supply, path, per_unit, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
@@ -183,7 +184,8 @@ def crossing(
         missing = f"{-reserve[0]:.4g} N are missing"
         return no_crossing(f"{before} can't hold the path's beginning: {missing}", float(t[0]))
     needed = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
-    starts, start, end = t[(t < needed) & (reserve >= state.dip)], np.nan, np.nan
+    is_start = (t >= begin) & (t < needed) & (reserve >= state.dip)
+    starts, start, end = t[is_start], np.nan, np.nan
     step = float(np.max(np.diff(t)))
     for _ in range(_ZOOMS + 1):
         ends = hand_over.ends(starts)
