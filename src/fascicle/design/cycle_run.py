@@ -23,6 +23,7 @@ from .cycle import ATMOSPHERE, ValveSizing
 _STEPS = 1000  # of the cycle's time
 _LONGER = 2  # times the cycle's time that is run: a slower design then has a number, too
 _SAG = 0.01  # of the stroke, by which the load at rest presses the stop in
+_DAMPER_DEPTH = 1e-3  # m, of (T2)
 _LEFT = 0.05  # of the stroke, when the load counts as released: as in the sizing
 
 
@@ -78,7 +79,9 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     """
     C = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
     mass, stiffness = force / GRAVITY, force / (_SAG * stroke)
-    stop = Stop(low=0.0, stiffness=stiffness, damping=np.sqrt(stiffness * mass))
+    # critical where the load sags to, so that it doesn't bounce: the damper acts by depth, (T2)
+    damping = 2 * np.sqrt(stiffness * mass) * (1 + _DAMPER_DEPTH / (_SAG * stroke))
+    stop = Stop(low=0.0, stiffness=stiffness, damping=damping)
     plant = Plant(
         bundle,
         HangingMass(mass, stop=stop),

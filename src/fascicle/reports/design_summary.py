@@ -85,11 +85,13 @@ def composition_text(summary: Summary) -> str:
 
 
 def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
-    """Lines on the recommended design for the terminal: at most eleven without a warning."""
+    """Lines on the recommended design for the terminal: at most twelve without a warning."""
     recommendation, margin, *reasons = headline(result, summary)
     facts, warning = design_facts(result, summary), margin_warning(result, summary)
     lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), *reasons]
     gaps = []
+    if "valves" in facts:
+        facts["valves"] += f"; life: {facts.pop('life')}"
     for name, text in facts.items():
         if text.startswith(_UNKNOWN):
             gaps.append(f"{name} ({text.removeprefix(_UNKNOWN)})")
@@ -249,7 +251,7 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
         **({} if summary.sizing is None else {"valves": _valves(summary, summary.sizing)}),
         f"cost of {fluid}": f"{_UNKNOWN}give [prices] {'air or ' * (fluid == 'air')}energy",
         "price": _price(result, summary),
-        "life": f"{_UNKNOWN}no source gives cycles for this muscle",
+        "life": "unknown; no source gives cycles for this muscle",
     }
     if summary.cost_of_a_cycle is not None:
         cost = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"

@@ -3,6 +3,7 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -92,7 +93,7 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
 
     from ...design.exhaustive_search import conclude
     from ...design.safety import judge_safety
-    from ...reports.design_summary import InfeasibleResult, summarize_search
+    from ...reports.design_summary import InfeasibleResult, run_cycle_of, summarize_search
     from ...results.design_tables import case_variables, front_variables
     from ...results.labelled import write
 
@@ -103,8 +104,10 @@ def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
         )  # fmt: skip
         if task.uncertainty is not None:
             result = judge_safety(result, task.uncertainty)
+        result = replace(result, cycle=task.cycle)
         answer = summarize_search(result)
         if not isinstance(answer, InfeasibleResult):
+            answer = run_cycle_of(result, answer)
             variables = front_variables(result) | case_variables(answer)
             attributes = {"title": f"Front of designs for {task.task.name}", "source": SOURCE}
             attributes |= {"notes": " ".join(task.notes)} if task.notes else {}
