@@ -106,7 +106,7 @@ class TimeView(Tab):
         self.file = widget(pn.widgets.FileInput, "Open a scenario (.toml)", accept=".toml")
         # an empty file changes nothing but the name
         self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
-        self._fields = column(kind="pairs")
+        self._fields = column()
         self.policies = widget(pn.widgets.CheckBoxGroup, "Policies", options=list(POLICIES))
         self.policies.param.watch(self._choose_policies, "value")
         self._policy_title = pane()
@@ -168,6 +168,7 @@ class TimeView(Tab):
             chart.add_zero_line()
             cursor = Span(
                 location=0, dimension="height", line_color=self.colors.ink, line_width=1.5,
+                level="overlay",  # drawn alone: the curves stay
                 name=f"cursor_{name}",
             )  # fmt: skip
             chart.figure.add_layout(cursor)
@@ -291,7 +292,9 @@ class TimeView(Tab):
         fields = view.setup.fields
         if [field.path for field in fields] != list(self._inputs):
             self._inputs = {field.path: self._make_input(field) for field in fields}
-            self._fields.objects = [w for field in self._inputs.values() for w in field.widgets]
+            cells = [column(*field.widgets) for field in self._inputs.values()]
+            # a new grid: Bokeh leaves an empty cell where it changes the children of one
+            self._fields.objects = [column(*cells, kind="pairs")]
         for field in fields:
             unit = view.display_units.get(field.dimension) or _unit(field.dimension)
             self._inputs[field.path].show(field.value, unit)
@@ -426,8 +429,9 @@ class TimeView(Tab):
             " have all of them."
         ]
         if setup != self._setup:
-            lines.insert(0, "<b>These are results of the values before your changes: press Run."
-                            "</b>")  # fmt: skip
+            name = html.escape(result.name)
+            text = f"<b>These are results of {name} before your changes: press Run.</b>"
+            lines.insert(0, text)
         notes = [note for run in result.runs for note in run.notes]
         lines += [f"{html.escape(note)}" for note in dict.fromkeys(notes)]
         lines += [f"{html.escape(note[:1].upper() + note[1:])}." for note in result.notes]

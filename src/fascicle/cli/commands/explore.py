@@ -1,5 +1,6 @@
 """`fascicle explore`: the explorer, in a browser."""
 
+import multiprocessing
 import os
 import sys
 from pathlib import Path
@@ -37,6 +38,8 @@ def run(
     with user_errors():
         view = view_of(target, Path(file).name[:60])
         serve(view, host, port, show, _print_at_once, allow_host or [])
+    for process in multiprocessing.active_children():  # a simulation whose visitor is gone
+        process.kill()
     if is_computing():
         os._exit(0)  # a fit whose visitor is gone: the interpreter would wait for its end
 
