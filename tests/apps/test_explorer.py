@@ -27,6 +27,7 @@ pytestmark = [
     # the server's own process, and the browser's, end after their sockets
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
 ]
+OPTIONS = ["--no-sandbox", "--disable-gpu"]
 READY = """window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle
   && Bokeh.documents[0].get_model_by_name('explorer')"""
 SOURCE = """name => {
@@ -72,18 +73,21 @@ def server():
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    """One profile for all pages: its next page has Bokeh's code compiled, a third of its time."""
+def chromium():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        context = playwright.chromium.launch_persistent_context(
-            tmp_path_factory.mktemp("profile"),
-            executable_path=BROWSER,
-            args=["--no-sandbox", "--disable-gpu"],
-        )
-        yield context
-        context.close()
+        yield playwright.chromium
+
+
+@pytest.fixture(scope="module")
+def browser(chromium, tmp_path_factory):
+    """One profile for all pages: its next page has Bokeh's code compiled, a third of its time."""
+    context = chromium.launch_persistent_context(
+        tmp_path_factory.mktemp("profile"), executable_path=BROWSER, args=OPTIONS
+    )
+    yield context
+    context.close()
 
 
 @pytest.fixture(scope="module")
@@ -290,7 +294,10 @@ def test_the_bundles_tab_shows_its_space_and_pressures_for_a_point(visit):
     solution = page.get_by_role("button", name=re.compile(r"^Set state \d")).first
     solution.wait_for()
     target = source(page, "target")
-    # slider, field and address follow
+    # slider, fields and address follow
+    load = float(field(page, "Load").input_value().removesuffix(" N"))
+    assert load == pytest.approx(target["y"][0], rel=1e-4)
+    assert page.get_by_role("cell", name="reached, cheapest").count() <= 1
     pointed = field(page, "Contraction ε, typed")
     assert float(pointed.input_value()) == pytest.approx(target["x"][0], abs=1e-4)
     slid = float(handle(page, "Contraction ε").get_attribute("aria-valuenow"))
@@ -444,12 +451,34 @@ def test_the_tabs_are_one_stop_between_header_and_content(visit):
     assert labels[0] == "DIV Bundle" and "Recruitment" in labels[1]
     # and then around the page as it reads, with one stop at the tabs
     header = next(i for i, label in enumerate(labels) if "Example" in label)
-    assert labels[header + 6] == "BUTTON Use dark page"
-    assert labels[header + 7] == "DIV Bundle" and "Recruitment" in labels[header + 8]
-    assert not any(label.startswith("DIV Bundle") for label in labels[1 : header + 7])
+    assert labels[header + 6] == "BUTTON Copy link"  # nothing to undo or to reset
+    assert labels[header + 7] == "BUTTON Use dark page"
+    assert labels[header + 8] == "DIV Bundle" and "Recruitment" in labels[header + 9]
+    assert not any(label.startswith("DIV Bundle") for label in labels[1 : header + 8])
     page.locator(".bk-tab").nth(1).focus()
     page.keyboard.press("Shift+Tab")
     assert page.evaluate(LABEL) == "BUTTON Use dark page"
+
+
+def test_pictures_have_a_text_and_are_no_stops_of_the_tab_key(visit):
+    page = visit("?pressure=137.9kPa&strain=0.1")
+    source(page, "curve")
+    free, force = (
+        f"{float(x):.4f}" for x in (MUSCLE.free_strain(137.9e3), MUSCLE.force(137.9e3, 0.1))
+    )
+    chart, scene = page.get_by_role("figure").all()
+    text = chart.get_attribute("aria-label")
+    assert f"free {free}" in text and f"{float(force):.4g} N at a contraction of 0.1" in text
+    assert "in tension" in scene.get_attribute("aria-label")
+    field(page, "Contraction ε, typed").fill("0.3")
+    page.keyboard.press("Enter")
+    page.get_by_role("figure", name="contraction of 0.3, collapsed").first.wait_for()
+    labels = []
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        labels.append(page.evaluate(LABEL))
+    assert len(set(labels)) > 25
+    assert "DIV" not in [label.strip() for label in labels]
 
 
 def test_back_leaves_the_page(visit, server):
@@ -604,10 +633,65 @@ def background(page):
     return [int(channel) for channel in re.findall(r"\d+", color)[:3]]
 
 
-def test_nothing_leaves_a_phones_page_or_overlaps(visit):
-    page = visit("?muscle=kim2021_bundle_1_4", width=390, height=844)
-    for tab in tabs_one_by_one(page):
-        assert (tab, untidy(page, 390)) == (tab, [])
+@pytest.fixture
+def phone(chromium, server):
+    """A page as a phone shows it."""
+    browser = chromium.launch(executable_path=BROWSER, args=OPTIONS)
+    screen = {"width": 390, "height": 844}
+    page = browser.new_page(viewport=screen, is_mobile=True, has_touch=True, device_scale_factor=2)
+    page.set_default_timeout(SLOW)
+    page.goto(f"{server}?muscle=kim2021_bundle_1_4&strain=0.1")
+    until(page, READY)
+    yield page
+    browser.close()
+
+
+def move_finger(page, x, y, dx, dy):
+    """Put a finger on a page, move it by `dx` and `dy` pixels, and lift it."""
+    send = page.context.new_cdp_session(page).send
+    for step in range(21):
+        point = {"x": x + dx * step / 20, "y": y + dy * step / 20}
+        kind = "touchMove" if step else "touchStart"
+        send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [point]})
+    send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_nothing_leaves_a_phones_page_or_overlaps(phone):
+    for tab in tabs_one_by_one(phone):
+        assert (tab, untidy(phone, 390)) == (tab, [])
+
+
+def test_a_finger_on_a_figure_scrolls_a_phones_page(phone):
+    source(phone, "curve")
+    wait_for_layout(phone)
+    ranges = """() => { const model = Bokeh.documents[0].get_model_by_name('curve');
+      const figure = [...Bokeh.documents[0].all_models].find(m => m.type === 'Figure'
+        && m.renderers.some(r => r.data_source === model));
+      return [figure.x_range, figure.y_range].flatMap(r => [r.start, r.end]); }"""
+    before, box = phone.evaluate(ranges), phone.locator(".bk-Figure").first.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + 0.5 * box["height"]
+    move_finger(phone, *middle, 0, -200)
+    until(phone, "() => scrollY > 150")
+    move_finger(phone, *middle, -120, 0)
+    assert phone.evaluate(ranges) == before
+    assert source(phone, "point")["x"] == [0.1]
+    phone.locator(".bk-Figure").first.tap(position={"x": 0.7 * box["width"], "y": 30})
+    until(phone, f"() => ({SOURCE})('point').x[0] > 0.1")
+
+
+def test_the_frame_of_the_page_is_there_before_its_scripts(browser, server):
+    page = browser.new_page()
+    page.route("**/*.js*", lambda route: route.abort())
+    page.goto(f"{server}?tab=bundle")
+    frame = page.locator("#frame")
+    assert frame.get_by_role("heading").inner_text() == "fascicle"
+    assert frame.locator("b").inner_text() == "Bundle"
+    assert frame.get_by_role("status").inner_text() == "computing …"
+    page.unroute("**/*.js*")
+    page.reload()
+    until(page, READY)
+    frame.wait_for(state="detached")
+    page.close()
 
 
 @pytest.mark.parametrize(
@@ -621,6 +705,7 @@ def test_a_page_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, 
         assert (tab, untidy(page, width)) == (tab, [])
         if theme == "default" and number > 1:  # colors are every tab's; the dark page has all tabs
             continue
+        assert page.get_by_role("figure").count() == page.locator(".bk-Figure:visible").count()
         violations = axe.Axe().run(page).response["violations"]
         grave = [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in violations
                  if fault["impact"] in ("serious", "critical")]  # fmt: skip
@@ -714,6 +799,51 @@ def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):
     np.testing.assert_allclose(shown["x"], np.arange(8) / 127, atol=1e-12)
     np.testing.assert_allclose(shown["y"], 10.0 - np.arange(8))
     page.get_by_text("strains are taken over the muscle's, 127 mm").wait_for()
+
+
+def test_a_field_is_not_overwritten_while_it_is_typed_in(visit):
+    page = visit("?strain=0.1")
+    source(page, "curve")
+    typed = field(page, "Contraction ε, typed")
+    page.get_by_role("button", name="Sweep the strain").click()
+    until(page, f"() => ({SOURCE})('point').x[0] > 0.1")
+    typed.focus()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("0.0")
+    at = source(page, "point")["x"][0]
+    until(page, f"old => ({SOURCE})('point').x[0] > old + 0.01", arg=at)
+    assert typed.input_value() == "0.0"
+    page.keyboard.press("Enter")  # an entered text counts
+    until(page, f"() => ({SOURCE})('point').x[0] < 0.02")
+    page.get_by_role("button", name="Sweep the strain").click()
+
+
+def test_the_link_is_copied_and_a_word_says_where_it_opens(visit):
+    page = visit("?strain=0.1")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    source(page, "curve")
+    page.get_by_role("button", name="Copy link").click()
+    page.get_by_text("It opens where fascicle explore runs").wait_for()
+    assert page.evaluate("() => navigator.clipboard.readText()") == page.url
+    page.context.clear_permissions()
+
+
+def test_a_fit_can_be_cancelled_and_started_again(visit):
+    page = visit("?muscle=kim2021_slenderness_10&tab=data")
+    page.get_by_role("button", name="Try an example record").click()
+    source(page, "readings")
+    start = page.get_by_role("button", name="Calibrate the muscle")
+    start.click()
+    page.get_by_text("It usually takes 20 to 40 s").wait_for()
+    page.get_by_role("button", name="Cancel the fit").click()
+    page.get_by_text("The fit was cancelled.").wait_for()
+    page.get_by_role("progressbar").wait_for(state="hidden")
+    field(page, "What to fit").select_option("constants of your choice")
+    field(page, "Constants").select_option("outer radius")
+    start.click()
+    page.get_by_text("90 % interval").wait_for()
+    assert page.get_by_role("cell", name="outer radius").count() == 1
+    assert source(page, "tuned")["ys"]
 
 
 def test_a_bar_moves_while_constants_are_fitted(visit):

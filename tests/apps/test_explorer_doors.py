@@ -96,6 +96,16 @@ def test_forty_openings_are_served_at_once(port):
     assert time.perf_counter() - began < 10
 
 
+@pytest.mark.parametrize("path", ["/", "/?units=" + "9" * 5000, "/static/js/bokeh.min.js"])
+def test_no_other_site_shows_an_answer_in_a_frame_or_guesses_its_type(port, path):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection.request("GET", path)
+    headers = connection.getresponse().headers
+    connection.close()
+    assert headers["Content-Security-Policy"] == "frame-ancestors 'self'"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
 @pytest.mark.parametrize(
     "query", ["units=" + "9" * 5000, "pressures=" + "9" * 5000, "x=%C2%B2", "file=" + "1" * 5000]
 )

@@ -17,7 +17,7 @@ from typing import Any
 from urllib.parse import parse_qsl
 
 from tornado.routing import Matcher, Rule
-from tornado.web import RequestHandler
+from tornado.web import OutputTransform, RequestHandler
 
 from ..io.sanitize import sanitize_line
 from ..reports.page import render
@@ -78,8 +78,9 @@ def reject_reason(request: Any, hosts: AllowedHosts) -> Reason | None:
 
 
 def guard(app: Any, hosts: AllowedHosts) -> None:
-    """Let a tornado `app` reject requests before any of its own rules."""
+    """Let a tornado `app` reject requests before any of its own rules, and protect its answers."""
     app.default_router.rules.insert(0, Rule(_RejectedRequests(hosts), _RejectPage))
+    app.add_transform(_ProtectedAnswer)
 
 
 class _RejectedRequests(Matcher):
@@ -96,6 +97,18 @@ class _RejectedRequests(Matcher):
             # Panel splits it at the colon: an IPv6 address would end in a page of status 500
             request.host = "localhost" + request.host.partition("]")[2]
         return None
+
+
+class _ProtectedAnswer(OutputTransform):
+    """Headers of every answer: no other site shows it in a frame, no browser guesses its type."""
+
+    def transform_first_chunk(
+        self, status_code: int, headers: Any, chunk: bytes, finishing: bool
+    ) -> tuple[int, Any, bytes]:
+        del finishing  # all chunks have the headers of the first
+        headers["Content-Security-Policy"] = "frame-ancestors 'self'"
+        headers["X-Content-Type-Options"] = "nosniff"
+        return status_code, headers, chunk
 
 
 class _RejectPage(RequestHandler):

@@ -7,16 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bundle import Bundle, recruitment
+from ..bundle.bundle import resolve_supply_pressure
+from ..bundle.efficiency import unit_volume_change, work
 from ..bundle.pressurized import muscle_strain
 from ..bundle.recruitment import Overlap, Workspace
+from ..bundle.states import states_of
 from ..core.errors import InvalidInputError
 from .muscle_curves import muscle_curves
 from .solid import AROUND, RINGS, Solid, muscle_solid
 from .state import View
-from .widgets import unit_factor
 
 
 LEVELS, POINTS = 5, 161  # curves of each state, and points of each
+_LOAD_LEVELS = 241  # pressures of which the nearest to a load is taken: 0.4 % of the supply apart
 _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
@@ -44,12 +47,21 @@ class BundleState(NamedTuple):
     stable: np.ndarray
 
 
-class Solution(NamedTuple):
-    """Recruitment `state` and `pressures` [Pa] of all units that reach a point."""
+class Recruitment(NamedTuple):
+    """A recruitment `state`, counted from 1, under a load.
+
+    `force` [N]: the load, or the nearest force of a state that can't carry it (not `reached`). The
+    `pressures` [Pa] of all units that give it; `stable`: the force falls with strain; `fluid` [m³]
+    taken in from rest length on, NaN if it depends on more; `efficiency` [-], NaN at rest length.
+    """
 
     state: int
+    force: float
     pressures: tuple[float, ...]
+    reached: bool
     stable: bool
+    fluid: float
+    efficiency: float
 
 
 class BundleSolids(NamedTuple):
@@ -84,40 +96,53 @@ def bundle_state(
     return BundleState(strain, units, units.sum(axis=0), equilibria[exists], stable[exists])
 
 
-def solutions(
-    bundle: Bundle, force: float, strain: float, resistance: bool, unit: str = "N"
-) -> tuple[list[Solution], str]:
-    """All pressures that reach a `force` [N] at a `strain` [-]; else the nearest, and a remark."""
-    result = recruitment.recruit(bundle, force, strain, resistance=resistance)
-    supply = bundle.supply_pressure
-    if supply is None:
-        raise InvalidInputError("supply_pressure", "is needed to recruit", None)
+def recruitments(
+    bundle: Bundle, load: float, strain: float, resistance: bool, path: str
+) -> tuple[list[Recruitment], str]:
+    """All pressures for a `load` [N] at a `strain` [-], the cheapest first, and a remark.
 
-    def solution(state: int, pressures: np.ndarray, stable: bool) -> Solution:
-        return Solution(int(state), tuple(map(float, pressures)), bool(stable))
+    After them, each state that can't carry the load has the nearest force that it gives. The
+    efficiency is that along a `path`.
+    """
+    result = bundle.recruit(load, strain, resistance=resistance)
+    states, supply = (
+        states_of(bundle.scheme, len(bundle.motor_units)),
+        resolve_supply_pressure(bundle),
+    )
+    remark = ""
+    try:
+        volumes = unit_volume_change(bundle, strain)
+    except InvalidInputError:  # compliant ends
+        volumes = np.full(len(bundle.motor_units), np.nan)
+        remark = "With compliant ends the fluid depends on the load, too: it isn't counted."
 
-    nearest = solution(result.state, np.asarray(result.pressures), result.stable)
-    if status := int(result.status):
-        side = "above" if status == 1 else "below"
-        nearest_force = float(result.force) / unit_factor(unit, "force")
-        return [nearest], (
-            f"The point is {side} what is reachable at this strain: the nearest force is"
-            f" {nearest_force:.4g} {unit}."
-        )
-    if bundle.scheme.independent:  # one of a continuum: the cheapest
-        return [nearest], ""
-    states, levels = np.asarray(result.solutions.state), np.asarray(result.solutions.pressure)
-    units, scheme = len(bundle.motor_units), bundle.scheme
-    return [
-        solution(
-            states[i],
-            recruitment.pressures_of(
-                int(states[i]), float(levels[i]), float(supply), units, scheme
-            ),
-            result.solutions.stable[i],
-        )
-        for i in np.flatnonzero(states > 0)
-    ], ""
+    def row(state: int, P: np.ndarray, reached: bool, stable: bool) -> Recruitment:
+        pressurized = P > 0 if states.independent else states.pressurized[state - 1]
+        fluid, force = float(volumes[pressurized].sum()), float(bundle.force(P, strain, resistance))
+        W = force * strain * float(bundle.length)  # along an isotonic path
+        if path == "isobaric":
+            W = float(work(bundle, P, strain, resistance))
+        efficiency = W / (supply * fluid) if fluid > 0 else np.nan
+        return Recruitment(state, force, tuple(map(float, P)), reached, stable, fluid, efficiency)
+
+    if states.independent:  # one of a continuum: the cheapest
+        P, reached = np.asarray(result.pressures), not result.status
+        return [row(int(result.state), P, reached, bool(result.stable))], remark
+    rows = [
+        row(int(state), states.pressures(state - 1, level / supply, supply), True, bool(stable))
+        for level, state, stable in zip(*map(np.asarray, result.solutions), strict=True)
+        if state > 0
+    ]
+    space = bundle.workspace(levels=_LOAD_LEVELS, strain=[strain], resistance=resistance)
+    for state in {*range(1, states.size + 1)} - {row.state for row in rows}:
+        nearest = space.level[np.abs(space.force[state - 1, :, 0] - load).argmin()]
+        P = states.pressures(np.array(state - 1), nearest / supply, supply)
+        rows.append(row(state, P, False, False))
+    rows.sort(key=lambda row: (
+        not row.reached, 0.0 if row.reached else abs(row.force - load), np.nan_to_num(row.fluid),
+        row.state, row.pressures,
+    ))  # fmt: skip
+    return rows, remark
 
 
 def bundle_solids(view: View, top: float) -> BundleSolids:

@@ -1,5 +1,6 @@
 """Tab of a bundle: motor units, what they reach together, and pressures that reach a point."""
 
+import html
 from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -8,17 +9,17 @@ import panel as pn
 
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
-from ..core.validation import HIGHEST_PRESSURE, check_interval
+from ..core.validation import HIGHEST_PRESSURE, check_finite, check_interval
 from ..plot.theme import BLACK, WHITE, Colors, mix
 from .bundle_curves import (
     BundleSolids,
     BundleState,
     DrawnSpace,
-    Solution,
+    Recruitment,
     bundle_solids,
     bundle_state,
     drawn_space,
-    solutions,
+    recruitments,
 )
 from .chart import Chart, cycle_colors, hover_tooltips, screen_height
 from .remarks import equilibria_text, remarks_html, words_html
@@ -36,13 +37,16 @@ from .widgets import (
     dropdown,
     format_quantity,
     heading,
+    html_table,
     readout_table,
     status_line,
+    volume_unit,
     widget,
 )
 
 
-_SCENE_HEIGHT = "clamp(240px, 100vh - 480px, 900px)"  # room for header, readouts and buttons
+# room for header, readouts and buttons
+_SCENE_HEIGHT = "clamp(240px, min(100vh - 540px, 90vw), 900px)"
 
 
 class UnitInputs(NamedTuple):
@@ -160,7 +164,7 @@ class BundleView(Tab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self._top, self._middle_force = 0.3, 0.0  # of the space
+        self._top, self._middle_force, self._highest = 0.3, 0.0, 0.0  # of the space
         self.units = UnitRows(session)
         self._scheme = dropdown("Recruitment", list(SCHEMES))
         self._scheme.param.watch(lambda event: session.change(scheme=event.new), "value")
@@ -178,7 +182,11 @@ class BundleView(Tab):
         self._numbers = pane()
         self._space = LatestResult(self._show_space, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
-        self._solutions = LatestResult(self._offer_solutions, self.fail)
+        self._load = Field("Load", "load", "force", self._set_load, optional=True)
+        self._load_strain = Field(
+            "at contraction ε", "strain", "strain", lambda value: session.change(strain=value)
+        )
+        self._recruitments = LatestResult(self._show_recruitments, self.fail)
         explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
             self._scheme, *self._supply.widgets, self._resistance, self.units.panel, explanations,
@@ -186,7 +194,9 @@ class BundleView(Tab):
         )  # fmt: skip
         space = column(self.chart.new_pane(), self.message.pane, kind="equal")
         self._solution_column = column()
-        parts = (*self._scene.panes(self._sweep.button), self._numbers, self._solution_column)
+        demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
+        parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
+                 self._solution_column)  # fmt: skip
         main = column(
             self.notes, self._strain.panel, self.status, row(space, column(*parts, kind="equal"))
         )
@@ -211,6 +221,8 @@ class BundleView(Tab):
             self._strain.show(min(after.strain, self._top), "", self._top)
         if changed(before, after, "pressures", "strain"):
             self._request_state(after)
+        if changed(before, after, "load", "strain", "path"):
+            self._request_recruitments(after)
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""
@@ -267,7 +279,7 @@ class BundleView(Tab):
             "scatter", "x y", "target", size=16, marker="cross", line_color=colors.curves[1],
             line_width=3, legend_label="the chosen point",
         )  # fmt: skip
-        chart.on_click(self._find_at_click)
+        chart.on_click(self._set_at_click)
         self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
         self._target_entry.visible = False
 
@@ -298,21 +310,17 @@ class BundleView(Tab):
             "xs": [strain for strain, _ in outlines],
             "ys": [force / scale for _, force in outlines],
         }
-        high = float(space.high.max()) / scale
+        self._highest = float(space.high.max())
+        high = self._highest / scale
         middle = float(np.interp(0.5 * self._top, space.strain, space.high[-1]))
         self._middle_force = 0.3 * middle / scale
         self.chart.set_ranges((0.0, self._top), (-0.12 * high, 1.06 * high))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._hover.tooltips = hover_tooltips(unit)
-        self._target.data, self._target_entry.visible = {"x": [], "y": []}, False
-        text = "Click in the figure to find pressures that reach that point."
-        self._solution_column.objects = [
-            pane(status_line(text)),
-            button("Try a point", self.try_point),
-        ]
         self.message.show("")
         self._strain.show(min(view.strain, self._top), "", self._top)
         self._request_state(view)
+        self._request_recruitments(view)
 
     def _request_state(self, view: View) -> None:
         top = self._top
@@ -342,6 +350,13 @@ class BundleView(Tab):
             "fill": [self.colors.ink if stable else self.colors.paper for stable in state.stable],
         }  # fmt: skip
         self._point.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
+        demand = f"{force / scale:.4g} {unit} at a contraction of {min(view.strain, self._top):.4g}"
+        self.chart.describe(
+            f"Force over contraction that {len(self._regions.data['xs'])} recruitment states reach,"
+            f" up to {self._highest / scale:.4g} {unit}; at these pressures {demand}."
+        )
+        count = sum(unit.count for unit in view.units)
+        self._scene.describe(f"Drawing of {count} muscles in {len(colors)} motor units: {demand}.")
         pale = 0.35 if self.colors.dark else 0.62  # fibers contrast with it
         shades = [(mix(c, WHITE, pale), mix(c, BLACK, 0.35)) for c in colors]
         length, envelope = float(view.bundle.length), scene.envelope
@@ -354,45 +369,89 @@ class BundleView(Tab):
             "free strain": equilibria_text(state.equilibria, state.stable),
             "envelope radius": f"{envelope / length_scale:.4g} {length_unit}",
         }
-        title = heading("Pressures that reach a point")
+        title = heading("Pressures for a load")
         self._numbers.object = heading("At this point") + readout_table(rows) + title
 
-    # pressures that reach a point
+    # pressures for a load
 
     def try_point(self) -> None:
-        """Look for pressures that reach a point inside the space, for keyboards too."""
-        self._find_pressures(0.5 * self._top, self._middle_force)
+        """Set a load inside the space, for keyboards too."""
+        self._set_demand(0.5 * self._top, self._middle_force)
 
-    def _find_at_click(self, event: Any) -> None:
+    def _set_at_click(self, event: Any) -> None:
         if event.x is not None and 0 <= event.x <= self._top:
-            self._find_pressures(float(event.x), float(event.y))
+            self._set_demand(float(event.x), float(event.y))
 
-    def _find_pressures(self, x: float, y: float) -> None:
-        """Look for pressures that reach the point `x` [-], `y` [shown unit]."""
-        view = self.session.view
+    def _set_demand(self, x: float, y: float) -> None:
+        """Set the contraction `x` [-] and the load `y` [shown unit], with a pointer's digits."""
+        _, scale = self.unit("force")
+        self.session.change(strain=round(x, 4), load=float(f"{y:.4g}") * scale)
+
+    def _set_load(self, value: float | None) -> None:
+        if value is not None:
+            check_finite(value, "load", "N")
+        self.session.change(load=value)
+
+    def _request_recruitments(self, view: View) -> None:
+        """Show the load of a `view`, and request the pressures for it, if there is one."""
         unit, scale = self.unit("force")
-        with pn.io.unlocked():
-            self._target.data, self._target_entry.visible = {"x": [x], "y": [y]}, True
-        self._solution_column.objects = [pane(status_line("looking for pressures"))]
-        # with the digits of the pointer; the slider, the field and the link follow
-        strain, force = round(x, 4), y * scale
-        self.session.change(strain=strain)
-        self._solutions.request(
-            lambda: (strain, *solutions(view.bundle, force, strain, view.resistance, unit))
+        strain, load = min(view.strain, self._top), view.load
+        self._load.show(load, unit)
+        self._load_strain.show(strain, "")
+        exists = load is not None
+        point = {"x": [strain], "y": [load / scale]} if load is not None else {"x": [], "y": []}
+        self._target.data, self._target_entry.visible = point, exists
+        if load is None:
+            text = "Enter a load, or click in the figure."
+            self._solution_column.objects = [
+                pane(status_line(text)), button("Try a point", self.try_point),
+            ]  # fmt: skip
+            return
+        self._recruitments.request(
+            lambda: recruitments(view.bundle, load, strain, view.resistance, view.path)
         )
 
-    def _offer_solutions(self, result: tuple[float, list[Solution], str]) -> None:
-        strain, several, remark = result
-        unit, scale = self.unit("pressure")
-        rows: list[Any] = [pane(status_line(remark))] if remark else []
-        for solution in several:
-            pressures = ", ".join(f"{P / scale:.4g}" for P in solution.pressures)
-            stability = "" if solution.stable else ", unstable"
-            rows.append(button(
-                f"Set state {solution.state}: {pressures} {unit}{stability}",
-                lambda solution=solution: self.session.change(
-                    pressures=tuple(float(f"{P:.6g}") for P in solution.pressures), strain=strain
+    def _show_recruitments(self, result: tuple[list[Recruitment], str]) -> None:
+        several, remark = result
+        (unit, _), (volume, _) = self.unit("pressure"), volume_unit(self.unit("length")[0])
+        heads = ("state", f"pressures [{unit}]", "load", f"fluid [{volume}]", "η [–]")
+        first, *rows = map(self._recruitment_cells, several)
+        if several[0].reached and len(several) > 1:
+            first = [f"<b>{cell}</b>" for cell in first]
+            first[2] = first[2].replace("reached", "reached, cheapest")
+        path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
+        note = f"Fluid is counted from rest length on, efficiency η at {path}. {remark}"
+        table = html_table(heads, [first, *rows]) + status_line(html.escape(note))
+        buttons = [
+            button(
+                f"Set state {recruitment.state}"
+                + ("" if recruitment.reached else ", the nearest")
+                + (", unstable" if recruitment.reached and not recruitment.stable else ""),
+                lambda pressures=recruitment.pressures: self.session.change(
+                    pressures=tuple(float(f"{P:.6g}") for P in pressures)
                 ),
-                sizing_mode="stretch_width",
-            ))  # fmt: skip
-        self._solution_column.objects = rows
+            )
+            for recruitment in several
+            if recruitment.reached or recruitment is several[0]
+        ]
+        self._solution_column.objects = [
+            pane(f'<div class="scroll">{table}</div>'), row(*buttons, kind="wrapped")
+        ]  # fmt: skip
+
+    def _recruitment_cells(self, recruitment: Recruitment) -> list[str]:
+        """Cells of a row of the table: state, pressures, status, fluid and efficiency."""
+        (_, scale), (unit, force_scale) = self.unit("pressure"), self.unit("force")
+        _, volume_scale = volume_unit(self.unit("length")[0])
+        force, load = recruitment.force, self.session.view.load or 0.0
+        status = "reached" if recruitment.stable else "reached, unstable"
+        if not recruitment.reached:
+            limit = "at most" if force < load else "at least"
+            status = f"{limit} {force / force_scale:.4g} {unit}"
+        fluid, efficiency = recruitment.fluid / volume_scale, recruitment.efficiency
+        return [
+            f"{recruitment.state}",
+            ", ".join(f"{P / scale:.4g}" for P in recruitment.pressures),
+            status,
+            "–" if np.isnan(fluid) else f"{fluid:.4g}",
+            "–" if np.isnan(efficiency) else f"{efficiency:.3f}",
+        ]

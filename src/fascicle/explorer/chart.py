@@ -9,7 +9,15 @@ from typing import Any
 import panel as pn
 from bokeh.core.properties import value
 from bokeh.events import Press, Tap
-from bokeh.models import ColumnDataSource, HoverTool, LabelSet, LegendItem, Range1d, Span
+from bokeh.models import (
+    ColumnDataSource,
+    CustomJS,
+    HoverTool,
+    LabelSet,
+    LegendItem,
+    Range1d,
+    Span,
+)
 from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
@@ -19,6 +27,8 @@ from .theme import LAYOUT_CSS, height_css
 
 
 _VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a light, a dark page
+# a finger scrolls the page, when the figure is laid out
+_NO_PAN = 'if (matchMedia("(pointer: coarse)").matches) toolbar.active_drag = null;'
 # arguments of glyphs that are columns' names
 _COLUMNS: dict[str, dict[str, Any]] = {
     "multi_line": {"xs": "xs", "ys": "ys", "line_color": "color"},
@@ -43,7 +53,8 @@ def cycle_colors(colors: Colors, count: int) -> list[str]:
 
 def screen_height(margin: int) -> str:
     """Height of a figure in CSS that leaves a `margin` of so many pixels on the screen."""
-    return f"clamp(340px, 100vh - {margin}px - var(--story, 0px), 1200px)"
+    # on a phone little higher than wide: the sliders stay on the screen
+    return f"clamp(340px, min(100vh - {margin}px - var(--story, 0px), 110vw), 1200px)"
 
 
 def hover_tooltips(unit: str) -> list[tuple[str, str]]:
@@ -65,7 +76,9 @@ class Chart:
             tools=options.pop("tools", "pan,box_zoom,wheel_zoom,reset"), **options,
         )  # fmt: skip
         self.figure = fig
+        self.describe(f"{y} over {x}" if x else "Drawing")
         fig.toolbar.update(logo=None, autohide=True)
+        fig.js_on_change("inner_width", CustomJS(args={"toolbar": fig.toolbar}, code=_NO_PAN))
         fig.update(
             background_fill_color=colors.paper, border_fill_color=colors.paper,
             outline_line_color=None, min_border_right=18 if x else 0,
@@ -80,6 +93,10 @@ class Chart:
             )  # fmt: skip
         for grid in fig.grid:
             grid.grid_line_color = colors.line
+
+    def describe(self, text: str) -> None:
+        """Say what the figure shows, for those who don't see it."""
+        self.figure.html_attributes = {"role": "figure", "aria-label": text}
 
     def new_pane(self) -> Any:
         """A new pane of the figure."""

@@ -27,20 +27,47 @@ from .widgets import dropdown, html_table, status_line
 
 
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
+_LEAST_SCALE = 0.001  # of efficiency: less can't be read from a map
+_THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
 _KINDS = {"with resistance": "resisted", "without resistance": "free",
           "loss due to resistance": "difference"}  # fmt: skip
 
 
+Outline = tuple[np.ndarray, np.ndarray]
+
+
 class Maps(NamedTuple):
-    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points."""
+    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points.
+
+    `strips`: outlines (strain [-], force [N]) of the points that a recruitment state reaches
+    without resistance alone.
+    """
 
     resisted: EfficiencyMap
     free: EfficiencyMap
+    strips: tuple[Outline, ...]
 
     @property
     def difference(self) -> np.ndarray:
         """Efficiency lost to resistance [-], at points that both reach."""
         return self.free.efficiency - self.resisted.efficiency
+
+    @property
+    def in_strips(self) -> np.ndarray:
+        """True at points where resistance makes another recruitment state the best."""
+        return np.isfinite(self.difference) & (self.free.state != self.resisted.state)
+
+    @property
+    def difference_beside(self) -> np.ndarray:
+        """The `difference`; at points in the strips, which are thinner than a cell, that of the
+        nearest point below, or above, which is in none.
+        """
+        values, empty = self.difference, self.in_strips.copy()
+        for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
+            for i in rows:
+                fill = empty[i] & ~empty[i + step] & np.isfinite(values[i + step])
+                values[i, fill], empty[i, fill] = values[i + step, fill], False
+        return np.where(empty, np.nan, values)
 
 
 @lru_cache(maxsize=16)  # visitors share it
@@ -49,7 +76,26 @@ def efficiency_maps(bundle: Bundle, path: str) -> Maps:
     resisted = efficiency_map(bundle, path=path, resistance=True)
     force, strain = resisted.force, resisted.strain
     free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)
-    return Maps(resisted, free)
+    return Maps(resisted, free, _strips(bundle, strain))
+
+
+def _strips(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
+    """Outlines of `Maps` over the strains [-] of a map; none for units of independent pressures."""
+    if bundle.scheme.independent:
+        return ()
+    strain = np.r_[0.0, strain]
+    with_resistance, without = (
+        np.maximum(bundle.workspace(levels=2, strain=strain, resistance=resistance).high, 0.0)
+        for resistance in (True, False)
+    )
+    outlines = []
+    for low, high in zip(with_resistance, without, strict=True):
+        inside = np.flatnonzero(high - low > _THIN * without.max())
+        if inside.size:
+            column = slice(inside[0], inside[-1] + 1)
+            x = strain[column]
+            outlines.append((np.r_[x, x[::-1]], np.r_[high[column], low[column][::-1]]))
+    return tuple(outlines)
 
 
 def equivalent_muscle(view: View) -> Muscle:
@@ -88,7 +134,7 @@ class EfficiencyView(Tab):
         self._kind.param.watch(lambda _: self._show_map(), "value")
         self._make_map_chart()
         self._make_averages_chart()
-        self._numbers = pane()
+        self._numbers, self._strip_note = pane(), pane(width=330)
         self.maps = LatestResult(self._show_maps, self.fail)
         self.averages = LatestResult(self._show_averages, self.fail)
         # a figure itself would lose its height while it loads
@@ -97,7 +143,8 @@ class EfficiencyView(Tab):
             for chart in (self.map_chart, self.averages_chart)
         ]
         columns = row(*self.figures)
-        choices = row(self._path, self._kind, self._numbers, kind="wrapped", sizing_mode=None)
+        choices = row(self._path, self._kind, self._numbers, self._strip_note, kind="wrapped",
+                      sizing_mode=None)  # fmt: skip
         explanations = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
         self.panel = column(
             choices, self.message.pane, self.notes, self.status, columns, explanations
@@ -128,20 +175,23 @@ class EfficiencyView(Tab):
         self._image = chart.source(" ".join(columns), "efficiency")
         chart.figure.image(*columns, source=self._image, color_mapper=self._mapper)
         self._hover = chart.add_hover([])
+        self._strips = chart.add(
+            "patches", "xs ys", "strips", fill_alpha=0, line_color=colors.curves[1], line_width=1.5
+        )
         bar = ColorBar(
             color_mapper=self._mapper, major_label_text_color=colors.ink,
             background_fill_color=colors.paper, width=12,
         )  # fmt: skip
         chart.figure.add_layout(bar, "right")
-        title = Title(
+        self._bar_title = Title(
             text="Efficiency η [–]", align="center", text_color=colors.ink, text_font=FIGURES,
             text_font_style="normal", text_font_size="14px",
         )  # fmt: skip
-        chart.figure.add_layout(title, "right")  # the bar's own would stand at its foot
+        chart.figure.add_layout(self._bar_title, "right")  # the bar's own would stand at its foot
 
     def _make_averages_chart(self) -> None:
         colors = self.colors
-        label = "Motor units in the same cross-section (1: a single one)"
+        label = "Motor units in the same cross-section"
         chart = self.averages_chart = Chart(
             colors, label, "Average efficiency [–]", screen_height(320)
         )
@@ -182,15 +232,30 @@ class EfficiencyView(Tab):
             return
         result, kind = self._result, self._kind.value
         unit, scale = self.unit("force")
-        values = result.difference if kind == "difference" else getattr(result, kind).efficiency
+        is_loss, lost = kind == "difference", result.difference[result.in_strips]
+        values = result.difference_beside if is_loss else getattr(result, kind).efficiency
+        strips = result.strips if is_loss else ()
+        note = (
+            (
+                "In the outlined strip, which is thinner than a cell, resistance makes another"
+                f" recruitment state necessary: it takes {lost.min():.2g} to {lost.max():.2g}."
+            )
+            if strips and lost.size
+            else ""
+        )
         strain, force = result.resisted.strain, result.resisted.force / scale
         strain_step, force_step = strain[1] - strain[0], force[1] - force[0]
         finite = values[np.isfinite(values)]
         low, high = min(0.0, finite.min(initial=0.0)), finite.max(initial=-np.inf)
         with pn.io.unlocked():
             # a map of nothing, or of zeros, needs a scale all the same
-            high = max(float(high), 1e-6) if finite.size else 1.0
+            high = max(float(high), _LEAST_SCALE) if finite.size else 1.0
             self._mapper.update(low=float(low), high=high)
+            self._bar_title.text = "Loss of η [–]" if is_loss else "Efficiency η [–]"
+            self._strip_note.object = status_line(note)
+            self._strips.data = {
+                "xs": [x for x, _ in strips], "ys": [y / scale for _, y in strips]
+            }  # fmt: skip
             self._image.data = {
                 "image": [np.asarray(values, dtype=np.float32)],
                 "x": [strain[0] - strain_step / 2], "y": [force[0] - force_step / 2],
@@ -202,12 +267,23 @@ class EfficiencyView(Tab):
             )
             self.map_chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
             point = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
+            label = next(label for label, value in _KINDS.items() if value == kind)
+            self.map_chart.describe(
+                f"Map of the efficiency over contraction and force, {label}: {low:.3g} to"
+                f" {high:.3g}, up to {force[-1]:.4g} {unit}."
+            )
             self._hover.tooltips = [("η", "@image{0.000}"), *point]
 
     def _show_averages(self, averages: dict[bool, np.ndarray]) -> None:
         self.figures[1].loading = False
         for resistance, values in averages.items():
             self._means[resistance].data = {"x": list(COUNTS), "y": values}
+        lists = (", ".join(f"{x:.3f}" for x in averages[key]) for key in (True, False))
+        self.averages_chart.describe(
+            "Average efficiency of {} to {} motor units: {} with resistance; {} without.".format(
+                COUNTS[0], COUNTS[-1], *lists
+            )
+        )
         values = np.concatenate(list(averages.values()))
         low, high = float(values.min()), float(values.max())
         margin = max(0.1 * (high - low), 0.005)

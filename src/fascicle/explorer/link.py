@@ -7,6 +7,7 @@ isn't used; links also keep their units and their order of keys.
 """
 
 import base64
+import re
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -15,8 +16,9 @@ from typing import Any
 from ..bundle.efficiency import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
-from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
-from ..files import dumps, example, examples, loads
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_finite, check_interval
+from ..files import dumps, example, loads
+from ..files.shipped_files import named_muscles
 from ..units import exact, parse
 from .muscle_curves import check_alternatives
 from .pins import parse_pins, pins_text, shipped_muscle
@@ -32,9 +34,18 @@ TOO_LARGE = "left-out"  # instead of a larger file
 # in this order: the fields depend on the file
 _SETUP_KEYS = ("scenario_file", "scenario", "set", "policies")
 # in this order: the muscle's file has the number of units
-_KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "pressures",
+_KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "load", "pressures",
          "resistance", "path", "splits", "show", "tab", "compare", "pins",
          *_SETUP_KEYS)  # fmt: skip
+_LABELS = {
+    "muscle": "the example", "file": "the muscle's file", "supply": "the supply pressure",
+    "units": "the motor units", "scheme": "the recruitment", "pressure": "the pressure",
+    "strain": "the contraction", "load": "the load", "pressures": "each motor unit's pressure",
+    "resistance": "the resistance", "path": "the path", "splits": "the splits",
+    "show": "the units shown", "tab": "the tab", "compare": "the laws to compare with",
+    "pins": "the list of pinned curves", "scenario_file": "the scenario's file",
+    "scenario": "the scenario", "set": "the scenario's fields", "policies": "the policies",
+}  # fmt: skip
 _CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PATHS, "tab": TABS}
 
 
@@ -48,7 +59,7 @@ def to_query(view: View) -> dict[str, str]:
         query = {"file": pack(dumps(view.bundle)), "name": view.name}
     else:
         query = {"file": pack(dumps(view.muscle)), "name": view.name}
-        if view.name in examples() and shipped_muscle(view.name) == view.muscle:
+        if view.name in named_muscles() and shipped_muscle(view.name) == view.muscle:
             query = {"muscle": view.name}
         query["units"] = ",".join(
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
@@ -65,6 +76,8 @@ def to_query(view: View) -> dict[str, str]:
         "show": ",".join(view.display_units[kind] for kind in DISPLAY_UNITS),
         "tab": view.tab,
     }
+    if view.load is not None:
+        query["load"] = _exact_text(view.load, "force")
     if view.alternatives:
         query["compare"] = ",".join(view.alternatives)
     if pins := view.pins[: linked_pins(view)]:
@@ -95,9 +108,9 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         try:
             view = _apply_key(view, key, query[key], query)
         except ValueError as error:
-            errors.append(f"link: {error}")
+            errors.append(_sentence(key, str(error)))
         except Exception:  # noqa: BLE001 whatever a link holds, the page opens
-            errors.append(f"link: `{key}` can't be read.")
+            errors.append(_sentence(key, f"`{key}` can't be read."))
     if len(view.pressures) != len(view.units):
         view = replace(view, pressures=(view.supply,) * len(view.units))
     if max(view.pressure, *view.pressures) > view.supply:
@@ -105,8 +118,17 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
         if "pressure" in query or "pressures" in query:
             supply = _exact_text(view.supply, "pressure", view.display_units["pressure"])
-            errors.append(f"link: `pressure` must be at most the supply's, {supply}.")
+            text = f"`pressure` must be at most the supply's, {supply}."
+            errors.append(_sentence("pressure", text, "It is lowered."))
     return view, [message_in_units(line, view.display_units) for line in errors]
+
+
+def _sentence(key: str, error: str, result: str = "It is left out.") -> str:
+    """Sentences on the `error` of a link's `key` and its `result`, in the words of the page."""
+    label = _LABELS[key]
+    text = re.sub(r"^`\w+`", label, error)
+    text = re.sub(r"^(?!.*\b(must|was|is|can't)\b)", f"{label} can't be read: ", text)
+    return f"In the link, {text.replace('`', '')} {result}"
 
 
 def pack(text: str, longest: int = LONGEST) -> str:
@@ -192,9 +214,11 @@ def _apply_key(view: View, key: str, text: str, query: Mapping[str, str]) -> Vie
 def _open_muscle(view: View, key: str, text: str, query: Mapping[str, str]) -> View:
     """View of the example or the packed file in a link; the file comes first."""
     if key == "muscle":
+        if text not in named_muscles():
+            raise InvalidInputError("muscle", "must be one of the list above", text[:40])
         return view if "file" in query else view_of(example(text), text, view)
     name = query.get("name", "linked")[:60]
-    return view_of(loads(unpack(text), source=name), name, view)
+    return view_of(loads(unpack(text), source="`file` can't be read"), name, view)
 
 
 def _parse_unit(unit: str, text: str) -> Unit:
@@ -234,6 +258,7 @@ _FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
     "supply": ("supply", lambda text: _parse_gauge_pressure(text, "supply")),
     "pressure": ("pressure", _parse_gauge_pressure),
     "strain": ("strain", _parse_strain),
+    "load": ("load", lambda text: float(check_finite(parse(text, "force"), "load", "N"))),
     "resistance": ("resistance", lambda text: text != "off"),
     "splits": ("splits", parse_splits),
     "show": ("display_units", _parse_display_units),

@@ -6,15 +6,18 @@ from typing import Any
 
 from ..core.errors import InvalidInputError
 from ..core.module import replace_checked
+from ..files.shipped_files import named_muscles
+from ..muscle import Muscle
 from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
 from ..units import DIMENSIONS
+from .pins import shipped_muscle
 from .state import Session, View
 from .theme import column
 from .widgets import SIZES, WHOLE_ROW, Field, Message, dropdown
 
 
-_CUSTOM = "its own"
+_CUSTOM, _CHANGED = "its own", ", changed"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
 _INDENT: dict[str, Any] = {"margin": (2, 8, 2, 20), **WHOLE_ROW}
 
@@ -62,10 +65,19 @@ class MuscleInputs:
     def change(self, **parts: Any) -> None:
         """Replace parts of the session's muscle, and rename it; `ValueError` if it can't be."""
         view = self._session.view
-        name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
-        after = replace(view, muscle=view.muscle.replace(**parts), name=name)
+        muscle = view.muscle.replace(**parts)
+        after = replace(view, muscle=muscle, name=self._name_of(muscle))
         _ = after.bundle  # raises at this field if it can't be a bundle any more
         self._session.show(after)
+
+    def _name_of(self, muscle: Muscle) -> str:
+        """Name of a `muscle` that was changed: the opened one's if it is the same again."""
+        opened, name = self._session.opened, self._session.view.name.removesuffix(_CHANGED)
+        if muscle == opened.muscle:
+            return opened.name
+        if name in named_muscles() and muscle == shipped_muscle(name):
+            return name
+        return f"{name}{_CHANGED}"
 
     def _size_setter(self, name: str) -> Callable[[float], None]:
         """Function that sets the size with a `name`; it raises errors for the field to show."""

@@ -34,15 +34,18 @@ from .widgets import (
     SWEEP_STEPS,
     QuantitySlider,
     Sweep,
+    format_quantity,
     heading,
     readout_table,
     status_line,
     unit_factor,
+    volume_unit,
     widget,
 )
 
 
-_SCENE_HEIGHT = "clamp(220px, 100vh - 500px, 900px)"  # room for header, sliders and readouts
+# room for header, sliders and readouts
+_SCENE_HEIGHT = "clamp(220px, min(100vh - 500px, 90vw), 900px)"
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 _FAR = 1e9  # [shown unit] beyond every picture
@@ -111,6 +114,7 @@ class MuscleView(Tab):
 
     def follow(self, before: View, after: View) -> None:
         """Follow the sliders, and the laws compared."""
+        self.message.show("")  # on too many laws
         if changed(before, after, "pressure", "strain"):
             curves = self._compute_curves(after)
             if changed(before, after, "pressure"):
@@ -228,6 +232,12 @@ class MuscleView(Tab):
     def _show_point(self, view: View, curves: MuscleCurves) -> None:
         self._strain.show(view.strain, "", self.top)
         unit, scale = self.unit("force")
+        pressure = format_quantity(view.pressure, self.unit("pressure")[0], "pressure", 4)
+        force, region = f"{curves.point_force / scale:.4g} {unit}", REGIONS[curves.region]
+        here = f"at a contraction of {view.strain:.4g}, {region}"
+        marks = ", ".join(self._marks.data["label"])
+        self.chart.describe(f"Force over contraction at {pressure}: {marks}; {force} {here}.")
+        self._scene.describe(f"Drawing of the muscle {here}.")
         self._point.data = {"x": [view.strain], "y": [curves.point_force / scale]}
         solid = muscle_solid(view.muscle, curves, view.strain)
         length = float(view.muscle.length)
@@ -238,11 +248,11 @@ class MuscleView(Tab):
         # the volume is a straight muscle's of this length: no law has that of a bent one
         fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
         length_unit, length_scale = self.unit("length")
+        volume, volume_scale = volume_unit(length_unit)
         rows = {
-            "force": f"{curves.point_force / scale:.4g} {unit}",
-            "state": REGIONS[curves.region]
-            + (", other equilibria exist" if curves.several else ""),
-            fluid: _volume_text(curves.volume, length_unit),
+            "force": force,
+            "state": region + (", other equilibria exist" if curves.several else ""),
+            fluid: f"{curves.volume / volume_scale:.4g} {volume}",
             "braid angle": pretty(solid.angle, "angle"),
             "radius": f"{solid.radius / length_scale:.4g} {length_unit}",
             "deflection": f"{curves.deflection / length_scale:.4g} {length_unit}",
@@ -311,12 +321,6 @@ def _chosen_alternatives(view: View) -> list[str]:
     """Laws chosen in the view to compare with, save those that the muscle has or can't have."""
     alternatives = alternative_laws(view.muscle)
     return [key for key in view.alternatives if key in alternatives]
-
-
-def _volume_text(value: float, length_unit: str) -> str:
-    if length_unit == "in":
-        return f"{value / unit_factor('in', 'length') ** 3:.4g} in³"
-    return f"{value * 1e6:.4g} cm³"
 
 
 def _moment_text(value: float, units: Mapping[str, str]) -> str:

@@ -1,27 +1,42 @@
-// What the page does in the browser alone. Arguments: `largest` file in bytes, and whether it
-// follows the system's `preference` of a dark page.
-
-if (preference) {
-  const address = new URL(location);
-  if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.has("theme")) {
-    address.searchParams.set("theme", "dark");
-    location.replace(address);
-  }
-}
+// What the page does in the browser alone. Argument: `largest` file in bytes.
 
 // the address follows every change as one entry of the history, so that Back leaves the page
 history.pushState = history.replaceState;
 
-// a line at the top of the page, or none for an empty text
-window.fascicleNotice = (id, text) => {
+// a line at the top of the page, or none for an empty text; a `passing` one is good news
+window.fascicleNotice = (id, text, passing = false) => {
   document.getElementById(id)?.remove();
   if (!text) return;
-  const line = document.createElement("div");
-  line.id = id; line.textContent = text; line.setAttribute("role", "alert");
+  const line = document.createElement("div"), color = passing ? "var(--good)" : "var(--bad)";
+  line.id = id; line.textContent = text; line.setAttribute("role", passing ? "status" : "alert");
   line.style.cssText = "position:fixed;inset:0 0 auto 0;z-index:9999;padding:8px 14px;"
-    + "font:14px/1.4 var(--sans);color:var(--bad);background:var(--alarm);"
-    + "border-bottom:2px solid var(--bad)";
+    + `font:14px/1.4 var(--sans);color:${color};border-bottom:2px solid ${color};`
+    + `background:${passing ? "var(--raised)" : "var(--alarm)"}`;
   document.body.append(line);
+  if (passing) setTimeout(() => line.remove(), 8000);
+};
+// a refused file is past with the next input
+addEventListener("input", () => fascicleNotice("size", ""), {capture: true});
+
+// a field in focus is not overwritten: what the server shows meanwhile comes when the focus leaves,
+// and its answer to a text that was entered comes at once
+const value = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
+const guard = (input) => {
+  if (Object.hasOwn(input, "value")) return;
+  let entered = false, shown = null;
+  input.addEventListener("change", () => { entered = true; shown = null; });
+  input.addEventListener("blur", () => {
+    if (shown !== null) value.set.call(input, shown);
+    shown = null;
+  });
+  Object.defineProperty(input, "value", {
+    get() { return value.get.call(this); },
+    set(text) {
+      if (!entered && this.getRootNode().activeElement === this) { shown = text; return; }
+      entered = false;
+      value.set.call(this, text);
+    },
+  });
 };
 
 // a file that is larger than a message may be would break the connection without a word
@@ -108,6 +123,7 @@ const annotate = (root) => {
   }
   // Bokeh has the tabs after their content: keys and readers meet them before it
   const strip = [...root.children].find((node) => node.matches(".bk-header"));
+  if (strip) document.getElementById("frame")?.remove();
   const content = [...root.children].find((node) => node.shadowRoot);
   if (strip && content
       && content.compareDocumentPosition(strip) & Node.DOCUMENT_POSITION_FOLLOWING)
@@ -123,6 +139,11 @@ const annotate = (root) => {
   }
   for (const box of root.querySelectorAll("input[type=checkbox]"))
     name(box, box.nextElementSibling?.textContent);
+  // arrow keys count in the others
+  for (const input of root.querySelectorAll("input[type=text]"))
+    if (!input.closest(".bk-spin-wrapper")) guard(input);
+  // no key does anything in a figure
+  for (const layer of root.querySelectorAll(".bk-events")) layer.tabIndex = -1;
 };
 const attach = Element.prototype.attachShadow;
 Element.prototype.attachShadow = function (...options) {

@@ -11,7 +11,8 @@ from urllib.parse import urlencode
 import panel as pn
 from bokeh.models import CustomJS
 
-from ..files import example, examples, loads
+from ..files import example, loads
+from ..files.shipped_files import named_muscles, shipped_names
 from ..io.sanitize import sanitize_line
 from ..plot.theme import TITLE, Colors
 from .bundle_tab import BundleView
@@ -32,14 +33,25 @@ from .widgets import Message, button, dropdown, widget
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
 _QUIET = 400  # ms without a change until the address follows: browsers limit its changes
-_KEEP_MESSAGE = ("display_units", "tab")  # after changes of these a message still holds
+# fields of the view, but those after whose changes a message still holds
+_CONTENT = [field.name for field in fields(View) if field.name not in ("display_units", "tab")]
 _CUSTOM = "(own)"
 _PURPOSE = "Forces of fluidic artificial muscles, and where they buckle and collapse"
-_SCRIPT = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
+_SCRIPT, _FRAME = (
+    Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("page.js", "frame.html")
+)
 _LOST = (
     "The connection to fascicle is lost: this page no longer updates. Run `fascicle explore` again"
     " and reload the page; its address holds the view."
 )
+# without the clipboard, which browsers give to this machine's pages and encrypted ones alone
+_COPY = """
+const text = location.href;
+const copied = () => fascicleNotice("copied", "Link copied. It opens where fascicle explore runs at"
+  + " this address: on another machine, start it there first.", true);
+const show = () => prompt("Link", text);
+navigator.clipboard ? navigator.clipboard.writeText(text).then(copied, show) : show();
+"""
 _SET_THEME = """
 const address = new URL(location);
 address.searchParams.set("theme", "%s");
@@ -63,13 +75,15 @@ class Header:
         """Build it for a `session`; `theme_in_link` keeps the theme in the address."""
         self._session, self._pending = session, None
         self._theme = ("dark" if colors.dark else "default") if theme_in_link or colors.dark else ""
-        self._example = dropdown("Example", [*examples(), _CUSTOM], width=230)
+        groups = {"Examples": shipped_names("examples"),
+                  "Measured muscles": shipped_names("measured"), "Your own": [_CUSTOM]}  # fmt: skip
+        self._example = widget(pn.widgets.Select, "Example", groups=groups, width=208)
         self._example.param.watch(self._choose_example, "value")
-        self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=256)
+        self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=216)
         # an empty file changes nothing but the name
         self.file.param.watch(self._open_file, ["value", "filename"])
         self.save = widget(
-            pn.widgets.FileDownload, "Save the file", filename="", width=130, margin=(22, 8, 4, 4),
+            pn.widgets.FileDownload, "Save the file", filename="", width=110, margin=(22, 8, 4, 4),
             callback=lambda: io.BytesIO(session.view.text.encode()),
         )  # fmt: skip
         self._units = {
@@ -80,23 +94,39 @@ class Header:
             select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
         self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
         other_mode, theme = ("light", "default") if colors.dark else ("dark", "dark")
-        switch = button(f"Use {other_mode} page", None, width=120, margin=(22, 8, 4, 4))
+        style: dict[str, Any] = {"margin": (22, 4, 4, 4)}
+        self.undo = button("Undo", session.undo, width=62, **style)
+        self.reset = button("Reset", session.reset, width=62, **style)
+        copy = button("Copy link", None, width=84, **style)
+        copy.js_on_click(code=_COPY)
+        switch = button(f"Use {other_mode} page", None, width=112, **style)
         switch.js_on_click(code=_SET_THEME % theme)
-        widgets = (self._example, self.file, self.save, *self._units.values(), switch)
-        inputs = row(*widgets, kind="header", margin=(0, 8))
+        inputs = row(self._example, self.file, self.save, *self._units.values(), self.undo,
+                     self.reset, copy, switch, kind="header", margin=(0, 8))  # fmt: skip
+        self._wanted = ""  # example that waits for an answer
+        self._question = pane(margin=(6, 8))
+        answers = (button("Replace it", self._replace), button("Keep it", self._keep))
+        self.question = row(self._question, *answers, kind="wrapped", visible=False)
         self.message = Message()
-        self.panel = column(self._title, inputs, self.message.pane)
+        self.panel = column(self._title, inputs, self.question, self.message.pane)
         session.watch(self._follow)
         self._show(session.view)
+        self._show_history()
 
     def _follow(self, before: View, after: View) -> None:
         if changed(before, after, "name", "display_units", "muscle", "units"):
             self._show(after)
         # a message on a link or a file is past, once something else is shown
-        names = (field.name for field in fields(View) if field.name not in _KEEP_MESSAGE)
-        if changed(before, after, *names):
+        if changed(before, after, *_CONTENT):
             self.message.show("")
+            self.question.visible = False
+        self._show_history()
         self._schedule_address()
+
+    def _show_history(self) -> None:
+        session = self._session
+        self.undo.disabled = not session.can_undo
+        self.reset.disabled = not changed(session.opened, session.view, *_CONTENT)
 
     def _show(self, view: View) -> None:
         self._title.object = (
@@ -105,13 +135,13 @@ class Header:
             f'<span style="color:var(--soft)">{_PURPOSE}</span><b style="margin-left:auto">'
             f"{html.escape(sanitize_line(view.name, 60), quote=True)}</b></div>"
         )
-        if view.name in examples():
+        if view.name in named_muscles():
             self.save.filename = f"{view.name}.toml"
         else:
             name, edited, _ = view.name.partition(", changed")
             kind = "changed" if edited else "copy"
             self.save.filename = f"{output_stem(name, kind, self._session.input_names)}.toml"
-        self._example.value = view.name if view.name in examples() else _CUSTOM
+        self._example.value = view.name if view.name in named_muscles() else _CUSTOM
         for kind, select in self._units.items():
             select.value = view.display_units[kind]
 
@@ -119,7 +149,24 @@ class Header:
         if event.new in (_CUSTOM, self._session.view.name):  # set by the page itself
             return
         self.message.show("")
-        self._session.show(view_of(example(event.new), event.new, self._session.view))
+        self._wanted = event.new
+        if self._session.view.name in named_muscles():
+            self._replace()
+            return
+        name = html.escape(sanitize_line(self._session.view.name, 60))
+        self._question.object = f'<div role="alert">{event.new} would replace {name}.</div>'
+        self.question.visible = True
+
+    def _replace(self) -> None:
+        """Open the example that was chosen."""
+        self.question.visible = False
+        name = self._wanted
+        self._session.open(view_of(example(name), name, self._session.view))
+
+    def _keep(self) -> None:
+        """Keep the muscle that is open."""
+        self.question.visible = False
+        self._example.value = _CUSTOM
 
     def _open_file(self, *_: Any) -> None:
         raw = self.file.value or b""
@@ -136,7 +183,7 @@ class Header:
                 raise ValueError(f"{name}: not a text file in UTF-8.") from None
             target = loads(text, source=name)
             self._session.input_names.add(name)
-            self._session.show(view_of(target, name, self._session.view))
+            self._session.open(view_of(target, name, self._session.view))
             self.message.show("")
         except ValueError as error:
             self.message.show(error)
@@ -217,13 +264,17 @@ def _downloads(session: Session, name: str, story: Story) -> list[Any]:
     return [row(*buttons, kind="wrapped", sizing_mode=None, margin=(0, 8))]
 
 
-def add_scripts(doc: Any, follow_preference: bool) -> None:
-    """Add the page's script and a notice of a lost connection to a Bokeh document.
+def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
+    """Set a Bokeh document's frame, with the `active` tab, its script, and a notice if it is lost.
 
     With `follow_preference` the page is dark where the system's preference is.
     """
-    options = {"largest": LARGEST_FILE, "preference": follow_preference}
-    doc.js_on_event("document_ready", CustomJS(args=options, code=_SCRIPT))
+    doc.template = _FRAME
+    doc.template_variables.update(
+        purpose=_PURPOSE, tabs=TABS, active=active, title_size=TITLE,
+        follow_preference=follow_preference,
+    )  # fmt: skip
+    doc.js_on_event("document_ready", CustomJS(args={"largest": LARGEST_FILE}, code=_SCRIPT))
     for event, text in (("connection_lost", _LOST), ("client_reconnected", "")):
         notice = CustomJS(args={"text": text}, code="fascicleNotice('lost', text);")
         doc.js_on_event(event, notice)
@@ -240,7 +291,6 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
     from ..files.muscle_files import load_muscle
-    from ..files.shipped_files import named_muscles
 
     name = target if isinstance(target, str) else "muscle"
     opened: Any = target

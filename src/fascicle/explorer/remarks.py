@@ -17,7 +17,7 @@ from ..muscle.validation import (
 )
 from .muscle_curves import is_tuned
 from .state import View
-from .widgets import format_quantity, message_in_units, status_line, unit_factor
+from .widgets import format_quantity, page_message, status_line, unit_factor
 
 
 _FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
@@ -99,7 +99,7 @@ def validity_warnings(view: View, tab: str) -> list[str]:
             published_range_message(muscle),
             fitted_length_mismatch(muscle),
             muscle.tuning.extrapolation_message(view.supply),
-            message_in_units(proportions, view.display_units),
+            page_message(proportions, view.display_units),
         ]
         if not single and view.distance is not None:
             strain = muscle_strain(view.distance / muscle.length, 0.0)
@@ -119,7 +119,8 @@ def tuning_note(muscle: Muscle, unit: str) -> str:
         slope = float(tuning.hinge_stiffness_slope) if name == "hinge_stiffness" else 0.0
         if slope:
             rise = slope * unit_factor(unit, "pressure")
-            changes.append(f"{label} × ({factor:.4g} + {rise:.3g} per {unit})")
+            sign = "−" if rise < 0 else "+"
+            changes.append(f"{label} × ({factor:.4g} {sign} {abs(rise):.3g} per {unit})")
         elif factor != 1:
             changes.append(f"{label} × {factor:.4g}")
     # a fit writes the muscle's rate into its tuning, whether it was fitted or not

@@ -167,4 +167,9 @@ class ReversalView(Tab):
             if curve.turn.depth > 0 else (curve.name, "none", "0", "")
             for curve in curves
         ]  # fmt: skip
+        depths = "; ".join(f"{name}: {depth} at {at}" for name, at, depth, _ in rows)
+        self.chart.describe(
+            "Free strain of the bundle over the pressure of the second unit. Depth of the reversal"
+            f" of each split: {depths.replace('0 at none', 'none')}."
+        )
         self._table.object = html_table(("split", "reversal at", "depth [–]", "course"), rows)

@@ -22,9 +22,9 @@ from tornado.websocket import WebSocketClosedError
 from ..io.sanitize import sanitize_line
 from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
 from .link import from_query, has_state
-from .page import add_scripts, build
+from .page import build, prepare_document
 from .state import Session, View
-from .theme import column, page_colors, page_css, pane
+from .theme import column, page_colors, page_css
 
 
 PORT = 5006  # Bokeh's
@@ -135,8 +135,7 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
     }
     theme = "dark" if query.get("theme") == "dark" else "default"
     pn.config.global_css = [page_css(page_colors(theme))]
-    opening = '<div role="status" style="padding:24px;font-size:15px">fascicle is drawing …</div>'
-    shell = column(pane(opening, 0))
+    shell = column()
 
     async def fill() -> None:
         async with drawing:
@@ -145,7 +144,8 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
             shell.objects = [build(session, theme, errors, "theme" in query, not has_state(query))]
             await asyncio.sleep(_SENDING)
 
-    add_scripts(pn.state.curdoc, follow_preference="theme" not in query)
+    active = query.get("tab", start.tab)
+    prepare_document(pn.state.curdoc, active, follow_preference="theme" not in query)
     pn.state.onload(fill)
     return shell
 

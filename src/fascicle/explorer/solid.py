@@ -166,6 +166,7 @@ class Scene:
         slider.js_on_change("value", turn)
         for event in (PanStart, Pan, DoubleTap):
             figure.js_on_event(event, turn)
+        self.describe = chart.describe
         self._kinds: tuple[Any, ...] = ()
 
     def panes(self, *widgets: Any) -> tuple[Any, Any]:

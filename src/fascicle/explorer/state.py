@@ -5,9 +5,10 @@ the view, and is called after every change.
 """
 
 import math
+import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -26,6 +27,9 @@ DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
+_KEPT = ("tab", "display_units")  # fields that undoing leaves
+_ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider's steps
+_MOST_UNDONE = 200  # views, which share what they have in common
 SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
 # of a muscle without a bundle: the paper's 1 + 4, whose free strain falls at this pressure [Pa]
 _COUNTS, _SECOND_PRESSURE = (1, 4), 60e3
@@ -54,9 +58,9 @@ class View:
     """Content of the page.
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
-    `distance` between the plates [m], where muscles differ; `alternatives` to the muscle's
-    laws, such as `buckling:elastica`; `pins` to compare, the first is the reference;
-    `display_units` by dimension; the `setup` of a simulation.
+    `load` on the bundle [N], if any; `distance` between the plates [m], where muscles differ;
+    `alternatives` to the muscle's laws, such as `buckling:elastica`; `pins` to compare, the first
+    is the reference; `display_units` by dimension; the `setup` of a simulation.
     """
 
     name: str
@@ -68,6 +72,7 @@ class View:
     pressure: float = 137.9e3  # 20 psi, as in the paper's Fig. 6
     strain: float = 0.1
     pressures: tuple[float, ...] = (SUPPLY,)
+    load: float | None = None
     resistance: bool = True
     alternatives: tuple[str, ...] = ()
     pins: tuple[Pin, ...] = ()
@@ -147,13 +152,19 @@ def check_units(units: tuple[Unit, ...]) -> None:
 
 
 class Session:
-    """View of one visitor, and the callbacks for its changes."""
+    """View of one visitor, the callbacks for its changes, and the views before.
+
+    `opened`: the view that was opened last, by a link, an example or a file.
+    """
 
     def __init__(self, view: View, batch: Callable[[], AbstractContextManager[Any]] = nullcontext):
         """Session whose callbacks run in a `batch`, which sends all changes at once."""
-        self.view, self._batch = view, batch
+        self.view = self.opened = view
+        self._batch = batch
         self.input_names: set[str] = set()  # of files that were read: no output may have one
         self._callbacks: list[Callable[[View, View], None]] = []
+        self._past: list[tuple[View, View]] = []  # views, and what was opened
+        self._last: tuple[set[str], float] = (set(), -math.inf)  # fields changed, and when [s]
 
     def watch(self, callback: Callable[[View, View], None]) -> None:
         """Call `callback` with the views before and after each change."""
@@ -169,6 +180,49 @@ class Session:
 
     def show(self, view: View) -> None:
         """Replace the view, and call all callbacks."""
+        self._remember(view)
+        self._set(view)
+
+    def open(self, view: View) -> None:
+        """Show a view that was opened, to which `reset` returns."""
+        self._last = set(), -math.inf
+        self._remember(view)
+        self.opened = view
+        self._set(view)
+
+    @property
+    def can_undo(self) -> bool:
+        """True if there is a change to undo."""
+        return bool(self._past)
+
+    def undo(self) -> None:
+        """Show the view before the last change; the tab and the units shown stay."""
+        if self._past:
+            view, self.opened = self._past.pop()
+            self._last = set(), -math.inf
+            self._set(self._with_kept(view))
+
+    def reset(self) -> None:
+        """Show the view as it was opened; the tab and the units shown stay."""
+        self._last = set(), -math.inf  # not a step of the last change
+        self.show(self._with_kept(self.opened))
+
+    def _remember(self, view: View) -> None:
+        """Keep the present view to undo, if a `view` differs by more than the last change's next
+        step.
+        """
+        names = {field.name for field in fields(View) if field.name not in _KEPT}
+        names = {name for name in names if changed(self.view, view, name)}
+        (last_names, last), now = self._last, time.monotonic()
+        if names and (names != last_names or now - last > _ONE_CHANGE):
+            self._past = [*self._past[1 - _MOST_UNDONE :], (self.view, self.opened)]
+        if names:
+            self._last = names, now
+
+    def _with_kept(self, view: View) -> View:
+        return replace(view, **{name: getattr(self.view, name) for name in _KEPT})
+
+    def _set(self, view: View) -> None:
         before, self.view = self.view, view
         with self._batch():
             for callback in self._callbacks:

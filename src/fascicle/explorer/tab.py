@@ -100,6 +100,10 @@ class LatestResult:
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)
 
+    def drop(self) -> None:
+        """Drop the result of the running computation."""
+        self._latest = None
+
     def _start(self, doc: Any, compute: Callable[[], Any]) -> None:
         """Run `compute` in a thread; at its end show its result, or start a newer request."""
         self._busy = True

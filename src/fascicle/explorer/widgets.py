@@ -36,7 +36,7 @@ _LABELS = {
     "pressure": "Pressure", "pressures": "Pressures", "strain": "Contraction ε",
     "rest_length": "Rest length", "splits": "Splits", "compare": "Compare with",
     "fit": "What to fit", "scheme": "Recruitment", "path": "Path", "show": "Units",
-    "plate_distance": "Distance between the plates",
+    "plate_distance": "Distance between the plates", "load": "Load",
 }  # fmt: skip
 
 
@@ -48,6 +48,13 @@ def unit_factor(unit: str, dimension: str) -> float:
 def format_quantity(value: float, unit: str, dimension: str, digits: int = 6) -> str:
     """A `value` [SI] in a `unit`, as a field shows it."""
     return f"{value / unit_factor(unit, dimension):.{digits}g} {unit}".strip()
+
+
+def volume_unit(length_unit: str) -> tuple[str, float]:
+    """Unit of a volume beside lengths in a `length_unit`, and its value [m³]."""
+    if length_unit == "in":
+        return "in³", unit_factor("in", "length") ** 3
+    return "cm³", 1e-6
 
 
 def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
@@ -134,20 +141,24 @@ class Field:
     """A text field of a quantity with its unit; errors appear below it."""
 
     def __init__(
-        self, label: str, name: str, dimension: str, set_value: Callable[[float], None],
-        **options: Any,
+        self, label: str, name: str, dimension: str, set_value: Callable[[Any], None],
+        optional: bool = False, **options: Any,
     ):  # fmt: skip
-        """Field of an argument's `name`; a `ValueError` of `set_value` appears below it."""
+        """Field of an argument's `name`; a `ValueError` of `set_value` appears below it.
+
+        An `optional` one may be empty, for `None`.
+        """
         self.label, self.name, self._dimension, self._set = label, name, dimension, set_value
-        self._unit = self._text = ""
+        self._optional, self._unit, self._text = optional, "", ""
         self.input = widget(pn.widgets.TextInput, label, **options)
         self.message = Message()
         self.widgets = (self.input, self.message.pane)
         self.input.param.watch(self._on_input, "value")
 
-    def show(self, value: float, unit: str) -> None:
-        """Show a `value` [SI] in a `unit`."""
-        self._unit, self._text = unit, format_quantity(value, unit, self._dimension, 5)
+    def show(self, value: float | None, unit: str) -> None:
+        """Show a `value` [SI] in a `unit`, or none."""
+        text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
+        self._unit, self._text = unit, text
         self.input.value = self._text
         self.message.show("")
 
@@ -160,7 +171,9 @@ class Field:
             self.message.show("")
             return
         try:
-            value = parse_field(event.new, self._dimension, self._unit, self.name)
+            value = None
+            if event.new.strip() or not self._optional:
+                value = parse_field(event.new, self._dimension, self._unit, self.name)
             self._set(value)
             self.show(value, self._unit)
         except ValueError as error:

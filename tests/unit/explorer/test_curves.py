@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 import fascicle as fs
 from fascicle.bundle import reversal
@@ -24,6 +25,7 @@ from fascicle.explorer.reversal_tab import POINTS, SplitCurve, split_curves
 from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
 from fascicle.explorer.state import Session, Unit, scaled, view_of
 from fascicle.muscle import LAWS
+from fascicle.muscle.ends import Compliant
 from fascicle.plot.theme import LIGHT
 
 
@@ -178,23 +180,62 @@ def test_the_bundles_curves_are_the_laws():
     assert state.equilibria[0] == pytest.approx(float(VIEW.bundle.free_strain([3e5, 7e4])))
 
 
-def test_a_point_of_the_overlap_has_a_solution_in_each_state():
-    overlap = bundle_curves.drawn_space(VIEW.bundle, True).overlap
+@pytest.mark.parametrize("path", ["isobaric", "isotonic"])
+def test_a_load_in_the_overlap_has_pressures_in_each_state_the_cheapest_first(path):
+    bundle, overlap = VIEW.bundle, bundle_curves.drawn_space(VIEW.bundle, True).overlap
     widest = int(np.argmax(overlap.width[0]))
     strain = float(overlap.strain[widest])
-    force = float(overlap.low[0, widest] + overlap.high[0, widest]) / 2
-    solutions, remark = bundle_curves.solutions(VIEW.bundle, force, strain, True)
-    assert not remark
-    assert {solution.state for solution in solutions} == {1, 2}
-    for solution in solutions:
-        reached = float(VIEW.bundle.force(solution.pressures, strain))
-        assert reached == pytest.approx(force, rel=1e-6, abs=1e-6)
+    load = float(overlap.low[0, widest] + overlap.high[0, widest]) / 2
+    rows, _ = bundle_curves.recruitments(bundle, load, strain, True, path)
+    assert {row.state for row in rows} == {1, 2} and all(row.reached for row in rows)
+    fluid = [row.fluid for row in rows]
+    assert fluid == sorted(fluid)
+    result = bundle.recruit(load, strain)
+    assert rows[0].state == result.state
+    np.testing.assert_allclose(rows[0].pressures, result.pressures, rtol=1e-12)
+    for row in rows:
+        assert float(bundle.force(row.pressures, strain)) == pytest.approx(load, rel=1e-6)
+        # volumes of all muscles with pressure, at the strain less at rest
+        volume = sum(
+            unit.count * (float(unit.muscle.volume(strain)) - float(unit.muscle.volume(0.0)))
+            for unit, P in zip(bundle.motor_units, row.pressures, strict=True) if P > 0
+        )  # fmt: skip
+        assert row.fluid == pytest.approx(volume, rel=1e-12)
+        # the area under the curve, by its trapezoids: their error falls with their number squared
+        strains = np.linspace(0.0, strain, 4001)
+        forces = np.full(4001, load)
+        if path == "isobaric":
+            forces = bundle.force(np.array(row.pressures), strains)
+        area = np.trapezoid(forces, strains) * float(bundle.length)
+        expected = area / (float(bundle.supply_pressure) * volume)
+        assert row.efficiency == pytest.approx(expected, rel=1e-5)
 
 
-def test_a_point_out_of_reach_has_a_remark():
-    solutions, remark = bundle_curves.solutions(VIEW.bundle, 1e4, 0.1, True)
-    assert "above what is reachable" in remark
-    assert len(solutions) == 1
+def test_states_that_cannot_carry_a_load_have_their_nearest_force():
+    bundle = VIEW.bundle
+    rows, _ = bundle_curves.recruitments(bundle, 1e4, 0.1, True, "isobaric")
+    assert [row.state for row in rows] == [2, 1] and not any(row.reached for row in rows)
+    full = float(bundle.supply_pressure)
+    for row, pressures in zip(rows, ((full, full), (full, 0.0)), strict=True):
+        assert row.pressures == pressures
+        assert row.force == pytest.approx(float(bundle.force(pressures, 0.1)), rel=1e-12)
+    load = 0.5 * rows[1].force
+    reached, other = bundle_curves.recruitments(bundle, load, 0.1, True, "isobaric")[0]
+    assert (reached.state, reached.reached, other.state, other.reached) == (1, True, 2, False)
+    assert other.force > load
+
+
+def test_fluid_of_compliant_ends_is_not_known():
+    muscle = SIX.replace(ends=Compliant(end_compliance=1e-6))
+    bundle = fs.Bundle([fs.MotorUnit(muscle)], SUPPLY)
+    (row,), remark = bundle_curves.recruitments(bundle, 20.0, 0.05, True, "isobaric")
+    assert row.reached and np.isnan(row.fluid) and np.isnan(row.efficiency)
+    assert "compliant ends" in remark
+
+
+def test_rest_length_takes_no_fluid_and_has_no_efficiency():
+    row = bundle_curves.recruitments(VIEW.bundle, 50.0, 0.0, True, "isobaric")[0][0]
+    assert row.reached and row.fluid == 0 and np.isnan(row.efficiency)
 
 
 def test_muscles_stand_apart_inside_their_envelope():
@@ -230,6 +271,26 @@ def test_a_curve_goes_through_its_turning_point_and_breaks_at_a_jump(jump, turn)
     assert np.isnan(drawn).sum() == jump
     flat = replace(curve, turn=replace(curve.turn, depth=0.0))
     assert flat.drawn[1] is flat.resisted
+
+
+@pytest.mark.parametrize("name", ["kim2021_bundle_1_4", "kim2021_bundle_five"])
+def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
+    view = replace(view_of(fs.example(name), name), tab="efficiency")
+    maps = efficiency_tab.efficiency_maps(view.bundle, "isobaric")
+    i, j = np.nonzero(maps.in_strips)
+    points = np.c_[maps.free.strain[j], maps.free.force[i]]
+    inside = [Path(np.c_[strain, force]).contains_points(points) for strain, force in maps.strips]
+    assert len(points) and np.all(np.any(inside, axis=0))
+    tab = efficiency_tab.EfficiencyView(Session(view), LIGHT)
+    tab.refresh()
+    tab._kind.value = "difference"
+    (image,) = tab._image.data["image"]
+    others = maps.difference[~maps.in_strips]
+    assert np.nanmax(np.abs(image)) == pytest.approx(np.nanmax(np.abs(others)), rel=1e-6)
+    assert tab._mapper.high < 0.1 < maps.difference[maps.in_strips].max()
+    assert len(tab._strips.data["xs"]) == len(view.units) - 1
+    tab._kind.value = "free"
+    assert not tab._strips.data["xs"]
 
 
 def test_the_equivalent_muscle_has_the_bundles_cross_section():

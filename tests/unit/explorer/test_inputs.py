@@ -1,5 +1,7 @@
 """Sliders and fields: values in the unit shown, and errors by the page's labels."""
 
+from dataclasses import replace
+
 import pytest
 from bokeh.core.properties import value
 
@@ -44,6 +46,21 @@ def dial():
     values = []
     dial = QuantitySlider("Pressure P", "pressure", "pressure", values.append)
     return dial, values
+
+
+def test_a_value_that_is_restored_is_no_change(page):
+    inputs, session = page
+    session.open(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
+    length = inputs.fields["length"].input
+    before = length.value
+    length.value = "150 mm"
+    assert session.view.name == "kim2021_figure_6, changed"
+    length.value = before
+    assert session.view.name == "kim2021_figure_6"
+    # after a link to a changed example, too
+    session.open(view_of(session.view.muscle.replace(length=0.2), "kim2021_figure_6, changed"))
+    length.value = before
+    assert session.view.name == "kim2021_figure_6"
 
 
 @pytest.mark.parametrize("unit", ["kPa", "psi", "bar"])
@@ -179,7 +196,7 @@ def test_a_radius_out_of_reach_is_refused_by_its_own_name(rows):
 
 
 def test_every_point_of_the_bundles_picture_is_in_its_legend():
-    tab = BundleView(Session(BUNDLE), DARK)
+    tab = BundleView(Session(replace(BUNDLE, tab="bundle")), DARK)
     tab.refresh()
     items = tab.chart.figure.legend[0].items
     entries = {getattr(item.label, "value", None): item for item in items}

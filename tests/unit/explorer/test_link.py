@@ -31,7 +31,8 @@ def read(query):
 def test_a_view_comes_back_from_its_address():
     view = replace(
         SIX, units=(Unit(1), Unit(4, 0.5)), supply=344.7e3, scheme="batch", pressure=69e3,
-        strain=0.123, pressures=(3e5, 1e5), resistance=False, alternatives=("buckling:elastica",),
+        strain=0.123, load=12.5, pressures=(3e5, 1e5), resistance=False,
+        alternatives=("buckling:elastica",),
         path="isotonic", splits=((1, 4), (2, 3)), tab="bundle",
         display_units={"pressure": "psi", "length": "in", "force": "lbf"},
     )  # fmt: skip
@@ -65,12 +66,13 @@ def test_the_length_of_a_fit_comes_back():
 @pytest.mark.parametrize(
     ("query", "word"),
     [
-        ({"muscle": "../../etc/passwd"}, "no example is named"),
+        ({"muscle": "../../etc/passwd"}, "must be one of the list"),
         ({"file": "no base64!"}, "no file that this explorer has packed"),
         ({"file": "A" * (LONGEST + 1)}, "at most"),
         ({"file": pack("format = 1\nimport os")}, ""),
         ({"strain": "2"}, r"must lie in \[0, 0.6\]"),
         ({"pressure": "137.9"}, "write it with its unit"),
+        ({"load": "nan N"}, ""),
         ({"pressure": "9 MPa"}, "must lie in"),
         ({"units": "1,x"}, "must be like"),
         ({"units": "99999"}, "60 in all"),
@@ -107,6 +109,9 @@ def test_a_bad_key_gives_a_message_and_the_other_keys_are_read(query, word):
     result, (error,) = from_query(query | {"path": "isotonic"}, SIX)
     assert "\n" not in error and len(sanitize_line(error)) < 410
     assert re.search(word, error)
+    # whole sentences, without a name of Python
+    assert re.fullmatch(r"In the link, .*\. It is left out\.", error)
+    assert "`" not in error and not re.search(r"[a-z]_[a-z]", error)
     assert result.path == "isotonic"
     assert dumps(result.muscle) == dumps(SIX.muscle)
 
@@ -122,20 +127,24 @@ def test_a_bomb_is_not_inflated(size):
 def test_a_file_that_is_too_large_for_a_link_is_reported_when_it_is_opened():
     query = to_query(OWN_MUSCLE) | {"file": pack(dumps(OWN_MUSCLE.muscle) + "#" * 40_000)}
     _, errors = from_query(query, SIX)
-    assert errors == ["link: `file` was too large for a link: open the file itself."]
+    assert errors == [
+        "In the link, the muscle's file was too large for a link: open the file itself. It is left"
+        " out."
+    ]
 
 
 def test_the_page_opens_with_any_error_in_a_link(monkeypatch):
     monkeypatch.setattr("fascicle.explorer.link.loads", lambda *_, **__: 1 / 0)
     result, errors = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
-    assert errors == ["link: `file` can't be read."]
+    assert errors == ["In the link, the muscle's file can't be read. It is left out."]
     assert result.path == "isotonic"
 
 
 def test_pressures_of_a_link_are_limited_by_its_supply():
     query = {"supply": "100 kPa", "pressure": "300 kPa", "pressures": "90 kPa,200 kPa"}
     view, errors = from_query(query, SIX)
-    assert errors == ["link: `pressure` must be at most the supply's, 100kPa."]
+    text = "In the link, the pressure must be at most the supply's, 100kPa. It is lowered."
+    assert errors == [text]
     assert (view.pressure, view.pressures) == (1e5, (9e4, 1e5))
     assert read({"supply": "100 kPa"}).pressure == 1e5
 
@@ -168,7 +177,7 @@ def test_a_link_has_every_digit_where_no_unit_has_few():
 
 def test_messages_of_a_link_are_in_its_own_units():
     _, (message,) = from_query({"pressure": "9 MPa", "show": "psi,in,lbf"}, SIX)
-    assert message.endswith("psi (gauge), got 1305.34 psi.")
+    assert "psi (gauge), got 1305.34 psi." in message
 
 
 def test_callbacks_follow_a_change_and_not_a_value_that_the_view_has():
@@ -177,6 +186,42 @@ def test_callbacks_follow_a_change_and_not_a_value_that_the_view_has():
     session.change(strain=0.2)
     session.change(strain=0.2, units=SIX.units)
     assert calls == [(SIX.strain, 0.2)]
+
+
+def test_undo_and_reset(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("fascicle.explorer.state.time.monotonic", lambda: now[0])
+    session = Session(SIX)
+    for strain in (0.2, 0.21, 0.22):  # a slider's steps are one change
+        now[0] += 0.2
+        session.change(strain=strain)
+    now[0] += 0.1
+    session.change(pressure=2e5, tab="bundle")
+    now[0] += 10
+    session.change(pressure=3e5)
+    other = view_of(fs.example("kim2021_figure_9"), "kim2021_figure_9", session.view)
+    session.open(other)
+    session.change(strain=0.05)
+    session.reset()
+    assert session.view == other
+    seen = []
+    while session.can_undo:
+        session.undo()
+        seen.append((session.view.name[-1], session.view.strain, session.view.pressure))
+    assert seen == [("9", 0.05, other.pressure), ("9", other.strain, other.pressure),
+                    ("6", 0.22, 3e5), ("6", 0.22, 2e5), ("6", 0.22, SIX.pressure),
+                    ("6", SIX.strain, SIX.pressure)]  # fmt: skip
+    assert (session.view.tab, session.opened) == ("bundle", SIX)
+    session.undo()
+    assert session.view.strain == SIX.strain
+
+
+@pytest.mark.parametrize("name", fs.catalog)
+def test_measured_muscles_have_short_links(name):
+    view = view_of(fs.catalog[name].muscle, name)
+    query = to_query(view)
+    assert query["muscle"] == name and "file" not in query
+    assert dumps(read(query).muscle) == dumps(view.muscle)
 
 
 def test_a_bundle_opens_with_its_units_and_a_muscle_as_two():

@@ -26,6 +26,37 @@ def test_a_message_on_a_link_goes_with_the_next_change(header):
     assert not header.message.text
 
 
+@pytest.mark.parametrize("answer", ["_replace", "_keep"])
+def test_an_example_does_not_replace_an_own_muscle_without_asking(header, answer):
+    session = header._session
+    header._example.value = "kim2021_figure_9"
+    assert session.view.name == "kim2021_figure_9" and not header.question.visible
+    own = view_of(fs.example("kim2021_figure_9").replace(length=0.2), "mine.toml")
+    session.open(own)
+    header._example.value = "kim2021_figure_6"
+    assert session.view is own and header.question.visible
+    assert "kim2021_figure_6 would replace mine.toml" in header._question.object
+    getattr(header, answer)()
+    assert not header.question.visible
+    assert (session.view is own) == (answer == "_keep")
+    assert header._example.value == ("(own)" if answer == "_keep" else "kim2021_figure_6")
+
+
+def test_a_measured_muscle_opens_as_it_was_fitted(header):
+    for name in fs.catalog:
+        header._example.value = name
+        assert header._session.view.name == name
+        assert header._session.view.muscle == fs.catalog[name].muscle
+
+
+def test_buttons_of_the_history_are_enabled_while_there_is_one(header):
+    assert header.undo.disabled and header.reset.disabled
+    header._session.change(strain=0.2)
+    assert not header.undo.disabled and not header.reset.disabled
+    header._session.undo()
+    assert header.undo.disabled and header.reset.disabled
+
+
 def test_an_empty_file_is_refused(header):
     before = header._session.view
     header.file.param.update(value=None, filename="none.toml")  # Panel's event of one

@@ -89,7 +89,7 @@ def test_a_link_holds_the_setup_and_a_visitors_file():
         ({"scenario": "lift"}, "scenario"),
         ({"scenario": "lift_gas", "policies": "threshold"}, "commanded by a schedule"),
         ({"scenario": "ramp_1_4", "policies": "none"}, "policies"),
-        ({"scenario": "ramp_1_4", "set": "run.duration:9s"}, "set"),
+        ({"scenario": "ramp_1_4", "set": "run.duration:9s"}, "the scenario's fields"),
         ({"scenario": "ramp_1_4", "set": "load.mean:9kPa"}, "9kPa"),
         ({"scenario_file": "AAAA"}, "no file that this explorer has packed"),
     ],
