@@ -63,7 +63,7 @@ class MuscleCurves:
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
         self.free_strain, self.collapse = self.nodes.column.free_strain, self.nodes.collapse
-        self.kinks: list[tuple[Residual, Array]] = [(self._pull, self.free_strain)]
+        self.kinks: list[tuple[Residual, Array]] = [(self.pull_residual, self.free_strain)]
         for i, strains in enumerate(_kink_strains(self.nodes)):
             # most laws buckle at the free strain itself
             if strains is not self.free_strain and not np.all(np.isinf(strains)):
@@ -121,7 +121,7 @@ class MuscleCurves:
                 return free
         return None
 
-    def _pull(self, level: Array, plates: Array) -> Array:
+    def pull_residual(self, level: Array, plates: Array) -> Array:
         """Tension [N]: it has the sign of free strain less strain, and needs no root."""
         return self.law.tension.pull(level * self.supply, self.strain(plates)).force
 
@@ -402,27 +402,35 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
             cells = throttled[left != right]
             if not len(cells):
                 continue
-            start, end = points.level[point[cells]], points.level[point[cells] + 1]
-            plates = searches.strain[rows[cells]]
-            values = residual(start, plates), residual(end, plates)
+            row, ends = rows[cells], (point[cells], point[cells] + 1)
+            start, end = (points.level[i] for i in ends)
+            plates = searches.strain[row]
+            if residual == muscle.pull_residual:  # a force, not a strain
+                values = [residual(level, plates) for level in (start, end)]
+            else:  # known at the nodes, where computing it again takes two searches for roots
+                values = [strains[nodes[cells] + i] - strain[left != right] for i in (0, 1)]
+            # a free strain within rounding of a node may have either sign of force
             change = np.flatnonzero((values[0] > 0) != (values[1] > 0))
-            row, start, end, plates = (x[change] for x in (rows[cells], start, end, plates))
+            row, start, end, plates, *values = (
+                x[change] for x in (row, start, end, plates, *values)
+            )
             *_, left, right = _bracketed_root(
                 lambda i, level, residual=residual, plates=plates: residual(level, plates[i]),
-                start, end, values[0][change], values[1][change], np.full(len(row), -1.0),
+                start, end, *values, np.full(len(row), -1.0),
             )  # fmt: skip
             kinks.append((row, left, right, start, end))
     if not any(len(row) for row, *_ in kinks):
         return points
     row, left, right, start, end = map(np.concatenate, zip(*kinks, strict=True))
-    f_left, f_right = searches.excess(row, left), searches.excess(row, right)
+    before, after = left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)
+    levels = np.concatenate([left, right, before, after])
+    f_left, f_right, *f_insets = np.split(searches.excess(np.tile(row, 4), levels), 4)
     # but for rounding both sides are one point, unless the force jumps
     jumps = np.abs(f_right - f_left) > _JUMP * (1 + np.abs(f_left) + np.abs(f_right))
     points = points.insert(row, right, f_right, kink=True)
     points = points.insert(row, left, f_left, ~jumps, kink=True)
-    for level in (left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)):
-        points = points.insert(row, level, searches.excess(row, level))
-    return points
+    row, level, excess = np.tile(row, 2), np.append(before, after), np.concatenate(f_insets)
+    return points.insert(row, level, excess)
 
 
 def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
