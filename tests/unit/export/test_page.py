@@ -250,8 +250,13 @@ def test_a_page_loads_nothing():
 
 def test_laws_that_the_module_has_not_are_refused():
     muscle = fs.example("kim2021_figure_6")
-    with pytest.raises(InvalidInputError) as error:
-        page_text(muscle.replace(tension="elastic_braid"))
-    assert error.value.argument == "muscle" and "--c" in str(error.value)
+    for changes in (
+        {"tension": "elastic_braid"},
+        {"buckling": "elastica", "ends": "compliant"},
+        {"buckling": fs.buckling.Kim2021(shear="engesser")},
+    ):
+        with pytest.raises(InvalidInputError) as error:
+            page_text(muscle.replace(**changes))
+        assert error.value.argument == "muscle" and "--c" in str(error.value)
     with pytest.raises(InvalidInputError):
         page_text(muscle, pressures=[2e6])
