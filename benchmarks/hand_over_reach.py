@@ -5,8 +5,8 @@ the wall, 2 % of the radius, 1° of the braid angle, 0.4 of the logarithm of the
 controller knows the nominal muscles, and how uncertain muscles are: it learns from one crossing to
 the next by `control.Learner` with its usual draws. Air, isothermal, valves of 1e-9 m³/(s Pa) a
 muscle, 1 kHz; dips over the model's dip D, counted up to the demand that the truth can hold.
-Simulated: nothing here was measured on a bench. Constants of the controller were chosen on seeds
-1 and 5, these tables are of another one.
+Simulated: nothing here was measured on a bench. The policy's constants were chosen on seed
+1, the learner's on seed 5 with draws of seed 99; these tables are of another seed.
 
     python benchmarks/hand_over_reach.py crossings|delays|durations|shapes [truths]
 """

@@ -70,8 +70,8 @@ def crossing_confidence(
     options: dict[str, Any] = {"slack": slack, "lag": lag}
     model = crossing(bundle, path, valves, unit, supply, **options)
     draws = draw_bundles(bundle) if draws is None else draws
-    others = [crossing(drawn, path, valves, unit, supply, **options) for drawn in draws]
-    share = float(np.mean([other.found or other.needed is None for other in others]))
+    crossings = [crossing(drawn, path, valves, unit, supply, **options) for drawn in draws]
+    share = float(np.mean([candidate.found or candidate.needed is None for candidate in crossings]))
     if model.strain is None:
         return CrossingConfidence(model, share, np.nan)
     base, *states = (transition(b, model.strain, unit, supply) for b in (bundle, *draws))

@@ -182,14 +182,14 @@ class Learner(NamedTuple):
         first, parts = 0, []
         for bundle, drawn in zip(plant.bundles, draws, strict=True):
             model = _unit_forces(bundle, grid)
-            rows = np.stack([_unit_forces(other, grid) - model for other in drawn])
+            rows = np.stack([_unit_forces(bundle, grid) - model for bundle in drawn])
             n, last = rows[0].size, first + rows[0].size
             rows = rows.reshape(len(rows), n)
             parts.append((slice(first, last), rows.T @ rows / len(rows)))
             first = last
-        covariance = _rest(_full_force(plant), roots, strains)
-        for part, expected in parts:
-            covariance[part, part] += expected
+        covariance = _residual_covariance(_full_force(plant), roots, strains)
+        for block, expected in parts:
+            covariance[block, block] += expected
         return cls(plant, grid, covariance)
 
     def learn(
@@ -272,7 +272,7 @@ def _unit_forces(bundle: Bundle, grid: Correction) -> Numbers:
     return np.stack(forces)[indices]
 
 
-def _rest(full: Numbers, roots: Numbers, strains: Numbers) -> Numbers:
+def _residual_covariance(full: Numbers, roots: Numbers, strains: Numbers) -> Numbers:
     """Covariance [N²] of what draws don't explain, (K10); `full`: largest forces [N]."""
     by_root, by_strain = (
         np.exp(-(np.subtract.outer(x, x) ** 2) / (2 * length**2))

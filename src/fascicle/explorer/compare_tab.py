@@ -303,10 +303,10 @@ def _notes_html(view: View) -> str:
     """Validity warnings of all pins, and a note on those that the link leaves out."""
     lines: list[str] = []
     for pin in view.pins:
-        alone = replace(
+        pinned_view = replace(
             view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),), alternatives=()
         )
-        lines += [f"{pin.name}: {text}" for text in validity_warnings(alone, "muscle")]
+        lines += [f"{pin.name}: {text}" for text in validity_warnings(pinned_view, "muscle")]
     warnings = "".join(f'<p class="warning">{html.escape(line)}</p>' for line in lines)
     number = linked_pins(view)
     left_out = f"The link has room for the first {number} of these curves only."

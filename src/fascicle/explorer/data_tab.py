@@ -326,8 +326,8 @@ class DataView(Tab):
             }
         labeled = np.unique(np.linspace(0, number - 1, min(number, _MOST_LABELS)).astype(int))
         # above the readings, too, which lie at rest
-        at_rest = strain < before.strain[0] + _REST_SHARE * np.ptp(before.strain)
-        tops = [max([before.force[i, 0], *force[at_rest & (nearest == i)]]) for i in labeled]
+        is_near_rest = strain < before.strain[0] + _REST_SHARE * np.ptp(before.strain)
+        tops = [max([before.force[i, 0], *force[is_near_rest & (nearest == i)]]) for i in labeled]
         unit, pressure_scale = self.unit("pressure")
         self._labels.data = {
             "x": [float(before.strain[0])] * len(labeled),

@@ -232,15 +232,15 @@ class EfficiencyView(Tab):
             return
         result, kind = self._result, self._kind.value
         unit, scale = self.unit("force")
-        is_loss, lost = kind == "difference", result.difference[result.in_strips]
+        is_loss, loss = kind == "difference", result.difference[result.in_strips]
         values = result.difference_beside if is_loss else getattr(result, kind).efficiency
         strips = result.strips if is_loss else ()
         note = (
             (
                 "In the outlined strip, which is thinner than a cell, resistance makes another"
-                f" recruitment state necessary: it takes {lost.min():.2g} to {lost.max():.2g}."
+                f" recruitment state necessary: it takes {loss.min():.2g} to {loss.max():.2g}."
             )
-            if strips and lost.size
+            if strips and loss.size
             else ""
         )
         strain, force = result.resisted.strain, result.resisted.force / scale

@@ -89,8 +89,8 @@ def to_query(view: View) -> dict[str, str]:
 
 def linked_pins(view: View) -> int:
     """Number of pins, from the first on, that the link of a `view` has room for."""
-    alone = all(unit.own is None for unit in view.units)
-    room = LONGEST - len(pack(dumps(view.muscle if alone else view.bundle)))
+    has_one_muscle = all(unit.own is None for unit in view.units)
+    room = LONGEST - len(pack(dumps(view.muscle if has_one_muscle else view.bundle)))
     room -= len(pack(view.setup.own)) if view.setup.own else 0
     numbers = range(len(view.pins), 0, -1)
     return next((n for n in numbers if pack(pins_text(view.pins[:n]), room) != TOO_LARGE), 0)

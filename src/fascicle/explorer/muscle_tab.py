@@ -234,10 +234,12 @@ class MuscleView(Tab):
         unit, scale = self.unit("force")
         pressure = format_quantity(view.pressure, self.unit("pressure")[0], "pressure", 4)
         force, region = f"{curves.point_force / scale:.4g} {unit}", REGIONS[curves.region]
-        here = f"at a contraction of {view.strain:.4g}, {region}"
+        position_text = f"at a contraction of {view.strain:.4g}, {region}"
         marks = ", ".join(self._marks.data["label"])
-        self.chart.describe(f"Force over contraction at {pressure}: {marks}; {force} {here}.")
-        self._scene.describe(f"Drawing of the muscle {here}.")
+        self.chart.describe(
+            f"Force over contraction at {pressure}: {marks}; {force} {position_text}."
+        )
+        self._scene.describe(f"Drawing of the muscle {position_text}.")
         self._point.data = {"x": [view.strain], "y": [curves.point_force / scale]}
         solid = muscle_solid(view.muscle, curves, view.strain)
         length = float(view.muscle.length)

@@ -108,9 +108,9 @@ def quantity_texts(quantity: Quantity, unit: str) -> list[tuple[str, str, str]]:
         (
             number(value / scale, form),
             "reference" if i == 0 else number(difference / scale, f"+{form}"),
-            "" if i == 0 else number(100 * share, "+.1f") + " %" * math.isfinite(share),
+            "" if i == 0 else number(100 * fraction, "+.1f") + " %" * math.isfinite(fraction),
         )
-        for i, (value, (difference, share)) in enumerate(
+        for i, (value, (difference, fraction)) in enumerate(
             zip(quantity.values, quantity.differences, strict=True)
         )
     ]
@@ -141,19 +141,19 @@ def add_pin(
 
 def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
     """The `pins`, one of them with another `name`; `InvalidInputError` for a bad name."""
-    others = (*pins[:index], *pins[index + 1 :])
-    name = check_name(name, others)
+    pins_left = (*pins[:index], *pins[index + 1 :])
+    name = check_name(name, pins_left)
     return (*pins[:index], Pin(name, pins[index].muscle, pins[index].pressure), *pins[index + 1 :])
 
 
-def check_name(name: str, others: Sequence[Pin]) -> str:
-    """Name of a pin in one line, none of the `others`'; `InvalidInputError` if it can't be."""
+def check_name(name: str, pins_left: Sequence[Pin]) -> str:
+    """Name of a pin in one line, none of `pins_left`; `InvalidInputError` if it can't be."""
     line = sanitize_line(name, 2 * LONGEST_NAME)
     # a spreadsheet takes a leading =, +, - or @ for a formula
     if not line[:1].isalnum() or len(line) > LONGEST_NAME:
         rule = f"must begin with a letter or digit and have {LONGEST_NAME} characters at most"
         raise InvalidInputError("name", rule, name, shown=f"“{line}”")
-    if any(pin.name == line for pin in others):
+    if any(pin.name == line for pin in pins_left):
         raise InvalidInputError("name", "must differ from the other curves'", line)
     return line
 

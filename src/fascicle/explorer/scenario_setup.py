@@ -56,7 +56,7 @@ class ScenarioValue(NamedTuple):
 
 @dataclass(frozen=True)
 class Setup:
-    """What is to be simulated.
+    """A scenario to simulate, with changes.
 
     `name` of the scenario; `own` text of a visitor's file, empty for a shipped one; changed
     `values` [SI] by path; `policies` to compare, none for that of the file.
@@ -195,8 +195,8 @@ def read_setup(setup: Setup, key: str, text: str) -> Setup:
         return Setup(check_choice(text, scenarios(), "scenario"))
     if key == "policies":
         return replace(setup, policies=check_policies(setup, text.split(",")))
-    for part in text.split(",")[:_MOST_VALUES]:
-        path, _, value = part.partition(":")
+    for entry in text.split(",")[:_MOST_VALUES]:
+        path, _, value = entry.partition(":")
         dimensions = {field.path: field.dimension for field in setup.fields}
         setup = setup.change(path, parse(value, dimensions.get(path, "number"), "set"))
     return setup

@@ -213,11 +213,11 @@ class Session:
         """
         names = {field.name for field in fields(View) if field.name not in _KEPT}
         names = {name for name in names if changed(self.view, view, name)}
-        (last_names, last), now = self._last, time.monotonic()
-        if names and (names != last_names or now - last > _ONE_CHANGE):
+        (last_names, last), time_now = self._last, time.monotonic()
+        if names and (names != last_names or time_now - last > _ONE_CHANGE):
             self._past = [*self._past[1 - _MOST_UNDONE :], (self.view, self.opened)]
         if names:
-            self._last = names, now
+            self._last = names, time_now
 
     def _with_kept(self, view: View) -> View:
         return replace(view, **{name: getattr(self.view, name) for name in _KEPT})

@@ -210,19 +210,21 @@ def _reach_text(view: View) -> str:
         return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."
     first, second = view.pressures[:2]
     before = (first, 0.0, *view.pressures[2:])
-    alone, now = (float(bundle.free_strain(P, view.resistance)) for P in (before, view.pressures))
+    reach_before, reach = (
+        float(bundle.free_strain(P, view.resistance)) for P in (before, view.pressures)
+    )
     lines = [
         f"With {text(first, 'pressure')} in unit 1, and unit 2 vented, the bundle reaches"
-        f" contraction {alone:#.3g}."
+        f" contraction {reach_before:#.3g}."
     ]
-    push = -float(bundle.unit_forces(view.pressures, now, view.resistance)[1])
-    if now < alone and push > 0:
+    push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
+    if reach < reach_before and push > 0:
         lines.append(
-            f"With {text(second, 'pressure')} in unit 2 it reaches only {now:#.3g}: its muscles"
+            f"With {text(second, 'pressure')} in unit 2 it reaches only {reach:#.3g}: its muscles"
             f" are contracted past their own free strain and push with {text(push, 'force')}."
         )
     else:
-        lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {now:#.3g}.")
+        lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {reach:#.3g}.")
     if any(view.pressures[2:]):  # the turn is that of two units
         return " ".join(lines)
     turn = _reversal(bundle, first, view.resistance)

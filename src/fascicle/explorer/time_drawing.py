@@ -83,7 +83,7 @@ def bundle_drawing(
     array = np.stack(tubes, axis=1)
     array[..., 1] -= rods[:, :, None]
     parts = _Parts(len(rows))
-    placed, labels, spans = _place(array, np.asarray(plant.counts), sides)
+    placed, labels, spans = _place_units(array, np.asarray(plant.counts), sides)
     for unit, x in placed:
         if rods[:, unit].max() > 0.1:  # mm: else it can't be seen
             parts.bar(x, -rods[:, unit], 0.0 * rods[:, unit], "rod")
@@ -115,7 +115,7 @@ def _tubes(muscle: object, pressure: np.ndarray, strain: np.ndarray) -> np.ndarr
     return 1e3 * np.array(shapes)
 
 
-def _place(
+def _place_units(
     tubes: np.ndarray, counts: np.ndarray, sides: np.ndarray
 ) -> tuple[list[tuple[int, float]], list[tuple[float, float]], list[tuple[float, float]]]:
     """Unit and x of each muscle; middle and width of each unit; left and right of each bundle."""

@@ -103,13 +103,13 @@ def film(
             label.set_text(f"unit {unit + 1}\n{STATES[states[unit]]}" if len(labels) <= 3
                            else f"{unit + 1}")  # fmt: skip
 
-    moving: list[tuple[Any, Any]] = [(figure, clock), *zip(axes[:, 1], cursors, strict=True)]
-    moving += [(scene, part) for part in (*rigid, *(tube for *_, tube in tubes), *labels)]
+    artists: list[tuple[Any, Any]] = [(figure, clock), *zip(axes[:, 1], cursors, strict=True)]
+    artists += [(scene, artist) for artist in (*rigid, *(tube for *_, tube in tubes), *labels)]
     show(0)
     canvas: Any = figure.canvas
     canvas.draw()
     figure.set_layout_engine("none")  # laid out once
-    for _, artist in moving:
+    for _, artist in artists:
         artist.set_animated(True)
     canvas.draw()  # what stands still; a whole drawing of each frame takes ten times as long
     background, images = canvas.copy_from_bbox(figure.bbox), []
@@ -117,7 +117,7 @@ def film(
         progress(f"drawing frame {number} of {len(rows)}")
         show(row)
         canvas.restore_region(background)
-        for owner, artist in moving:
+        for owner, artist in artists:
             owner.draw_artist(artist)
         image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
         images.append(image.quantize(_COLORS, dither=Image.Dither.NONE))

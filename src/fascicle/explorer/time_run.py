@@ -168,8 +168,8 @@ def _run(
     if control is not None:
         tracking = reports.run_demand(study, run)
         assert tracking is not None
-        worth = reports.control_worth(control, run)
-        policy_run = reports.PolicyRun(control, run, worth, tracking, doubts)
+        control_metrics = reports.control_worth(control, run)
+        policy_run = reports.PolicyRun(control, run, control_metrics, tracking, doubts)
         if tracking.quantity == "position":
             demand = np.append(tracking.demand, tracking.demand[-1])[rows]
     drawing = bundle_drawing(study.plant, run.outputs, rows, demand)

@@ -231,9 +231,9 @@ class TimeView(Tab):
             width=300,
         )  # fmt: skip
         play, slider, speed = (
-            pn.pane.Bokeh(part, margin=0, sizing_mode="stretch_width" if part is self._slider
+            pn.pane.Bokeh(model, margin=0, sizing_mode="stretch_width" if model is self._slider
                           else None)
-            for part in self._player
+            for model in self._player
         )  # fmt: skip
         states = self._state_legend()
         drawing = column(
@@ -242,8 +242,8 @@ class TimeView(Tab):
             kind="equal", styles={"flex": "2 1 0"},
         )  # fmt: skip
         charts = column(
-            *(part for legend, chart in zip(self._legends, self.charts, strict=True)
-              for part in (legend, chart.new_pane())),
+            *(component for legend, chart in zip(self._legends, self.charts, strict=True)
+              for component in (legend, chart.new_pane())),
             kind="equal", styles={"flex": "3 1 0"},
         )  # fmt: skip
         self._shown = column(
@@ -464,8 +464,10 @@ class TimeView(Tab):
             self._table.object = ""
         self._show_frames()
 
-    def _show_curves(self, shown: ChartCurves, chart: Chart, source: Any, legend: Any) -> None:
-        title, unit, curves = shown
+    def _show_curves(
+        self, chart_curves: ChartCurves, chart: Chart, source: Any, legend: Any
+    ) -> None:
+        title, unit, curves = chart_curves
         source.data = {
             "xs": [self._samples("time")] * len(curves),
             "ys": [curve.values for curve in curves],

@@ -89,10 +89,10 @@ class _Worker:
 
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the server's sockets
-        self._connection, other = context.Pipe()
-        self._process = context.Process(target=_serve, args=(other,), daemon=True)
+        self._connection, child_end = context.Pipe()
+        self._process = context.Process(target=_serve, args=(child_end,), daemon=True)
         self._process.start()
-        other.close()
+        child_end.close()
 
     def run(self, call: tuple[Any, ...], show: Callable[[str], None]) -> tuple[Any, Any]:
         """Result and error of a `call`; `show` takes its stages. `EOFError` or `OSError` if the
