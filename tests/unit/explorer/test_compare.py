@@ -188,7 +188,7 @@ def packed(**changes):
 )  # fmt: skip
 def test_wrong_pins_of_a_link_are_refused_in_a_sentence(text, word):
     view, (error,) = from_query({"pins": text, "path": "isotonic"}, VIEW)
-    assert error.startswith("link: ") and error.endswith(".") and "\n" not in error
+    assert error.startswith("In the link, ") and error.endswith(".") and "\n" not in error
     assert re.search(word, error)
     assert view.pins == VIEW.pins and view.path == "isotonic"
 
