@@ -106,7 +106,7 @@ def rows(small: bool = False) -> list[Row]:
     return [
         Row("10 s of 1 + 4 muscles on gas: a run", times.each("one"), "s", "", 0.1, "≤"),
         Row("a run", times.ratio("one", "floor"), "×", "the loop itself, of a pendulum"),
-        Row(f"{batch} at once", rate("many", batch, len(wanted) * DT), "bundle s/s", "", 1000.0),
+        Row(f"{batch} at once", rate("many", batch, len(wanted) * DT), "bundle s/s", "", 400.0),
         Row(f"a tracking cost of {len(wanted) * DT:g} s, compiled", times.each("cost"), "s"),
         Row("a tracking cost's gradient by two gains, reverse", times.ratio("slope", "cost"), "×",
             "the cost alone", 15.0, "≤"),

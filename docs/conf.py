@@ -15,12 +15,12 @@ from fascicle.plot.theme import DARK, LIGHT, MONO, SANS, Colors
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "tests")]
 
-from quick import compile_in_a_hurry  # noqa: E402 stands beside the tests
+from quick import compile_fast  # noqa: E402 stands beside the tests
 
 
 # pages share what they and the tests compile, and a rebuild compiles nothing
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
-compile_in_a_hurry(HERE.parent)
+compile_fast(HERE.parent)
 logging.getLogger("traitlets").setLevel(logging.ERROR)
 
 

@@ -16,7 +16,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from quick import compile_in_a_hurry
+from quick import compile_fast
 
 
 _MANY_MAPS = 20_000
@@ -26,7 +26,7 @@ gc.set_threshold(50_000, 10, 10)
 
 # compiling is most of the time: workers share it, and the next run finds it. Here, since JAX reads
 # it when a folder's own conftest imports it
-_folder = compile_in_a_hurry(Path(__file__).parents[1])
+_folder = compile_fast(Path(__file__).parents[1])
 # what commands remember of files that they wrote isn't the user's own
 os.environ["XDG_STATE_HOME"] = str(_folder.parent / "state")
 
