@@ -86,7 +86,7 @@ def truth_of(name: str, quotient: tuple[float, ...], pressures: np.ndarray) -> A
     blocked = np.asarray(example.blocked_force(rows))
     line = np.polynomial.polynomial.polyfit(rows / top, blocked, 1)
     curves = np.concatenate([quotient, np.zeros(4 - len(quotient)), line])
-    c1, c2 = SmoothCurves(example, rows, top).tables(curves)
+    c1, c2 = SmoothCurves(example, rows, top).corrections(curves)
     old = example.tuning
     factors = {name: getattr(old, name) for name in NAMES}
     return example.replace(tuning=Tuning(rows, c1, c2, **factors))

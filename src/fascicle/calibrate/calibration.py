@@ -120,7 +120,11 @@ class Calibration(Fit):
 
     @cached_property
     def covariance(self) -> np.ndarray:
-        """Covariance of the coordinates from noise, readings and the model's error [-]."""
+        """Covariance of the coordinates [-]: the sum of four parts.
+
+        They come from noise of the forces, from the curves of blocked force and free strain, from
+        scatter of the pressures, and from the model's error.
+        """
         noise = self.minimum.covariance - self.minimum.from_curves
         total = self.diagnosis.inflation * noise + self.minimum.from_curves
         total = total + self.diagnosis.from_pressure
@@ -212,7 +216,7 @@ class Calibration(Fit):
 
     @property
     def censored(self) -> int:
-        """Number of clipped readings, which only limit the force from above."""
+        """Number of clipped readings, which only limit the force."""
         return self.fit_data.clipped
 
     @property

@@ -117,7 +117,7 @@ def compare(
     """
     names = zip((buckling, collapse, post_collapse), _resisting_laws(), strict=True)
     laws = tuple(default if given is None else given for given, default in names)
-    return compare_resisting_laws(record, muscle, parameters, priors, laws, **options).rows
+    return resisting_law_comparison(record, muscle, parameters, priors, laws, **options).rows
 
 
 def _resisting_laws() -> tuple[Sequence[str], ...]:
@@ -130,7 +130,7 @@ def _resisting_laws() -> tuple[Sequence[str], ...]:
     return buckling, [*LAWS["collapse"]], [*LAWS["post_collapse"]]
 
 
-def compare_resisting_laws(
+def resisting_law_comparison(
     record: Record,
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
@@ -138,7 +138,11 @@ def compare_resisting_laws(
     laws: tuple[Sequence[str], ...] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Compare as `compare`; `laws`: names of buckling, collapse and post-collapse laws."""
+    """Comparison of every combination of buckling, collapse and post-collapse law on a record: rows
+    and fits.
+
+    `laws`: names of laws of the three kinds; other arguments as of `compare`.
+    """
     laws = _resisting_laws() if laws is None else laws
     data, fits = select_fit_data(record, muscle), {}
     kinds = ("buckling", "collapse", "post_collapse")
@@ -176,17 +180,20 @@ def compare_tension(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    return compare_tension_laws(record, muscle, parameters, priors, **options).rows
+    return tension_law_comparison(record, muscle, parameters, priors, **options).rows
 
 
-def compare_tension_laws(
+def tension_law_comparison(
     record: Record,
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Compare as `compare_tension`."""
+    """Comparison of all tension laws and the published empirical one on a record: rows and fits.
+
+    Arguments as of `compare_tension`, which returns the rows alone.
+    """
     data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [row(label, calibration) for label, calibration in fits.items()]

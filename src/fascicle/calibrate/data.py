@@ -64,9 +64,9 @@ class Grid:
         """Mask of the entries that hold a force that isn't clipped."""
         return self.used & ~self.censored
 
-    def without(self, fold: np.ndarray) -> "Grid":
-        """Grid without the entries in the mask `fold`."""
-        return replace(self, count=np.where(fold, 0.0, self.count))
+    def without(self, mask: np.ndarray) -> "Grid":
+        """Grid of the same shape, in which the entries of a `mask` hold no readings."""
+        return replace(self, count=np.where(mask, 0.0, self.count))
 
     def weights(self, kind: str) -> np.ndarray:
         """Weights of residuals [-], 1 on average; `kind`: one of `WEIGHTS`."""
@@ -87,7 +87,7 @@ class FitData:
     - `branch`, `time`: of each entry of the table; mean time of its readings [s] or NaN.
     - `read`: number of readings read.
     - `left_out`: number of readings that are not fitted, by reason.
-    - `noise_clipped`: number of small forces among clipped ones that count as clipped.
+    - `noise_clipped`: number of small forces past the free strain that count as clipped.
     - `pushes_clipped`: number of readings without pull that count as clipped.
     - `faults`: of the record's channels.
     - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
@@ -240,13 +240,12 @@ def thin(data: FitData) -> FitData:
 
 
 def pulling_only(data: FitData) -> FitData:
-    """Data with pushes, and noise past the free strain, censored at 0 N, for the tension law alone.
-
-    Pushes count as clipped at zero, and so does noise past a free strain.
+    """Data in which pushes, and noise past the free strain, are clipped at 0 N, for the tension law
+    alone.
     """
     record = data.record
     below = (record.force <= 0) & ~record.censored
-    noise = _zero_plateau(data, record.censored | below)
+    noise = _noise_past_free_strain(data, record.censored | below)
     if not np.any(below | noise):
         return data
     clipped = record.censored | below | noise
@@ -332,8 +331,12 @@ def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarra
     return np.unique(kinds * step + kind, return_inverse=True)[1]
 
 
-def _zero_plateau(data: FitData, clipped: np.ndarray) -> np.ndarray:
-    """Mask of small forces among `clipped` readings: a force that fell to zero does not return."""
+def _noise_past_free_strain(data: FitData, clipped: np.ndarray) -> np.ndarray:
+    """Mask of the readings that are noise: small forces past the strain where the pull ends.
+
+    At each pressure, that strain best separates `clipped` readings (a mask) from the others: a
+    force that fell to zero does not return. Without pressure it is the least strain.
+    """
     force, strain = data.record.force, data.record.strain
     mask, top = np.zeros(force.size, dtype=bool), float(np.max(force))
     idle = data.record.pressure < _IDLE * float(np.max(data.record.pressure))

@@ -162,7 +162,8 @@ class Diagnosis:
 
     - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
     - `signs`: strains at which nearly all residuals have one sign.
-    - `least_strain`: pressures [Pa], rising, and mean residuals [N] at the least strain.
+    - `lowest_strain_means`: pressure [Pa], rising, and mean residual [N] of each level, at the
+      lowest strain of all readings.
     - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
       readings remain.
     - `inflation`: factor on the covariance from noise for correlated residuals [-].
@@ -179,7 +180,7 @@ class Diagnosis:
     trends: tuple[Trend, ...] = ()
     runs: tuple[Runs, ...] = ()
     signs: tuple[Signs, ...] = ()
-    least_strain: tuple[tuple[float, float], ...] = ()
+    lowest_strain_means: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
     inflation: float = 1.0
     from_pressure: np.ndarray | float = 0.0
@@ -355,7 +356,7 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     diagnosis = Diagnosis(
         runs=tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs),
         signs=_one_sided_strains(residuals.readings),
-        least_strain=_means_at_least_strain(residuals.readings),
+        lowest_strain_means=_lowest_strain_means(residuals.readings),
     )
     if freedom < _MIN_FREEDOM:
         return diagnosis
@@ -470,8 +471,8 @@ def _one_sided_strains(readings: Residuals) -> tuple[Signs, ...]:
     return tuple(sorted(signs, key=lambda entry: -abs(2 * entry.below - entry.count)))
 
 
-def _means_at_least_strain(readings: Residuals) -> tuple[tuple[float, float], ...]:
-    """Pressures [Pa] and mean residuals [N] in the cell of least strain."""
+def _lowest_strain_means(readings: Residuals) -> tuple[tuple[float, float], ...]:
+    """Pressure [Pa] and mean residual [N] of each level, at the lowest strain of all readings."""
     first = _cells(readings.strain)[0] == 0
     level, weight = readings.level[first].astype(int), readings.weight[first]
     if not level.size:

@@ -392,7 +392,7 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
     measured = P[readings.valid]
     rows = np.unique(np.concatenate([np.linspace(measured[0], measured[-1], _ROWS), measured]))
     rows = rows[np.concatenate([[True], np.diff(rows) > 1e-9 * rows[-1]])]
-    c1, c2 = SmoothCurves(muscle, rows, max(float(P.max()), 1.0)).tables(readings.coefficients)
+    c1, c2 = SmoothCurves(muscle, rows, max(float(P.max()), 1.0)).corrections(readings.coefficients)
     effective = np.maximum(rows - float(muscle.tuning.dead_band), 0.0)
     # the table begins above the threshold of the blocked force; near it C2 is a quotient of two
     # small forces, beyond the range of any muscle

@@ -36,11 +36,11 @@ _MIN_ERROR = 1e-4  # of the width: a smaller error is no reason for another spri
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """Friction of a muscle.
+    """Widths of a record's hysteresis loops, and the sliding springs fitted to them.
 
-    - `law`: the springs; `None` where both branches coincide.
+    - `law`: the springs; `None` where the loops are no wider than their scatter.
     - `width`: measured pull of the returning branch less that of the contracting one [N].
-    - `fitted`: width of the springs' loop at the same readings [N].
+    - `fitted_width`: width of the springs' loop at the same readings [N].
     - `breakaway`: distance from a turn to the slip of each spring, at the highest pressure [m].
     - `resolved`: for each spring, that distance exceeds a step of the readings.
     - `pressures`: number of pressures with both branches.
@@ -48,7 +48,7 @@ class Friction:
 
     law: MaxwellSlip | None
     width: np.ndarray
-    fitted: np.ndarray
+    fitted_width: np.ndarray
     breakaway: np.ndarray
     resolved: tuple[bool, ...]
     pressures: int
@@ -56,7 +56,7 @@ class Friction:
     @property
     def rmse(self) -> float:
         """Root mean square error of the width [N]."""
-        return float(np.sqrt(np.mean((self.width - self.fitted) ** 2)))
+        return float(np.sqrt(np.mean((self.width - self.fitted_width) ** 2)))
 
     def half_width(self, pressure: float) -> float:
         """$h$ [N] at `pressure` [Pa], (H5)."""
@@ -80,14 +80,15 @@ class _Loops:
 
 
 def fit_friction(record: Record, length: float) -> Friction | None:
-    """Fit springs to a record's loops.
+    """Friction of a muscle: sliding springs, fitted to the hysteresis loops of a record.
 
     **Arguments:**
 
     - `record`: with both branches of its sweeps.
     - `length`: reference of its strains [m].
 
-    **Returns:** the friction; `None` without a pressure that was measured on both branches.
+    **Returns:** the friction, without a law where the loops are no wider than their scatter; `None`
+    without a pressure that was measured on both branches.
     """
     loops = _loops(record, length)
     if loops is None:
@@ -183,5 +184,5 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
     z = np.concatenate([z[:count][order], z[count:-2][order], z[-2:]])
     breakaway = np.exp(z[count:-2])
     resolved = tuple((breakaway > 1.5 * loops.step).tolist())
-    fitted = loops.width + residuals(z)
-    return Friction(law(z), loops.width, fitted, breakaway, resolved, loops.levels)
+    fitted_width = loops.width + residuals(z)
+    return Friction(law(z), loops.width, fitted_width, breakaway, resolved, loops.levels)

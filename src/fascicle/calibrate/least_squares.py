@@ -148,7 +148,7 @@ class Problem:
         tabulated = put(self.parameters, self.muscle, point[:k, ..., None])
         if not all(parameter in FACTORS for parameter in self.parameters):
             curves = SmoothCurves(tabulated, curves.pressure, top_pressure(self.grid))
-        c1, c2 = curves.tables(coefficients)
+        c1, c2 = curves.corrections(coefficients)
         pressures = tabulated.tuning.effective_pressure(curves.pressure)
         tuning = with_fields(muscle.tuning, pressures=pressures, c1=c1, c2=c2)
         return with_fields(muscle, tuning=tuning)

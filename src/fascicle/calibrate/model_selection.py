@@ -415,7 +415,7 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Tr
         readings = read(muscle, grid_part)
         if not np.any(readings.valid):
             return None
-        c1, c2 = curves.tables(readings.coefficients)
+        c1, c2 = curves.corrections(readings.coefficients)
         return c2[:, None] * (untuned - c1[:, None]), readings.order + 3
 
     fitted = tuned_force(grid)
@@ -443,10 +443,10 @@ def _full_trials(
     names: Names,
     steps: _Steps,
 ) -> tuple[list[Trial], list[FitOptions]]:
-    """Trials on readings of all kinds: the paper's tuning; the constants `names`, best where the
-    muscle pulls, with the factors on the resisting force and without; and these factors alone.
+    """Trials on pulling and resisting readings, and the options of a search from each one's end.
 
-    Beside each trial the options of a search that begins at its end.
+    Tried are the paper's tuning; the constants `names`, which are best where the muscle pulls, with
+    the factors on the resisting force and without; and these factors alone.
     """
     options = replace(options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES))
     label, suffix = ", ".join(names) or AS_GIVEN, "and the factors on the resisting force"

@@ -71,7 +71,9 @@ def figures(
 def fit_plot(
     calibration: Calibration, posterior: "Posterior | None" = None, points: int = _POINTS
 ) -> plot.FitPlot:
-    """Readings, and curves with the band of 90 % of the readings, to first order.
+    """Data of a fit's figure: readings, residuals [N], fitted curves and their 90 % bands [N].
+
+    A band holds 90 % of the readings, to first order.
 
     **Arguments:**
 

@@ -172,8 +172,11 @@ class SmoothCurves:
         free = self.untuned_free_strain * xp.polyval(coefficients[:ORDERS][::-1], x)
         return where(x > NO_PRESSURE, free, 0.0)
 
-    def tables(self, coefficients: Float[AnyArray, "coefficient"]) -> tuple[Level, Level]:
-        """$C_1$ [N] and $C_2$ [-], (34) and (35); 0 and 1 without pressure."""
+    def corrections(self, coefficients: Float[AnyArray, "coefficient"]) -> tuple[Level, Level]:
+        """Corrections $C_1$ [N], (34), and $C_2$ [-], (35), of the tension at each pressure.
+
+        0 and 1 up to the dead band and up to 1 % of the highest pressure.
+        """
         blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.relative_pressure
         c1 = pulling_force(self.law, self.pressure, self.free_strain(coefficients))
         span = self.untuned_blocked_force - c1

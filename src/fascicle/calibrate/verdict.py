@@ -316,9 +316,9 @@ def _pattern_lines(calibration: Calibration) -> Iterator[str]:
     ]
     if counts:
         yield f"{list_text(counts)}."
-    if len(diagnosis.least_strain) >= _MIN_LEVELS and np.isfinite(diagnosis.noise):
+    if len(diagnosis.lowest_strain_means) >= _MIN_LEVELS and np.isfinite(diagnosis.noise):
         # end effects and a dead band show here
-        P, means = np.array(diagnosis.least_strain).T
+        P, means = np.array(diagnosis.lowest_strain_means).T
         low, high = sorted((int(np.argmin(means)), int(np.argmax(means))))
         if np.ptp(means) >= _CLEAR * diagnosis.noise:
             yield (
@@ -458,7 +458,9 @@ def _remedy(names: Sequence[str]) -> str:
 
 
 def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
-    """Effects in use that the errors leave out, and sizes that are not the muscle's."""
+    """Notices of what differs in use: a loop of friction that was not measured, strains that refer
+    to a fitted length, and fitted sizes that contradict the given ones.
+    """
     muscle, rest_length = calibration.start, calibration.record.rest_length
     if calibration.loop is None:
         text = (

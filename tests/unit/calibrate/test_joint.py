@@ -32,7 +32,7 @@ def force_of(vector, data):
     """The muscle's force with factors and curves of a vector, by the public muscle alone."""
     z, curves = vector[:5], vector[5:]
     P = np.asarray(data.pressure)[:, 0]
-    c1, c2 = SmoothCurves(DRAWN, P, P.max()).tables(curves)
+    c1, c2 = SmoothCurves(DRAWN, P, P.max()).corrections(curves)
     muscle = put(FACTORS, DRAWN, z)
     old = muscle.tuning
     some = P > 0
@@ -87,7 +87,7 @@ def test_no_order_is_chosen(quotient):
     # a synthetic truth whose free strain is the law's times a polynomial of this order
     rows = np.linspace(2e4, 344.7e3, 300)
     line = [0.0, float(TRUE.blocked_force(344.7e3))]
-    c1, c2 = SmoothCurves(DRAWN, rows, 344.7e3).tables(np.array([*quotient, *line]))
+    c1, c2 = SmoothCurves(DRAWN, rows, 344.7e3).corrections(np.array([*quotient, *line]))
     truth = DRAWN.replace(tuning=Tuning(rows, c1, c2, collapse_moment_factor=0.75))
     made = fit(MACHINE.record(truth, seed=2), DRAWN)
     share = np.array([0.25, 0.5, 0.75, 1.0])

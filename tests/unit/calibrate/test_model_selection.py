@@ -80,7 +80,7 @@ def test_a_missing_dead_band_is_the_likely_cause():
     diagnosis = fitted.diagnosis
     assert not diagnosis.is_white_noise
     assert diagnosis.causes[0].remedy == "free dead_band"
-    pressure, means = np.array(diagnosis.least_strain).T
+    pressure, means = np.array(diagnosis.lowest_strain_means).T
     assert_allclose(pressure, P[:, 0], rtol=1e-12)
     assert_allclose(means, (fitted.grid.force - fitted.force)[: P.size, 0], rtol=1e-9)
     assert np.ptp(means) > 4

@@ -92,14 +92,14 @@ def test_tables_give_back_blocked_force_and_free_strain():
     quotient = 0.9 + 0.1 * P / P.max()
     force, free, blocked = measured(quotient, 0.95)
     found = read(muscle, gridded(force))
-    c1, c2 = SmoothCurves(muscle, P, P.max()).tables(found.coefficients)
+    c1, c2 = SmoothCurves(muscle, P, P.max()).corrections(found.coefficients)
     assert (c1[0], c2[0]) == (0.0, 1.0)
     tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
     assert_allclose(tuned.free_strain(P)[1:], free[1:], rtol=1e-6)
     assert_allclose(tuned.blocked_force(P)[1:], blocked[1:], rtol=1e-6)
     # between the measured pressures, over the same highest one
     curves = SmoothCurves(muscle, np.array([75e3]), P.max())
-    half, _ = curves.tables(found.coefficients)
+    half, _ = curves.corrections(found.coefficients)
     middle = curves.free_strain(found.coefficients)
     assert_allclose(half, untuned(curves.pressure, middle), rtol=1e-9)
 
@@ -111,7 +111,7 @@ def test_a_dead_band_is_no_correction():
                                     * np.linspace(0, 1, 9)))  # fmt: skip
     strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)
     found = read(banded, gridded(force, strain=strain))
-    c1, c2 = SmoothCurves(banded, P, P.max()).tables(found.coefficients)
+    c1, c2 = SmoothCurves(banded, P, P.max()).corrections(found.coefficients)
     assert_allclose(c1, 0, atol=1e-6 * force.max())
     assert_allclose(c2, 1, rtol=1e-6)
 

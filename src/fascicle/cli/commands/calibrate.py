@@ -275,9 +275,9 @@ def _add_analyses(
         # other laws of resisting force if that was fitted, else of tension
         pulling = fit.method == "constants" or fit.fit_data.pulls
         names = list(fit.names) if fit.method == "constants" or not pulling else None
-        compare_laws = comparison.compare_resisting_laws
+        compare_laws = comparison.resisting_law_comparison
         if pulling:
-            compare_laws, settings = comparison.compare_tension_laws, {**settings, "whole": False}
+            compare_laws, settings = comparison.tension_law_comparison, {**settings, "whole": False}
         laws = compare_laws(record, start, names, priors, **settings)
         result = result._replace(comparison=laws)
     return result
