@@ -255,7 +255,7 @@ def test_help_and_version(answer, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     out = answer("--help")
     commands = [line.split()[0] for line in out.partition("Commands:\n")[2].splitlines()]
-    assert len(commands) == 16  # a line each
+    assert len(commands) == 18  # a line each
     for command in commands:
         assert f"Usage: fascicle {command}" in answer(command, "--help")
     assert answer() == out

@@ -8,7 +8,8 @@ from tests.apps import test_explorer as explorer
 
 
 pytestmark = explorer.pytestmark
-server, browser, idle, visit = explorer.server, explorer.browser, explorer.idle, explorer.visit
+server, chromium, browser = explorer.server, explorer.chromium, explorer.browser
+idle, visit = explorer.idle, explorer.visit
 OFFER = "See in four steps"
 
 

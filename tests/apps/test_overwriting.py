@@ -168,5 +168,5 @@ def test_every_option_that_names_an_output_is_known():
             text = getattr(parameter, "help", None) or ""
             if parameter.param_type_name == "option" and parameter.metavar:
                 is_output = text.startswith(("Folder", "Result", "Figure", "CSV", "HTML"))
-                is_output |= text.startswith(("Functional", "Checkpoint"))
+                is_output |= text.startswith(("Functional", "Checkpoint", "Web page"))
                 assert (parameter.metavar in OUTPUTS) == is_output, (command.name, parameter.name)

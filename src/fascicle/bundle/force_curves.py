@@ -50,7 +50,7 @@ Residual = Callable[[Array, Array], Array]
 
 
 class MuscleCurves:
-    """Force of one kind of muscle over levels.
+    """Force of one kind of muscle over level: its pressure over the supply's, from 0 to 1.
 
     `kinks`: for each kind of kink a residual of level and the plates' strain that changes its sign
     there, and the muscle's strain at the kink [-] at each node of the grid.
@@ -126,8 +126,8 @@ class MuscleCurves:
         return self.law.tension.pull(level * self.supply, self.strain(plates)).force
 
     def _kink_residual(self, index: int) -> Residual:
-        """Strain [-] of the kink `index` beyond the plates', as a function of level and plates'
-        strain [-].
+        """Function of level [-] and plates' strain [-]: strain of the kink `index` less that of the
+        muscle [-].
         """
 
         def residual(level: Array, plates: Array) -> Array:

@@ -138,8 +138,10 @@ def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
 
 
 class BundleBatch(NamedTuple):
-    """A batch of bundles at `pressures` [Pa], the batch on the first axis. Numbers of the `bundle`
-    are common to all, or have the axis of the batch and an axis of one.
+    """A batch of bundles, each with its pressures.
+
+    `pressures`: a row for each bundle, units on the last axis [Pa]. `bundle`: each of its numbers
+    is one for the whole batch, or one for each bundle on the first axis, then an axis of one.
     """
 
     bundle: Any

@@ -139,17 +139,17 @@ def expand_nodes(x: Any, template: Any) -> Any:
 
 
 def sum_nodes(x: Any) -> Any:
-    """Sum over the nodes."""
+    """Sum over the nodes, which lie on the first axis."""
     return array_namespace(x).sum(x, axis=0)
 
 
 def min_nodes(x: Any) -> Any:
-    """Minimum over the nodes."""
+    """Minimum over the nodes, which lie on the first axis."""
     return array_namespace(x).min(x, axis=0)
 
 
 def max_nodes(x: Any) -> Any:
-    """Maximum over the nodes."""
+    """Maximum over the nodes, which lie on the first axis."""
     return array_namespace(x).max(x, axis=0)
 
 

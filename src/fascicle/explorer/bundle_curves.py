@@ -1,4 +1,4 @@
-"""Curves of a bundle as arrays: its force-strain space, its state, and pressures for a point."""
+"""Curves of a bundle as arrays: its workspace, its state, and pressures for a point."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,10 +25,10 @@ _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
 
 @dataclass(frozen=True)
-class DrawnSpace:
-    """Force-strain `space` of a bundle, its `overlap`, and the largest strain drawn, `top` [-]."""
+class BundleWorkspace:
+    """A bundle's `workspace`, `overlap` of recruitment states, and a chart's `top` strain [-]."""
 
-    space: Workspace
+    workspace: Workspace
     overlap: Overlap
     top: float
 
@@ -78,10 +78,10 @@ class BundleSolids(NamedTuple):
 
 
 @lru_cache(maxsize=16)  # visitors share it
-def drawn_space(bundle: Bundle, resistance: bool) -> DrawnSpace:
-    """Force-strain space of a `bundle`, with `resistance` or without."""
+def bundle_workspace(bundle: Bundle, resistance: bool) -> BundleWorkspace:
+    """Workspace of a `bundle` and the overlap of its states, with `resistance` or without."""
     space = recruitment.workspace(bundle, levels=LEVELS, resistance=resistance)
-    return DrawnSpace(space, recruitment.overlap(space), float(space.strain[-1]) * 1.15)
+    return BundleWorkspace(space, recruitment.overlap(space), float(space.strain[-1]) * 1.15)
 
 
 def bundle_state(

@@ -14,11 +14,11 @@ from ..plot.theme import BLACK, WHITE, Colors, mix
 from .bundle_curves import (
     BundleSolids,
     BundleState,
-    DrawnSpace,
+    BundleWorkspace,
     Recruitment,
     bundle_solids,
     bundle_state,
-    drawn_space,
+    bundle_workspace,
     recruitments,
 )
 from .chart import Chart, cycle_colors, hover_tooltips, screen_height
@@ -164,7 +164,7 @@ class BundleView(Tab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self._top, self._middle_force, self._highest = 0.3, 0.0, 0.0  # of the space
+        self._top, self._middle_force, self._highest = 0.3, 0.0, 0.0  # of the workspace
         self.units = UnitRows(session)
         self._scheme = dropdown("Recruitment", list(SCHEMES))
         self._scheme.param.watch(lambda event: session.change(scheme=event.new), "value")
@@ -180,7 +180,7 @@ class BundleView(Tab):
         self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
         self._sweep = Sweep("", self._advance)
         self._numbers = pane()
-        self._space = LatestResult(self._show_space, self.fail)
+        self._workspace = LatestResult(self._show_workspace, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
         self._load = Field("Load", "load", "force", self._set_load, optional=True)
         self._load_strain = Field(
@@ -210,11 +210,11 @@ class BundleView(Tab):
         self.units.show(view)
         self._sweep.set_label(f"P{len(view.units)}")
         self.notes.object = remarks_html(view, "bundle")
-        self.status.object = status_line("computing the space")
-        self._space.request(lambda: drawn_space(view.bundle, view.resistance))
+        self.status.object = status_line("computing the workspace")
+        self._workspace.request(lambda: bundle_workspace(view.bundle, view.resistance))
 
     def follow(self, before: View, after: View) -> None:
-        """Follow the sliders of pressure and strain."""
+        """Show new pressures and strain, the state there, and the pressures that carry the load."""
         if changed(before, after, "pressures"):
             self.units.show_pressures(after)
         if changed(before, after, "strain"):
@@ -247,6 +247,7 @@ class BundleView(Tab):
     # the figure
 
     def _add_chart(self) -> None:
+        """Add the chart of force over strain: workspace, units, bundle, equilibria, target."""
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(290))
         chart.add_zero_line()
@@ -283,10 +284,10 @@ class BundleView(Tab):
         self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
         self._target_entry.visible = False
 
-    def _show_space(self, drawn: DrawnSpace) -> None:
-        view, space = self.session.view, drawn.space
+    def _show_workspace(self, result: BundleWorkspace) -> None:
+        view, space = self.session.view, result.workspace
         unit, scale = self.unit("force")
-        self._top = max(0.1, float(np.ceil(drawn.top * 50) / 50))
+        self._top = max(0.1, float(np.ceil(result.top * 50) / 50))
         states = range(1, len(space.force) + 1)
         colors = cycle_colors(self.colors, len(states))
         outlines = [space.outline(state) for state in states]
@@ -304,7 +305,7 @@ class BundleView(Tab):
         self._levels.data = {"xs": [space.strain] * len(lines)} | dict(
             zip(("ys", "color", "width"), map(list, zip(*lines, strict=True)), strict=True)
         )
-        outlines = [drawn.overlap.outline(i) for i in range(len(drawn.overlap.states))]
+        outlines = [result.overlap.outline(i) for i in range(len(result.overlap.states))]
         outlines = [(strain, force) for strain, force in outlines if strain.size]
         self._overlap.data = {
             "xs": [strain for strain, _ in outlines],

@@ -208,7 +208,7 @@ class DataView(Tab):
         self.downloads = download_buttons(self.export, disabled=True)
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Show force curves of the muscle and the fit, at the record's pressures, if any."""
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         record, fit = self.record, self.fit
 
@@ -221,6 +221,7 @@ class DataView(Tab):
         self._curves.request(compute)
 
     def _add_chart(self) -> None:
+        """Add the chart of force over strain."""
         chart = self.chart = Chart(
             self.colors, "Contraction ε [–]", "Force F [N]", screen_height(_MARGIN_EMPTY)
         )

@@ -72,7 +72,10 @@ class Maps(NamedTuple):
 
 @lru_cache(maxsize=16)  # visitors share it
 def efficiency_maps(bundle: Bundle, path: str) -> Maps:
-    """Maps of a `bundle` along a `path`, on the points of the one with resistance."""
+    """Efficiency [-] with resistance and without, over the same strains [-] and forces [N].
+
+    `path`: isobaric or isotonic.
+    """
     resisted = efficiency_map(bundle, path=path, resistance=True)
     force, strain = resisted.force, resisted.strain
     free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)

@@ -190,7 +190,7 @@ def _apply_key(view: View, key: str, text: str, query: Mapping[str, str]) -> Vie
     if key in ("muscle", "file"):
         return _open_muscle(view, key, text, query)
     if key == "units":
-        units = tuple(_parse_unit(unit, text) for unit in text.split(",")[: MOST_UNITS + 1])
+        units = tuple(_parse_motor_unit(entry, text) for entry in text.split(",")[: MOST_UNITS + 1])
         check_units(units)
         return replace(view, units=units, pressures=(view.supply,) * len(units))
     if key == "pressures":
@@ -221,8 +221,9 @@ def _open_muscle(view: View, key: str, text: str, query: Mapping[str, str]) -> V
     return view_of(loads(unpack(text), source="`file` can't be read"), name, view)
 
 
-def _parse_unit(unit: str, text: str) -> Unit:
-    count, _, size = unit.partition("@")
+def _parse_motor_unit(entry: str, text: str) -> Unit:
+    """Motor unit of an `entry` such as 4@0.5, count and size; an error shows the `text` of all."""
+    count, _, size = entry.partition("@")
     try:
         return Unit(int(count), float(size or 1))
     except ValueError:

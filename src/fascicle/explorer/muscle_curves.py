@@ -172,7 +172,7 @@ def is_tuned(muscle: Muscle) -> bool:
 
 
 def check_alternatives(keys: tuple[str, ...]) -> tuple[str, ...]:
-    """Check that `keys` are laws, and not too many to compare, and return them."""
+    """The `keys`, if each names a law or `UNTUNED`; else, or for too many, `InvalidInputError`."""
     if len(keys) > MOST_ALTERNATIVES:
         rule = f"must be {MOST_ALTERNATIVES} laws at most, as many as can be told apart"
         raise InvalidInputError("compare", rule, len(keys))

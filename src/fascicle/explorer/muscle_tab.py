@@ -136,6 +136,7 @@ class MuscleView(Tab):
     # the figure
 
     def _add_chart(self) -> None:
+        """Add the chart of force over strain."""
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(270))
         self.strips = chart.add(
@@ -258,7 +259,7 @@ class MuscleView(Tab):
             "braid angle": pretty(solid.angle, "angle"),
             "radius": f"{solid.radius / length_scale:.4g} {length_unit}",
             "deflection": f"{curves.deflection / length_scale:.4g} {length_unit}",
-            "bending moment": _moment_text(curves.moment, view.display_units),
+            "bending moment": _bending_moment_text(curves.moment, view.display_units),
         }
         if branches := branches_text(curves.strain[-1], curves.branches):
             rows["several equilibria"] = branches
@@ -325,7 +326,8 @@ def _chosen_alternatives(view: View) -> list[str]:
     return [key for key in view.alternatives if key in alternatives]
 
 
-def _moment_text(value: float, units: Mapping[str, str]) -> str:
+def _bending_moment_text(moment: float, units: Mapping[str, str]) -> str:
+    """Text of a bending `moment` [N m] in the `units` shown of force and length."""
     length = "m" if units["length"] == "mm" else units["length"]  # N·m, the field's unit
     scale = unit_factor(units["force"], "force") * unit_factor(length, "length")
-    return f"{value / scale:.4g} {units['force']}·{length}"
+    return f"{moment / scale:.4g} {units['force']}·{length}"

@@ -119,9 +119,12 @@ def quantity_texts(quantity: Quantity, unit: str) -> list[tuple[str, str, str]]:
 def add_pin(
     pins: tuple[Pin, ...], name: str, muscle: Muscle, pressure: float, unit: str
 ) -> tuple[Pin, ...]:
-    """The `pins` and one more, of a muscle with a `name`; the pin's says how it is not the first.
+    """The `pins` and a new pin of a `muscle` at a `pressure` [Pa].
 
-    **Arguments:** `pressure` [Pa], which the pin's name has in a `unit`.
+    The new pin's name lists what differs from the first pin; `name` and pressure if there is none,
+    or too much.
+
+    **Arguments:** `name` of the muscle; `unit` of the pressure in the pin's name.
 
     **Raises:** `InvalidInputError` for a curve that is among them, and for too many.
     """

@@ -75,7 +75,7 @@ class Setup:
     @property
     def has_control(self) -> bool:
         """True for a scenario with [control], whose policy can be changed."""
-        return isinstance(_tables(self.source, self.name).get("control"), dict)
+        return isinstance(_scenario_tables(self.source, self.name).get("control"), dict)
 
     @property
     def fields(self) -> list[ScenarioValue]:
@@ -133,14 +133,15 @@ def _file_message(name: str, key: str) -> str:
 
 
 @lru_cache(maxsize=64)  # the fields are asked for at each change
-def _tables(text: str, name: str) -> Mapping[str, Any]:
+def _scenario_tables(text: str, name: str) -> Mapping[str, Any]:
+    """Tables of a scenario file's `text` in TOML; `ValueError` with its `name` if it has faults."""
     return parse_file(text, name)
 
 
-@lru_cache(maxsize=64)  # as `_tables`
+@lru_cache(maxsize=64)  # as `_scenario_tables`
 def _fields(text: str, name: str) -> tuple[ScenarioValue, ...]:
     """Quantities of a file that can be changed, with its own values."""
-    return tuple(_read_fields(_tables(text, name)))
+    return tuple(_read_fields(_scenario_tables(text, name)))
 
 
 def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:

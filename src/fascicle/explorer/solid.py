@@ -44,10 +44,10 @@ _FRAME = ":host { border-radius: var(--round); overflow: hidden; cursor: grab; }
 
 @dataclass(frozen=True)
 class Solid:
-    """Points and fibers of a muscle.
+    """A muscle in space: `points` [m] of its tube and fittings, `fibers` [m] of its braid.
 
-    `points` [m] of the tube and its fittings, a row each; `fibers` [m] and their outward `normals`:
-    fiber, point, axis; the braid's `angle` [rad] and the tube's `radius` [m] where it isn't folded.
+    Points are a row each; fibers and their outward `normals`: fiber, point, axis. The braid's
+    `angle` [rad] and the tube's `radius` [m] are those where it isn't folded.
     """
 
     points: np.ndarray

@@ -27,7 +27,7 @@ DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
-_KEPT = ("tab", "display_units")  # fields that undoing leaves
+_DISPLAY_FIELDS = ("tab", "display_units")  # that undo and reset leave as they are
 _ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider's steps
 _MOST_UNDONE = 200  # views, which share what they have in common
 SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
@@ -200,18 +200,18 @@ class Session:
         if self._past:
             view, self.opened = self._past.pop()
             self._last = set(), -math.inf
-            self._set(self._with_kept(view))
+            self._set(self._with_display(view))
 
     def reset(self) -> None:
         """Show the view as it was opened; the tab and the units shown stay."""
         self._last = set(), -math.inf  # not a step of the last change
-        self.show(self._with_kept(self.opened))
+        self.show(self._with_display(self.opened))
 
     def _remember(self, view: View) -> None:
         """Keep the present view to undo, if a `view` differs by more than the last change's next
         step.
         """
-        names = {field.name for field in fields(View) if field.name not in _KEPT}
+        names = {field.name for field in fields(View) if field.name not in _DISPLAY_FIELDS}
         names = {name for name in names if changed(self.view, view, name)}
         (last_names, last), time_now = self._last, time.monotonic()
         if names and (names != last_names or time_now - last > _ONE_CHANGE):
@@ -219,8 +219,9 @@ class Session:
         if names:
             self._last = names, time_now
 
-    def _with_kept(self, view: View) -> View:
-        return replace(view, **{name: getattr(self.view, name) for name in _KEPT})
+    def _with_display(self, view: View) -> View:
+        """The `view` with the tab and the display units of the session's present view."""
+        return replace(view, **{name: getattr(self.view, name) for name in _DISPLAY_FIELDS})
 
     def _set(self, view: View) -> None:
         before, self.view = self.view, view

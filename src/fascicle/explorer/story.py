@@ -126,7 +126,7 @@ def scene_view(view: View, scene: int) -> View:
 
 def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
-    return (_pull_text, _buckling_text, _collapse_text, _reach_text)[scene - 1](view)
+    return (_pull_text, _buckling_text, _collapse_text, _reversal_text)[scene - 1](view)
 
 
 def _limits(view: View, pressure: float) -> tuple[float, float, float]:
@@ -204,7 +204,8 @@ def _collapse_text(view: View) -> str:
     )
 
 
-def _reach_text(view: View) -> str:
+def _reversal_text(view: View) -> str:
+    """Sentences on the bundle's free strain without pressure in unit 2 and with it."""
     text, bundle = _in_units(view), view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
         return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."

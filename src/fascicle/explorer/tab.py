@@ -51,7 +51,7 @@ class Tab:
             self.follow(before, view)
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Show a `view` anew: all that the tab takes from it."""
         raise NotImplementedError
 
     def follow(self, before: View, after: View) -> None:

@@ -82,7 +82,7 @@ def bundle_drawing(
     rods = -plates[:, sides] - lengths
     array = np.stack(tubes, axis=1)
     array[..., 1] -= rods[:, :, None]
-    parts = _Parts(len(rows))
+    parts = _RigidParts(len(rows))
     placed, labels, spans = _place_units(array, np.asarray(plant.counts), sides)
     for unit, x in placed:
         if rods[:, unit].max() > 0.1:  # mm: else it can't be seen
@@ -143,8 +143,8 @@ def _place_units(
 Point = tuple[np.ndarray | float, np.ndarray | float]  # x, y [mm], numbers or one a frame
 
 
-class _Parts:
-    """Polygons of four corners that move, and others that stand still."""
+class _RigidParts:
+    """Polygons [mm] of plates, rods and load, `rigid` at each frame and `fixed` ones."""
 
     def __init__(self, frames: int):
         self._frames = frames
@@ -185,7 +185,7 @@ class _Parts:
 
 
 def _add_load(
-    parts: _Parts, plant: "Plant", q: np.ndarray, plate: np.ndarray, span: tuple[float, float],
+    parts: _RigidParts, plant: "Plant", q: np.ndarray, plate: np.ndarray, span: tuple[float, float],
     demand: np.ndarray | None,
 ) -> float:  # fmt: skip
     """Add a load that moves straight; returns the lowest y [mm]."""
@@ -202,7 +202,7 @@ def _add_load(
 
 
 def _add_joint(
-    parts: _Parts, plant: "Plant", q: np.ndarray, plates: np.ndarray,
+    parts: _RigidParts, plant: "Plant", q: np.ndarray, plates: np.ndarray,
     spans: list[tuple[float, float]], demand: np.ndarray | None,
 ) -> float:  # fmt: skip
     """Add the pulley that two bundles turn, and its arm; returns the lowest y [mm]."""

@@ -86,7 +86,7 @@ class TimeView(Tab):
         self._start_time, self._timer = 0.0, None
         self._updating = False
         self._inputs: dict[str, Field] = {}
-        self._add_inputs()
+        self._add_widgets()
         self._add_charts()
         self._add_player()
         self._runs = LatestResult(self._show_result, self._fail_job, WAITING)
@@ -96,7 +96,8 @@ class TimeView(Tab):
 
     # widgets
 
-    def _add_inputs(self) -> None:
+    def _add_widgets(self) -> None:
+        """Make the inputs and buttons, but those of the player."""
         self.scenario = dropdown("Scenario", [*scenarios(), _OWN], width=156)
         self.scenario.param.watch(self._choose_scenario, "value")
         self.run = button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
@@ -108,7 +109,7 @@ class TimeView(Tab):
         self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
         self._fields = column()
         self.policies = widget(pn.widgets.CheckBoxGroup, "Policies", options=list(POLICIES))
-        self.policies.param.watch(self._choose_policies, "value")
+        self.policies.param.watch(self._set_policies, "value")
         self._policy_title = pane()
         self.bar = pane(progress_bar("simulating"), visible=False, sizing_mode="stretch_width")
         self._about, self._table = (
@@ -317,7 +318,8 @@ class TimeView(Tab):
         self.message.show("")
         self.session.change(setup=Setup(event.new))
 
-    def _choose_policies(self, event: Any) -> None:
+    def _set_policies(self, event: Any) -> None:
+        """Set the control policies to compare to those that a visitor ticked."""
         if self._updating:
             return
         setup = self.session.view.setup

@@ -32,7 +32,7 @@ from ..core.array_namespace import sqrt
 from ..core.types import Batch, BatchLike
 from ..core.validation import check_choice, check_interval, check_positive
 from .fields import ROOM_PRESSURE
-from .flow_elements import REFERENCE_DENSITY, critical_flow_share
+from .flow_elements import REFERENCE_DENSITY, flow_function
 
 
 _REFERENCE_PRESSURE = 1e5  # Pa, of ISO 8778
@@ -70,7 +70,7 @@ def conductance_from_nominal_flow(
     room = check_positive(room_pressure, "room_pressure", "Pa")
     outlet = check_interval(outlet, 0.0, inlet, "outlet", "Pa", closed=(True, False))
     high = inlet + room
-    fraction = critical_flow_share((outlet + room) / high, b)
+    fraction = flow_function((outlet + room) / high, b)
     return flow * density / REFERENCE_DENSITY / (high * fraction)
 
 

@@ -75,7 +75,7 @@ from .fields import ROOM_TEMPERATURE, component_field, interval_field, positive_
 
 
 class Line(Module):
-    """A hose: equations (F6) and (F7).
+    """A hose behind a valve: conductance for a gas, (F6), and resistances for a liquid, (F7).
 
     `length`, `diameter`: $L$, and $d$ inside [m]. `viscosity`: $\\mu$ of a liquid in it [Pa·s];
     left out, that of a hydraulic oil. `friction_factor`: Darcy's $f$ where it is turbulent [-].
@@ -216,7 +216,7 @@ class SonicValve(Module):
         C, b = self._passage(onward, opening)
         ratio = low / guarded(high > 0, high)
         turbulent = ratio < LAMINAR_FROM
-        psi = critical_flow_share(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
+        psi = flow_function(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
         driving = where(turbulent, high, (high - low) / (1 - LAMINAR_FROM))
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * psi * driving
         return where(onward, size, -size)
@@ -251,7 +251,11 @@ def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Ba
     return C, 1 - of_first**2 * (1 - b_1) - of_second**2 * (1 - b_2)
 
 
-def critical_flow_share(ratio: BatchLike, b: Batch, m: BatchLike = 0.5) -> Batch:
-    """Flow over that of a choked valve, $\\psi$ [-], at a pressure `ratio` [-] up to $\\beta$."""
+def flow_function(ratio: BatchLike, b: Batch, m: BatchLike = 0.5) -> Batch:
+    """Flow function $\\psi$ [-]: a valve's flow over its choked flow, at a pressure `ratio` [-].
+
+    `ratio`: downstream over upstream, absolute, below 1. `b`: critical ratio, up to which
+    $\\psi$ is 1 [-]. `m`: subsonic index [-].
+    """
     y = where(ratio > b, (ratio - b) / (1 - b), 0.0)
     return (1 - y**2) ** m

@@ -105,7 +105,7 @@ class Direct(AbstractSpool):
 
 
 class Servovalve(AbstractSpool):
-    """A spool for each unit that follows its command, equation (F10).
+    """A spool for each unit that follows its command with a first-order lag, equation (F10).
 
     `time_constant`: $\\tau$ [s]. `overlap`: $o$ [-], in [0, 1).
     """

@@ -255,7 +255,7 @@ class Coulomb(AbstractHysteresis):
         return FrictionStep(forces, self._force(velocity, by_pressure), 0.0 * displacement)
 
     def stored(self, forces: Numbers) -> Batch:
-        """No energy [J], for no `forces` [N]."""
+        """Stored energy: zero [J]; the `forces` [N] have no entries on the last axis."""
         return array_namespace(forces).sum(forces, axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:

@@ -138,8 +138,11 @@ class Piecewise(Module):
 
 
 class Pressurized(NamedTuple):
-    """Laws of a muscle at one pressure, elementwise in strain; `hinge`: moment $M_h$ [N·m],
-    `collapse`: strain [-].
+    """Force, shape and moment of a muscle at given pressures, as functions of strain, elementwise.
+
+    `law`: of all pressures. `column`: the muscle as a column at these. `hinge`: constant
+    moment $M_h$ of the wall once it has folded [N·m]. `collapse`: strain at which it folds [-],
+    inf where it never does.
     """
 
     law: Piecewise

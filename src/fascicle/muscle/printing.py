@@ -24,7 +24,7 @@ _ROWS = 5  # pressures of the table: as many as fit beside the code
 
 
 def muscle_table(muscle: Any) -> ReprTable:
-    """Sizes and laws of a muscle, and its forces and strains at a few pressures."""
+    """Table of a muscle: sizes, laws, and blocked force, free and collapse strain by pressure."""
     facts = [(_spaced(name), _range_text(muscle, name, d)) for name, d in _SIZES.items()]
     facts.append(("material", material_text(muscle.material)))
     for kind in LAWS:

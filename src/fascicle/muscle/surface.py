@@ -119,8 +119,8 @@ class UnitSurface(Module):
         return lookup(self, pressure, strain)
 
     def force(self, pressure: Values, strain: Values) -> Batch:
-        """Pulling force $F$ [N], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
-        broadcast; `ValueError` for concrete values outside the table.
+        """Pulling force of one muscle $F$ [N], from the table, (V3), at `pressure` [Pa], from
+        -101325 Pa, and `strain` [-], which broadcast; `ValueError` for concrete values outside it.
         """
         return self.lookup_at(*self.validate_point(pressure, strain)).force
 

@@ -187,8 +187,8 @@ class TunedTension(Module):
         return self.pull(pressure, strain).force
 
     def rest_coenergy(self, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] besides $P V(0)$ of a stretching braid at rest length and `pressure` [Pa],
-        and its slope in pressure [m³].
+        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
+        pressure, both at rest length and `pressure` [Pa].
         """
         P_e = self.tuning.effective_pressure(pressure)
         coenergy, volume = self.law.rest_coenergy(self.bladder, P_e)

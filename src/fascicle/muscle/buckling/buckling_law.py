@@ -129,8 +129,8 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Components of the force [N], negative where it pushes, and the sum's slope, at a `strain`
-        [-] from the free strain on, elementwise.
+        """Force [N] by component, negative where it pushes, the slope of their sum [N] and the
+        arc's strain [-], elementwise, at a `strain` [-] no less than the free strain.
         """
 
     @abc.abstractmethod

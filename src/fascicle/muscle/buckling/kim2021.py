@@ -90,7 +90,7 @@ class Kim2021(AbstractBuckling):
     shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Pull:
-        """Components of the tension law's force at the free strain [N]."""
+        """Force of the tension law at the free strain [N], by component, with slopes [N]."""
         return column.pull(column.free_strain)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
@@ -184,8 +184,9 @@ def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) 
 def bow_residual(
     per_xi: BatchLike, per_xi_slope: BatchLike, xi: BatchLike, v: BatchLike
 ) -> tuple[Batch, Batch, Batch]:
-    """Mismatch [-] of (16a), which `bow_ratio` solves, at a trial ratio $v = u/\\xi$ [-], and its
-    slopes in $v$ and `xi` [-]. `per_xi`, `per_xi_slope`: $b/\\xi$ and its slope in `xi` [-].
+    """Residual of (16a) [-], and its slopes in `v` and `xi` [-]; zero at the `bow_ratio`.
+
+    `per_xi`, `per_xi_slope`: $b/\\xi$ and its slope in `xi` [-]. `v`: $u/\\xi$ [-], a trial value.
     """
     w = 1 - xi * v
     g, inverse = xi * w, 1 / (2 - xi)

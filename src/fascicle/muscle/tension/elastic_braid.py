@@ -114,8 +114,8 @@ class ElasticBraid(AbstractTension):
         )
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] besides $P V(0)$ at rest length and `pressure` [Pa], and its slope, the
-        volume [m³] by which the braid swells.
+        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
+        pressure, both at rest length and `pressure` [Pa].
         """
         braid, zero = bladder.braid, 0.0 * pressure
         u = self.fiber_strain(bladder, pressure, zero)

@@ -96,8 +96,8 @@ class AbstractTension(AbstractLaw):
         return solved_free_strain(self, bladder, pressure, offset)
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy [J] besides $P V(0)$ at rest length and `pressure` [Pa], and the volume [m³] by
-        which the braid swells: zero unless it `stretches`.
+        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
+        pressure, both at rest length and `pressure` [Pa]: zero unless the braid `stretches`.
         """
         zero = 0.0 * pressure * bladder.braid.length
         return zero, zero
