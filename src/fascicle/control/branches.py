@@ -41,8 +41,11 @@ _HALVINGS = 50  # of a bracket of pressure: to rounding
 _NEWTON = 4  # from the table within some percent: below 1e-9 of the supply but at kinks
 
 
-class BranchPressure(NamedTuple):
-    """Pressures [Pa], one for each motor unit on the last axis, and a `STATUS` of each."""
+class BranchPressures(NamedTuple):
+    """Pressures [Pa] at which motor units pull with given forces, on their rising branches (K1).
+
+    `pressure` [Pa] and `status`, an index of `STATUS`: of each motor unit, on the last axis.
+    """
 
     pressure: Numbers
     status: Whole
@@ -129,7 +132,7 @@ class Branches(Module):
         depth, pressure = ((1 - w) * row[indices, j] + w * row[indices, j + 1] for row in rows)
         return depth, pressure
 
-    def pressure(self, force: Numbers, strain: Numbers) -> BranchPressure:
+    def pressure(self, force: Numbers, strain: Numbers) -> BranchPressures:
         """Pressure on the rising branch of each unit that gives a force, and its status, (K1).
 
         **Arguments:**
@@ -165,7 +168,7 @@ class Branches(Module):
             ~gains, HELPLESS,
             xp.where(fraction < 0, TOO_LITTLE, xp.where(fraction > 1, TOO_MUCH, REACHED)),
         )  # fmt: skip
-        return BranchPressure(where(inside, p, ends), status)
+        return BranchPressures(where(inside, p, ends), status)
 
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
         """Column of the table at a `strain` [-], the fraction beyond it, and each unit's muscle."""

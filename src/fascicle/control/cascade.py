@@ -60,10 +60,13 @@ DAMPED = 2.0  # times all lateness in the loop, equation (K3a)
 
 
 class Gains(NamedTuple):
-    """Gains of the position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI]; of the
-    force: `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time`
-    $\\tau$ [s], left out, as (K3a) requires, at least 3 ms; of the disturbance: `observer_time`
-    $\\tau_o$ [s], left out, 5 ms of a policy that hands over, and of others none, inf.
+    """Gains and time constants of a cascade.
+
+    - Position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI].
+    - Force: `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s].
+    - Pressures: `pressure_time` $\\tau$ [s]; by default as (K3a) requires, at least 3 ms.
+    - Observer of the disturbance: `observer_time` $\\tau_o$ [s]; by default 5 ms for a policy that
+      hands over, and infinite, which is no observer, for others.
     """
 
     position: Batch = 0.0

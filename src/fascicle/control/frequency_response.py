@@ -49,7 +49,9 @@ _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop"
 
 
 class FrequencyResponse(NamedTuple):
-    """Response to sines: amplitudes on the first axis, frequencies on the second.
+    """Tracking error, work and flow of a plant that follows sines of its reference.
+
+    Amplitudes are on the first axis, frequencies on the second.
 
     `error`: root mean square over that of the reference [-]; `reached`: fraction of steps whose
     reference was in reach [-]; useful `work` of a period [J]; flow `drawn` from the supply [kg/s]

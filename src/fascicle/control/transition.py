@@ -152,7 +152,9 @@ def check_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
 
 
 def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
-    """Strain of a unit's muscles [-] at the `bundle`'s `strain` [-]; `unit` counts from 1."""
+    """Strain of a unit's muscles [-] at a `strain` of the plates [-], (B7): it differs for muscles
+    that are longer or shorter than the `bundle`. `unit` counts from 1.
+    """
     eps = bundle._check_strain(strain)
     return eps if bundle.ratios is None else muscle_strain(bundle.ratios[..., unit - 1], eps)
 

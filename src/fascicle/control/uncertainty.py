@@ -61,7 +61,11 @@ def draw_bundles(
 
 
 def _deviate(muscle: Muscle, deviations: np.ndarray) -> Muscle:
-    """Muscle with `deviations` from its model, in the order of `ModelScatter`."""
+    """Copy of a `muscle` with other parameters.
+
+    `deviations`, in the order of `ModelScatter`: relative [-], but of the braid's angle added [rad]
+    and of the transition's rate a difference of logarithms [-].
+    """
     modulus, moment, wall, radius, braid, rate = deviations
     tuning = muscle.tuning
     return muscle.replace(

@@ -21,9 +21,10 @@ _LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
 
 
 class Units(Module):
-    """Units of a bundle with their chambers and valves, on the last axis.
+    """Motor units of one bundle, as a policy needs them: branches, chambers and valves.
 
-    `branches`: their feedforward. `counts`: their muscles. `chamber`, `valve`, `exhaust_valve`: the
+    Units are on the last axis. `branches`: from forces to pressures, (K1). `counts`: numbers of
+    muscles [-]. `chamber`, `valve`, `exhaust_valve`: the
     plant's, of these units. `supply_temperature` [K].
     """
 

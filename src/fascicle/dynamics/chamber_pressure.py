@@ -126,8 +126,10 @@ def muscle_volumes(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[
 def assemble_chambers(
     plant: Plant, chambers: Numbers, pressures: Numbers, muscles: Surface, volumes: Volumes
 ) -> ChamberEvaluation:
-    """Evaluate `chambers` [SI] of a `plant` at `pressures` [Pa] for `muscles` [SI] and `volumes`
-    [m³] that are known there: the residual of their fluid's state and its slopes.
+    """Chambers at `pressures` [Pa], with the residual (F12) of their fluid and its slopes.
+
+    As `evaluate_chambers`, for `muscles` [SI] and `volumes` [m³] of all of a unit's muscles that
+    were computed before; `chambers`: states of the fluid in a `plant` [SI].
     """
     V, by_strain, by_pressure = volumes
     g = plant.chamber.balance(chambers, pressures, V)

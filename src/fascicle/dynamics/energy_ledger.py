@@ -75,7 +75,10 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
 
 
 def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
-    """$P V$ of each entry of the `LEDGER` whose work is taken by parts [J]."""
+    """Term $P V$ of all units [J], one for each entry of the `LEDGER` on the last axis.
+
+    It is zero for entries whose work isn't taken by parts.
+    """
     P, V = evaluation.fluid.pressures, evaluation.fluid.volume
     terms = {
         "fluid_work": P * V,

@@ -117,7 +117,7 @@ def _leg(
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
         state, _ = _split_row(plant, y)
         state = project_pressures(plant, t, state, _NEWTON)
-        evaluation = evaluate_plant(plant, t, state, command, _no_friction_memory(plant, state))
+        evaluation = evaluate_plant(plant, t, state, command, _springless_memory(plant, state))
         rates = time_derivative(plant, state, evaluation, command)
         return _row(rates, ledger_rates(plant, state, evaluation))
 
@@ -139,7 +139,7 @@ def _observe(
     def observe_row(t: Batch, row: Numbers, c: Numbers) -> tuple:
         state, ledger = _split_row(plant, row)
         state = project_pressures(plant, t, state, _NEWTON)
-        anchor = _no_friction_memory(plant, state)
+        anchor = _springless_memory(plant, state)
         evaluation = evaluate_plant(plant, t, state, c, anchor)
         outputs = observe(plant, state, anchor, evaluation)
         return outputs, ledger, pressure_volume_term(plant, evaluation), state
@@ -165,8 +165,8 @@ def _split_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     return State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True))), ledger
 
 
-def _no_friction_memory(plant: Plant, state: State) -> FrictionMemory:
-    """Memory of friction without springs."""
+def _springless_memory(plant: Plant, state: State) -> FrictionMemory:
+    """Memory of a friction law that has none, such as Coulomb's: no spring forces [N]."""
     return FrictionMemory(jnp.zeros((plant.units, 0)), state.position, state.pressures)
 
 

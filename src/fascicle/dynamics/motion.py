@@ -94,8 +94,10 @@ class PlantEvaluation(NamedTuple):
 def evaluate_plant(
     plant: Plant, time: Batch, state: State, command: Numbers, anchor: FrictionMemory
 ) -> PlantEvaluation:
-    """A `plant` at a `time` [s] in a `state` [SI], its pressures those of its chambers, under a
-    `command` to its valves [-], with the `anchor` of its friction [SI].
+    """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI].
+
+    Pressures are the state's own, they are not solved for. `command`: to its valves [-]; `anchor`:
+    memory of its friction [SI].
     """
     load, chamber = plant.load, plant.chamber
     q, v = load.motion_at(time, state.position, state.velocity)

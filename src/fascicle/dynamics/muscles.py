@@ -60,8 +60,10 @@ class AbstractMuscles(Module):
 
 
 class Tables(AbstractMuscles):
-    """Tables of several units, one for each kind of muscle: `table`, with numbers for each unit,
-    and the `indices` of each unit's coefficients.
+    """Muscles of all units by tables, one table for each different muscle.
+
+    `table`: the tables' coefficients stacked, its other numbers one for each unit; `indices`: of
+    each unit's coefficients in the stack.
     """
 
     table: UnitSurface
@@ -147,8 +149,10 @@ class Exact(AbstractMuscles):
         )
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of each [N] at its `pressure` [Pa] and `strain` [-], without the integral for its
-        volume, which takes a hundred times as long.
+        """Force of one muscle of each unit [N] at its `pressure` [Pa] and `strain` [-].
+
+        Within the pressures of the laws the integral for the volume, which takes a hundred times
+        as long, is left out.
         """
         if not is_concrete(pressure, strain) or np.any(
             (pressure < 0) | (pressure > self.highest_pressure)

@@ -53,7 +53,7 @@ class State(NamedTuple):
 
 
 class Plant(Module):
-    """A bundle with its chambers, valves, supply and load.
+    """One bundle, or two on a joint, with chambers, valves, supply and load.
 
     `bundles`: as many as the load takes. `chamber`, `valve`, `exhaust_valve`, `spool`, `supply`,
     `load`, `hysteresis`: those of the arguments. `muscles`: of all units. Of each unit: `counts`

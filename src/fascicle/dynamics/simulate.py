@@ -55,8 +55,11 @@ _CHUNK = 20_000  # steps at once: their cells of the tables take some megabytes
 
 
 class IntegratorState(NamedTuple):
-    """Progress of a run: its `state` [SI], friction's `anchor` [SI], the entries of its energy
-    `ledger` [J or kg], and whether a chamber `folded`.
+    """State of a run between its steps, with the sums so far.
+
+    `state` of the plant [SI]; memory of its friction, `anchor` [SI]; entries of the `LEDGER`, the
+    mass [kg] and energies [J]; `folded`: true if a chamber's volume fell with pressure by more
+    than its fluid and hose expand.
     """
 
     state: State
@@ -206,7 +209,7 @@ def simulate(
     commands = xp.concatenate([commands, commands[-1:]])
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables need no compiler, which would take as long again as for the run
-    observe_run = _observe_numpy if is_concrete_run and tables else _observe_jax
+    observe_run = _observe_run_numpy if is_concrete_run and tables else _observe_run_jax
     outputs, pv_terms = observe_run(plant, dt, history, commands)
     if is_concrete_run:
         outputs, pv_terms = to_numpy((outputs, pv_terms))
@@ -316,7 +319,7 @@ def _scan(step: Callable, initial: Any, inputs: Any, count: Any) -> tuple[Any, A
 def _observe_step(
     plant: Plant, time: Batch, progress: IntegratorState, command: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """Outputs of a plant, and the $P V$ terms of its ledger [J]."""
+    """Outputs of a plant at a `time` [s], and the `pressure_volume_term` of its ledger [J]."""
     evaluation = evaluate_plant(plant, time, progress.state, command, progress.anchor)
     outputs = observe(plant, progress.state, progress.anchor, evaluation)
     folded = progress.folded * (1 << STATUS.index("folded"))
@@ -324,16 +327,18 @@ def _observe_step(
 
 
 @jax.jit
-def _observe_jax(
+def _observe_run_jax(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
+    """As `_observe_step`, of each step of a run, `dt` [s] apart, by JAX."""
     times = dt * jnp.arange(len(commands))
     return jax.vmap(partial(_observe_step, plant))(times, history, commands)
 
 
-def _observe_numpy(
+def _observe_run_numpy(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
+    """As `_observe_step`, of each step of a run, `dt` [s] apart, by NumPy."""
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
     chunks = []
