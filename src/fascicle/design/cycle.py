@@ -117,10 +117,12 @@ class ValveSizing:
         return np.pi / 4 * self.bore**2 * self.cycle.hose_length
 
 
-class _Path:
-    """Contents of units on the way to load cases and back: (G4) for any valve.
+class _Contraction:
+    """Pressure and volume of a design's units from rest to each load case, at nodes, from which
+    `times` to fill and to vent follow for any valve (G4).
 
-    `pressure` [Pa], nodes first, then cases; `volume` of each unit [m³], nodes, cases, units.
+    `pressure` of all filled units [Pa], nodes first, then cases; `volume` of each unit [m³], nodes,
+    cases, units; `supply`: the supply's pressure [Pa].
     """
 
     def __init__(self, pressure: np.ndarray, volume: np.ndarray, supply: float):
@@ -197,8 +199,11 @@ def size_valves(
         return None
     hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
     cases = np.unique(np.concatenate(hardest))
-    filled, path = pressurized[cases], _path(designs, index, task, cases, pressurized[cases])
-    C, bore, volume = _conductances(path, cycle, filled)
+    filled, contraction = (
+        pressurized[cases],
+        _contraction(designs, index, task, cases, pressurized[cases]),
+    )
+    C, bore, volume = _conductances(contraction, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
     needed = C.max(axis=0)
     line = None if cycle.hose_length is None or bore is None else Line(cycle.hose_length, bore)
@@ -206,11 +211,11 @@ def size_valves(
     valves: list[CatalogValve | None] = [None] * len(needed)
     if np.isfinite(needed).all():
         valve = SonicValve(np.where(needed > 0, needed, needed.max()), cycle.b, line=line)
-        fill, vent = (float(t[case, unit]) for t in path.times(valve, valve, volume))
+        fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve, volume))
         for candidate in reversed(catalog_valves()):
             supply, exhaust = (with_fields(valve, line=line) for valve in candidate[1:3])
             enough = np.all(
-                ~filled | (sum(path.times(supply, exhaust, volume)) <= cycle.time), axis=0
+                ~filled | (sum(contraction.times(supply, exhaust, volume)) <= cycle.time), axis=0
             )
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
     return ValveSizing(
@@ -218,8 +223,10 @@ def size_valves(
     )
 
 
-def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, filled: np.ndarray) -> _Path:
-    """Path of a design to some load cases, whose `filled` units have one pressure."""
+def _contraction(
+    designs: Designs, index: int, task: Task, cases: np.ndarray, filled: np.ndarray
+) -> _Contraction:
+    """Contraction of a design up to some load `cases`, whose `filled` units have one pressure."""
     counts = designs.counts[index][designs.counts[index] > 0]
     muscles = [designs.muscle(index, unit) for unit in range(len(counts))]
     if designs.uniform[index]:
@@ -243,7 +250,7 @@ def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, filled: n
     volume = np.stack([n * volumes[u % len(volumes)] for u, n in enumerate(counts)], axis=-1)
     start = np.linspace(0.0, 1.0, _STEPS + 1)[:-1, None] * pressure[:1]  # before the load is lifted
     volume_at_rest = np.broadcast_to(volume[:1], (_STEPS, *volume.shape[1:]))
-    return _Path(
+    return _Contraction(
         np.concatenate([start, pressure]),
         np.concatenate([volume_at_rest, volume]),
         task.supply_pressure,
@@ -251,14 +258,14 @@ def _path(designs: Designs, index: int, task: Task, cases: np.ndarray, filled: n
 
 
 def _conductances(
-    path: _Path, cycle: Cycle, filled: np.ndarray
+    contraction: _Contraction, cycle: Cycle, filled: np.ndarray
 ) -> tuple[np.ndarray, float | None, float]:
     """Conductance that each unit needs in each case [m³/(s·Pa)], and the hoses' bore [m] and volume
     [m³]; infinite conductances if no hose is wide enough.
     """
     unit_valve = SonicValve(1e-8, cycle.b)
     valve_conductance = np.where(
-        filled, 1e-8 * sum(path.times(unit_valve, unit_valve)) / cycle.time, 0.0
+        filled, 1e-8 * sum(contraction.times(unit_valve, unit_valve)) / cycle.time, 0.0
     )
     if cycle.hose_length is None:
         return valve_conductance, None, 0.0
@@ -272,7 +279,7 @@ def _conductances(
 
         def time(C: np.ndarray, line: Line = line, volume: float = volume) -> np.ndarray:
             valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
-            return np.where(filled, sum(path.times(valve, valve, volume)), 0.0)
+            return np.where(filled, sum(contraction.times(valve, valve, volume)), 0.0)
 
         if np.any(low > high) or np.any(time(high) > cycle.time):
             continue

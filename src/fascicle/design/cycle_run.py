@@ -64,16 +64,17 @@ class _LiftAndRelease(Module):
 
 
 def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:
-    """Run a bundle through one contraction and release.
+    """Times at which a bundle has lifted and released a hanging mass [s], and its highest position
+    [m], from a simulation of one contraction and release.
 
     **Arguments:**
 
     - `bundle`: with its supply pressure.
-    - `force`: weight of the load [N], positive.
-    - `stroke`: contraction to reach [m], positive.
+    - `force`: weight of the mass [N], positive.
+    - `stroke`: contraction at which the release begins [m], positive.
     - `sizing`: valves and hoses, which must be feasible.
 
-    **Returns:** the run.
+    **Returns:** the times and positions; NaN for a time that isn't reached.
 
     **Raises:** `ValueError` for a load that the bundle can't hold at rest.
     """

@@ -172,7 +172,9 @@ class Designs:
         return self.sizes(index).take(unit).muscle(self.drawing(index))
 
     def bundle(self, index: int, task: Task | None = None) -> Bundle:
-        """The design with an `index` as a bundle, with supply and scheme of a `task`, if any."""
+        """Bundle of the design with an `index`, with all its motor units; with the supply pressure
+        and recruitment scheme of a `task`, if one is given.
+        """
         shared = self.muscle(index) if self.uniform[index] else None
         units = [
             MotorUnit(self.muscle(index, unit) if shared is None else shared, int(n))

@@ -20,7 +20,7 @@ from ..core.types import Float, Int, Whole
 from ..muscle import Muscle
 from .designs import Designs, Sizes
 from .objectives import check_objectives, needs, objective_values
-from .outcome import Demand, Outcome, existing_states, outcome, states_for
+from .outcome import Demand, Outcome, existing_states, outcome, recruitment_states
 from .reversal import overlap_width, reversal_depth, uniform_reversal_depths
 from .tables import (
     MIXED,
@@ -88,7 +88,7 @@ def outcomes(
     for key in np.unique(keys, axis=0):
         index = np.flatnonzero(np.all(keys == key, axis=1))
         group = designs.take(index, int(key[1]))
-        states = states_for(demand.scheme, int(key[1]))
+        states = recruitment_states(demand.scheme, int(key[1]))
         one_table = bool(key[2]) and states.gapless
         res = resolution or (UNIFORM if one_table else MIXED)
         if one_table or (states.gapless and states.separable and "curves" not in needs):
@@ -114,7 +114,7 @@ def design_outcome(
     `drawing`: with material, laws and tuning of all muscles; `counts` of muscles and their `sizes`
     by unit; `needs`: of the objectives, "size", "curves", both or nothing.
     """
-    exists, states = counts > 0, states_for(demand.scheme, len(counts))
+    exists, states = counts > 0, recruitment_states(demand.scheme, len(counts))
     top = depth = overlap = None
     if "curves" in needs:
         law = sizes.muscle(drawing).law
@@ -191,7 +191,7 @@ def _curve_objectives(
 ) -> tuple[Float[np.ndarray, " design"], Float[np.ndarray, " design"]]:
     """Reversal depth [-] and overlap width [N] of designs of one muscle."""
     curves, top = force_curves(drawing, sizes, float(demand.supply), resolution)
-    states, width = states_for(demand.scheme, len(counts)), np.empty(counts.shape[1])
+    states, width = recruitment_states(demand.scheme, len(counts)), np.empty(counts.shape[1])
     exists = existing_states(demand.scheme, counts > 0)
     ends = np.stack([curves.min(axis=0), curves.max(axis=0)])[..., None, None]
     step = max(1, _BATCH // (ends.size * len(counts)))

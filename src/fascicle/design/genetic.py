@@ -167,19 +167,21 @@ class GenomeDecoder:
         exists = np.arange(self.largest) < total[:, None]
         members = unit[:, :, None] == np.arange(self.units)
         counts = np.sum(members & exists[:, :, None], axis=1)
-        factor = self._value(self.space.unit_factors, factors)
+        factor = self._decode_gene(self.space.unit_factors, factors)
         factor = np.where(counts > 0, factor, factor[:, :1])
         ((name, drawing),) = self.space.drawings.items()
         length, radius, ratio, angle = (
-            self._value(getattr(self.space, axis) or (default,), gene)
+            self._decode_gene(getattr(self.space, axis) or (default,), gene)
             for axis, default, gene in zip(_AXES, drawing_sizes(drawing), sizes.T, strict=True)
         )
         radius = radius * self.space.scale(counts, factor)
         kind = np.zeros(len(genomes), int)
         return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
 
-    def _value(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
-        """Value for each `gene` in [0, 1]: between the least and the largest, or a listed one."""
+    def _decode_gene(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
+        """Value for each `gene` in [0, 1], in the unit of `values`: linear from the least to the
+        largest, or if not `continuous` the one listed in the gene's equal share of [0, 1].
+        """
         if self.continuous:
             return min(values) + gene * (max(values) - min(values))
         return np.array(values)[_choice_index(gene, len(values))]

@@ -180,10 +180,10 @@ def valves(outcome: Outcome) -> PerDesign:
 
 @objective("m", "min", "size")
 def envelope(outcome: Outcome) -> PerDesign:
-    """Diameter of the circle around the muscles, contracted to the task's largest strain,
-    with units that aren't fed bowed out as far as any does up to there [m].
+    """Diameter of the circle around the muscles at the task's largest strain, with room for the
+    deepest bow of a vented muscle up to there [m].
 
-    Every unit but a lone one can be unfed while others contract it.
+    Every unit but a lone one can be vented while others contract it, and then bows sideways.
     """
     return _require_computed(outcome.size, "size")
 
@@ -303,8 +303,9 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
 
 
 def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
-    """Limits on objectives [SI], with the shares of the task that may be missed [-]: none, or as
-    much as `not_reached` was limited to, by weight and by points.
+    """The `limits` on objectives [SI], with limits on both shares of the task that aren't reached.
+
+    `not_reached` may be what it was limited to, else 0 [-]; `points_not_reached` no more than that.
     """
     limits = dict(limits or {})
     by_weight, by_points = limits.get(BY_WEIGHT, Limit()), limits.get(BY_POINTS, Limit())

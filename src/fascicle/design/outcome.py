@@ -139,9 +139,11 @@ class StateChoice(NamedTuple):
 
 
 @cache
-def states_for(scheme: AbstractScheme, units: int) -> States:
-    """States of designs with at most so many `units`: the scheme's, or where units are independent
-    the sets that may be fed. `ValueError` if there are too many.
+def recruitment_states(scheme: AbstractScheme, units: int) -> States:
+    """Recruitment states of a bundle of `units` motor units under a `scheme`.
+
+    With independent units a state for each set of units that the scheme can pressurize;
+    `ValueError` for too many sets.
     """
     return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
@@ -149,7 +151,7 @@ def states_for(scheme: AbstractScheme, units: int) -> States:
 def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
     """Mask of the states that designs have, states first, by a mask of their units, units first."""
     xp, units = array_namespace(exists), len(exists)
-    states = states_for(scheme, units)
+    states = recruitment_states(scheme, units)
     if scheme.independent or not is_prefix_consistent(scheme, units):
         # sets with a unit that doesn't exist repeat those without it
         return xp.ones((states.size, *exists.shape[1:]), bool)
@@ -179,12 +181,14 @@ def choose_states(
     low: Numbers | None = None,
     cost: Numbers | None = None,
 ) -> StateChoice:
-    """Choose the state that meets each point of a demand, and compute shortfall and spare there.
+    """State used at each point of a demand, with shortfall and force to spare there [N].
+
+    The state is the cheapest that gives the demanded force, or without `cost` the lowest.
 
     `length`: of the bundles at rest [m], one or of every design; `high` and `low`: largest and
     least force of each state [N], states first, then points, designs last; no `low` where no gap is
     between states; `exists`: mask of the states that designs have; `cost`: of each state [any
-    unit], of which the least is used; `None` for the lowest state.
+    unit].
     """
     xp, axes = array_namespace(high), np.ndim(high) - 2
     F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
@@ -228,7 +232,7 @@ def outcome(
     reversal [-] and `overlap` of states [N], if computed.
     """
     xp, exists, axes = array_namespace(counts, table.full), counts > 0, np.ndim(counts) - 1
-    states = states_for(demand.scheme, len(counts))
+    states = recruitment_states(demand.scheme, len(counts))
     low, high = state_edges(counts, table, states)
     volume = xp.moveaxis(counts * table.volume, 1, -1)
     # what flows back counts as nothing, as a set that feeds more isn't cheaper

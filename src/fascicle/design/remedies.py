@@ -32,7 +32,8 @@ _FEW = 256  # points solved for at first; the others are checked when it is solv
 @with_former_names
 @dataclass(frozen=True)
 class Remedy:
-    """A change that would reach the task.
+    """Change of one quantity for a design to reach its task: the sufficient value, or if none is
+    the largest one tried and the force that is still missing [N].
 
     - `what`: the changed quantity: "supply_pressure" [Pa], "muscles", "radius" [m] or "length" [m].
     - `now`: its present value; `value`: the sufficient one, `None` if there is none.

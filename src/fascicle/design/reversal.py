@@ -23,30 +23,33 @@ from ..core.types import AnyArray, Float, Int, Marks, Numbers, Whole
 _BATCH = 2**20  # numbers computed together, some ten megabytes
 
 
-def free_strain_falls(offset: Numbers, number: Numbers, force: Numbers, top: Numbers) -> Numbers:
-    """Largest fall of the free strain while a unit's pressure rises from zero [-], for each unit.
+def free_strain_falls(
+    other_force: Numbers, count: Numbers, force: Numbers, last_strain: Numbers
+) -> Numbers:
+    """Largest fall of a bundle's free strain while one unit's pressure rises from zero to the
+    supply's, the other units' being constant [-]; one value for each unit that rises.
 
-    `offset`: force of all other units at even strains [N], a row for each unit; `number`: muscles
-    of the unit; `force`: of one of them at every level [N], levels first, strains last; `top`: the
-    last of the strains [-].
+    `other_force`: of all other units at even strains [N], a row for each unit; `count`: muscles of
+    the unit; `force`: of one of them at every pressure level [N], levels first, strains last;
+    `last_strain`: the last of the even strains from zero [-].
     """
-    xp, last = array_namespace(offset, force), offset.shape[-1] - 1
+    xp, last = array_namespace(other_force, force), other_force.shape[-1] - 1
 
     def total(index: Whole, level: Numbers) -> Numbers:
         """Force at the strain with an index for each unit, levels first."""
         other_units, unit = (
-            xp.take_along_axis(x, index, axis=-1)[..., 0] for x in (offset[None], level)
+            xp.take_along_axis(x, index, axis=-1)[..., 0] for x in (other_force[None], level)
         )
-        return other_units + number * unit
+        return other_units + count * unit
 
     def first_zero(force: Numbers) -> Numbers:
         """First strain at which the force of any level vanishes, in steps of the strain."""
-        right = first_push(offset + number[:, None] * force.min(axis=0))
+        right = first_push(other_force + count[:, None] * force.min(axis=0))
         ahead, behind = (total(right[None, :, None] + step, force) for step in (-1, 0))
         vanishes = (behind <= 0) | (right == last)
         return right - 1 + where(vanishes, chord_zero(ahead, behind), 1.0).min(axis=0)
 
-    return top * (first_zero(force[:1]) - first_zero(force)) / last
+    return last_strain * (first_zero(force[:1]) - first_zero(force)) / last
 
 
 def reversal_depth(counts: Whole, curves: Numbers, top: Numbers, states: States) -> Numbers:
@@ -89,16 +92,16 @@ def uniform_reversal_depths(
     for start in range(0, later.size, step):
         portion = later[start : start + step]
         a, m, r = transitions[:, portion]
-        offset = a[:, None] * curves[-1] + r[:, None] * curves[0]
-        falls[portion] = free_strain_falls(offset, m, curves[:, None], top)
+        other_force = a[:, None] * curves[-1] + r[:, None] * curves[0]
+        falls[portion] = free_strain_falls(other_force, m, curves[:, None], top)
     return falls[index.reshape(n.shape)].max(axis=0)
 
 
 def overlap_width(
     counts: Whole, curves: Numbers, levels: Numbers, states: States, exists: Marks
 ) -> Numbers:
-    """For each design, largest range of forces, zero and above, that two successive states both
-    reach at one strain [N].
+    """Overlap of the force ranges of two successive states, of each design [N]: the largest over
+    all strains and pairs of states, forces below zero left out.
 
     `counts`: muscles in each unit, units first, designs last; `curves`: force of a muscle of each
     unit at every level and even strain [N]; `levels`: the curves; where all units have one muscle,

@@ -22,7 +22,7 @@ from .designs import Designs, Sizes
 from .evaluation import design_outcome, evaluated_units
 from .objectives import check_objectives, needs, objective_values
 from .outcome import Demand
-from .scatter import LARGEST_ANGLE, SMALLEST_ANGLE, Draws, rescale_forces
+from .scatter import LARGEST_ANGLE, SMALLEST_ANGLE, Draws, scale_forces
 from .tables import MIXED, Resolution
 from .task import Task
 
@@ -51,7 +51,7 @@ def compiled_objectives(
     muscles: Muscle | None = None,
     seed: int = 0,
 ) -> Float[np.ndarray, "objective design draw"]:
-    """Objectives of designs in every draw [SI], each draw evaluated by itself.
+    """Objectives of designs in every draw [SI], by compiled code of JAX, one design at a time.
 
     **Arguments:**
 
@@ -60,8 +60,8 @@ def compiled_objectives(
     - `names`: of the objectives.
     - `draws`: of fabrication and forces.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-], of which
-      one is picked for each draw; default: the drawing itself.
-    - `seed`: random seed, of the picks.
+      each draw has one at random; default: the drawing itself.
+    - `seed`: random seed of that choice; `draws` are drawn already.
 
     **Returns:** the values [SI].
 
@@ -79,7 +79,7 @@ def compiled_objectives(
             size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
             picks = np.random.default_rng(seed).integers(0, size, number)
             kinds = _pick_draws(muscles, drawing, picks)
-        scales = _scales(kinds, drawing, draws)
+        scales = _draw_scales(kinds, drawing, draws)
         for index in map(int, rows):
             counts, sizes = _counts_and_sizes(designs, index, task)
             values[:, index] = drawn_objectives(
@@ -88,8 +88,13 @@ def compiled_objectives(
     return values
 
 
-def _scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
-    """Factors of the draws, with those of the drawn constants' sizes over the drawing's."""
+def _draw_scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
+    """Scales of each draw from the sizes of `drawing` to drawn ones: factors on length, radius,
+    wall and force [-], and what is added to the braid angle [rad].
+
+    Scatter of fabrication and model (`draws`) and the sizes of calibrated muscles (`kinds`, one for
+    each draw) both count.
+    """
     length, radius, wall = (
         np.asarray(getattr(kinds, name) / getattr(drawing, name))
         for name in ("length", "outer_radius", "wall_thickness")
@@ -132,7 +137,7 @@ def drawn_objectives(
         )
         demanded = with_fields(demand, force=demand.force / scale.force)
         outcome = design_outcome(kind, counts, drawn, demanded, needs, resolution)
-        scaled = rescale_forces(outcome, demand, drawn.length[0], scale.force)
+        scaled = scale_forces(outcome, demand, drawn.length[0], scale.force)
         return objective_values(scaled, names)
 
     return lax.map(objectives, (kinds, scales), batch_size=_TOGETHER).T

@@ -27,7 +27,7 @@ from .objectives import (
     with_reach_limits,
     within_limits,
 )
-from .outcome import states_for
+from .outcome import recruitment_states
 from .scatter import Safety, Spread, Uncertainty, batch_objectives, sample_draws
 from .task import Task
 
@@ -72,7 +72,7 @@ def spread(
     limits, scatter = with_reach_limits(limits), Scatter() if scatter is None else scatter
     names = check_objectives([*objectives, *limits], task.scheme)
     sample = sample_draws(scatter, draws, seed)
-    if muscles is None and _batches_apply(designs, task, names):
+    if muscles is None and _can_batch_draws(designs, task, names):
         values = batch_objectives(designs, task, names, sample)
     else:
         from .robust import compiled_objectives  # loads JAX
@@ -196,7 +196,9 @@ def _spread(
     )  # fmt: skip
 
 
-def _batches_apply(designs: Designs, task: Task, names: tuple[str, ...]) -> bool:
-    """True if draws can be evaluated together, by the largest force of each unit alone."""
-    states = states_for(task.scheme, designs.counts.shape[1])
+def _can_batch_draws(designs: Designs, task: Task, names: tuple[str, ...]) -> bool:
+    """True if `batch_objectives` is right for designs: for their objectives and recruitment states
+    the largest force of each unit is enough.
+    """
+    states = recruitment_states(task.scheme, designs.counts.shape[1])
     return states.gapless and states.separable and "curves" not in needs(names)

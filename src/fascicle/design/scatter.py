@@ -184,8 +184,8 @@ class Safety:
     spread: Spread
 
     @cached_property
-    def low_margins(self) -> Float[np.ndarray, " design"]:
-        """Relative margin that 95 % of the draws of each reported design have [-]."""
+    def margin_quantiles(self) -> Float[np.ndarray, " design"]:
+        """5 % quantile of each reported design's relative margin over the draws [-]."""
         return np.quantile(self.spread.values["relative_margin"], 0.05, axis=1)
 
     @property
@@ -194,9 +194,11 @@ class Safety:
         return self.probability >= self.uncertainty.share
 
 
-def rescale_forces(outcome: Outcome, demand: Demand, length: np.ndarray, factor: Any) -> Outcome:
-    """Outcome of forces that are `factor` times as large [-] for a `demand`, from that of the
-    unscaled forces for the demand divided by the factor; `length`: of the bundles at rest [m].
+def scale_forces(outcome: Outcome, demand: Demand, length: np.ndarray, factor: Any) -> Outcome:
+    """Outcome for a `demand` of bundles with `factor` times the model's forces [-].
+
+    `outcome`: of the model's forces, for the demanded forces divided by `factor`; the states, and
+    so the fluid energy, are the same in both. `length`: of the bundles at rest [m].
     """
     axes = np.ndim(length)
     return outcome._replace(
@@ -243,4 +245,4 @@ def _drawn_outcome(
     table = table.take(np.resize(np.arange(columns * D * N), (U, D * N)))  # units repeat a column
     factor, length = np.tile(draws.force, D), length.ravel()
     demanded = with_fields(demand, force=demand.force[:, None] / factor)
-    return rescale_forces(outcome(counts, table, length, demanded), demand, length, factor)
+    return scale_forces(outcome(counts, table, length, demanded), demand, length, factor)

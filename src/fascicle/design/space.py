@@ -205,7 +205,7 @@ class Space:
                 rule = "must hold at least one number of muscles"
                 raise InvalidInputError("muscles", rule, None, shown="none")
             check_splits(dict.fromkeys(self.muscles), self.splits, self.most_units)
-        if not len(self._shapes[0]):
+        if not len(self._units_and_scales[0]):
             raise ValueError(
                 f"the space is empty: no split has {self.most_units} motor units or fewer."
             )
@@ -217,7 +217,7 @@ class Space:
         return state | {"drawings": to_numpy(self.drawings)}
 
     def __len__(self) -> int:
-        return math.prod(map(len, self._grid)) * len(self._shapes[0])
+        return math.prod(map(len, self._grid)) * len(self._units_and_scales[0])
 
     def at(self, index: Int[np.ndarray, " design"]) -> Designs:
         """Designs by their index.
@@ -226,7 +226,7 @@ class Space:
 
         **Returns:** the designs.
         """
-        counts, factor, scale = self._shapes
+        counts, factor, scale = self._units_and_scales
         grid, shape = np.divmod(index, len(counts))
         kind, *columns = np.unravel_index(grid, tuple(map(len, self._grid)))
         defaults = np.array([drawing_sizes(drawing) for drawing in self.drawings.values()])[kind]
@@ -246,8 +246,12 @@ class Space:
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
     ) -> Float[np.ndarray, " design"]:
-        """Ratio of a design's radius to the one of its `radius_rule` [-]; `counts`: muscles in each
-        unit; `factor`: of each unit's radius [-].
+        """Radius of a muscle with a unit factor of 1 over the value listed in `radius` [-], by
+        `radius_rule`, for each design.
+
+        The listed value is that muscle's own radius ("each", ratio 1), that of one muscle with the
+        cross-section of all ("cross_section"), or the diameter of the circle around all
+        ("packing"). `counts`: muscles in each unit; `factor`: of each unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
@@ -262,11 +266,11 @@ class Space:
         return (tuple(range(len(self.drawings))), *(axis or (math.nan,) for axis in axes))
 
     @cached_property
-    def _shapes(
+    def _units_and_scales(
         self,
     ) -> tuple[Counts, Float[np.ndarray, "shape unit"], Float[np.ndarray, " shape"]]:
-        """Muscles and radius factor of each unit, for each split; and for each split the ratio of
-        its design's radius to `radius_rule`'s [-].
+        """Muscles in each unit, radius factor of each unit [-] and `scale` [-], a row for each
+        split with each combination of unit factors.
         """
         if isinstance(self.splits, str):
             enumerate_splits = compositions if self.splits == "all" else partitions
@@ -280,7 +284,7 @@ class Space:
         if self.most_units is not None:
             allowed = np.sum(counts > 0, axis=1) <= self.most_units
             counts = counts[allowed, : max(1, self.most_units)]
-        counts, factor = _with_factors(counts, self.unit_factors)
+        counts, factor = _combine_factors(counts, self.unit_factors)
         return counts, factor, self.scale(counts, factor)
 
 
@@ -293,10 +297,12 @@ def drawing_sizes(drawing: Muscle) -> Floats:
     return length, radius, wall / radius, angle
 
 
-def _with_factors(
+def _combine_factors(
     counts: Counts, factors: Floats
 ) -> tuple[Counts, Float[np.ndarray, "shape unit"]]:
-    """Muscles and radius factor of each unit, a row for each split with each choice of factors."""
+    """Muscles in each unit and radius factor of each unit [-], a row for every combination of a
+    split and a factor for each of its units, repeats of equal units included.
+    """
     if len(factors) == 1:
         return counts, np.full(counts.shape, factors[0])
     units, width = np.sum(counts > 0, axis=1), counts.shape[1]

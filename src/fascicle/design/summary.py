@@ -55,12 +55,13 @@ Points = Float[np.ndarray, " point"]
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Load cases of a `task` for a bundle of `length` [m].
+    """Forces, recruitment states and fluid of a bundle at the points of a `task`, its load cases.
 
+    - `length`: of the bundle at rest [m].
     - `largest`: force that it gives at each [N].
     - `spare`: that force less the demanded one [N]; negative where it isn't reached.
     - `state`: that meets it, counted from 0.
-    - `pressure`: throttled in that state [Pa]; of free units, that of the last one fed.
+    - `pressure`: throttled in that state [Pa]; of independent units, that of the last pressurized.
     - `content`: of each unit [m³]: of air in normal volume, of liquid what flows in.
     """
 
@@ -79,7 +80,9 @@ class Cases:
 
     @property
     def relative(self) -> Points:
-        """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
+        """Relative margin of each load case [-]: force to spare over the demanded force; over the
+        task's largest force where none is demanded.
+        """
         return self.spare / self.task.reference
 
     @property

@@ -51,14 +51,14 @@ def largest_force_table(
     law, strain, supply = muscle.law, demand.strain(sizes.length) + zero, demand.supply + zero
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
         vented = law.at(zero)
-        vented_force, full = vented.force(strain)[0], _pull(law, supply, strain)
+        vented_force, full = vented.force(strain)[0], _tension_force(law, supply, strain)
         largest, pressure = maximum(vented_force, full), resolution.level[1:] * demand.supply
         # a tuning's tables bend what is linear
         if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
             step = max(1, _BATCH // largest.size)
             for start in range(0, len(pressure), step):
                 P = pressure[start : start + step, None, None] + zero
-                largest = maximum(largest, _pull(law, P, strain).max(axis=0))
+                largest = maximum(largest, _tension_force(law, P, strain).max(axis=0))
         pushes = full < 0  # as it does wherever even the largest force is less
         points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
         step = max(1, _BATCH // max(1, points.size * len(pressure)))
@@ -144,7 +144,9 @@ def _table(
     return ForceTable(vented_force, full, levels, volume, blocked, muscle.length, radius, bulge)
 
 
-def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Force of the tension law [N]; minus infinity past the free strain, where it pushes."""
+def _tension_force(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
+    """Force of the tension law [N] at a `pressure` [Pa] and a `strain` [-]; minus infinity past the
+    free strain, where the law doesn't hold.
+    """
     pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
     return where(pulls, law.tension.force(pressure, strain), -np.inf)

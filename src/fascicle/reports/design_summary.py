@@ -144,7 +144,7 @@ def low_margin(result: SearchResult, index: int) -> list[str]:
     """Margin that 95 % of the draws of a reported design with an `index` have, if there are any."""
     if result.safety is None:
         return []
-    return [format_objective("relative_margin", float(result.safety.low_margins[index]))]
+    return [format_objective("relative_margin", float(result.safety.margin_quantiles[index]))]
 
 
 def safety_lines(result: SearchResult) -> list[str]:
@@ -152,7 +152,7 @@ def safety_lines(result: SearchResult) -> list[str]:
     safety, index = result.safety, result.recommended
     if safety is None or index is None:
         return []
-    low, uncertainty = float(safety.low_margins[index]), safety.uncertainty
+    low, uncertainty = float(safety.margin_quantiles[index]), safety.uncertainty
     return [
         f"safety: holds in {_percent(safety.probability)} of {uncertainty.draws} draws"
         f" ({_percent(uncertainty.share)} needed); margin {_percent(low)} at the 5th percentile;"

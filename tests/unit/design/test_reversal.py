@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design.designs import Sizes
-from fascicle.design.outcome import existing_states, states_for
+from fascicle.design.outcome import existing_states, recruitment_states
 from fascicle.design.reversal import (
     chord_zero,
     first_push,
@@ -51,7 +51,7 @@ def first_zero(force, top):
 
 def test_every_depth(curves):
     (force, top), counts = curves, compositions(N).T
-    states = states_for(Orderly(), N)
+    states = recruitment_states(Orderly(), N)
     depths = uniform_reversal_depths(counts, force, top, states)
     for design, depth in zip(counts.T, depths, strict=True):
         falls = [0.0]
@@ -69,7 +69,7 @@ def test_every_depth(curves):
 @pytest.mark.parametrize("scheme", [Orderly(), Batch()], ids=str)
 def test_every_overlap(curves, scheme):
     force, counts = curves[0], compositions(N).T
-    states = states_for(scheme, N)
+    states = recruitment_states(scheme, N)
     ends = np.stack([force.min(axis=0), force.max(axis=0)])[..., None, None]
     exists = existing_states(scheme, counts > 0)
     widths = overlap_width(counts, force[..., None, None], ends, states, exists)
