@@ -380,7 +380,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for an unknown backend, `ImportError` if it is not installed.
         """
         if check_choice(backend, BACKENDS, "backend") == "casadi":
-            return import_late("export.point_function.bundle_function")(self)
+            return import_late("export.point_function.compile_bundle_force")(self)
         require("jax")
         from ..core.jax_backend import jit
 

@@ -30,7 +30,7 @@ _PARAMETERS = {
 
 
 def option(text: str, names: str = "", *, default: Any = None, **settings: Any) -> Any:
-    """Option of a command.
+    """Typer's description of an option, the default of a command's parameter.
 
     **Arguments:**
 
@@ -115,17 +115,17 @@ OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # of commands whose --force is
 
 
 class Command(TyperCommand):
-    """A command with checked outputs.
+    """A command that checks its outputs, and writes the files of `--json FILE` and `--csv FILE`.
 
-    It refuses repeated options and outputs that collide, writes the file of `--json FILE` or
-    `--csv FILE`, and names options in the library's messages.
+    It refuses repeated options and outputs that collide, and names options in the library's
+    messages.
     """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments, and check that they fit together."""
         if ctx.resilient_parsing:  # the shell completes them
             return super().parse_args(ctx, args)
-        args, redirects = _split_redirects(args)
+        args, data_files = _split_data_files(args)
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for parameter, count in Counter[Any](order).items():
             single = parameter.param_type_name == "option" and not parameter.is_flag
@@ -136,32 +136,35 @@ class Command(TyperCommand):
                 times = "twice" if count == 2 else f"{count} times"
                 raise UserError(f"{name} was given {times}: {remedy}.")
         extra = super().parse_args(ctx, args)
-        ctx.meta["redirects"] = redirects
-        self._check_outputs(ctx, redirects)
+        ctx.meta["data_files"] = data_files
+        self._check_outputs(ctx, data_files)
         return extra
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command, and write the file of its output, whole or not at all."""
         overwrite = bool(ctx.params.get("overwrite"))
-        redirects = ctx.meta.get("redirects", {})
-        for name, path in redirects.items():
+        data_files = ctx.meta.get("data_files", {})
+        for name, path in data_files.items():
             check_file(name, path, overwrite)
         text = io.StringIO()
         try:
-            with contextlib.redirect_stdout(text) if redirects else contextlib.nullcontext():
+            with contextlib.redirect_stdout(text) if data_files else contextlib.nullcontext():
                 code = super().invoke(ctx)
         except typer.Exit as error:
             code = error.exit_code
         except UserError as error:
             error.args = (self._with_option_names(error),)
             raise
-        for name, path in redirects.items():
+        for name, path in data_files.items():
             write_text(name, path, overwrite, text.getvalue())
         return code
 
-    def _check_outputs(self, ctx: Any, redirects: Mapping[str, str]) -> None:
-        """Refuse outputs that share a path, and a file in the folder of another output."""
-        outputs, folders = dict(redirects), []
+    def _check_outputs(self, ctx: Any, data_files: Mapping[str, str]) -> None:
+        """Refuse outputs that share a path, and a file in the folder of another output.
+
+        `data_files`: those of `--json FILE` and `--csv FILE`, by the option.
+        """
+        outputs, folders = dict(data_files), []
         for parameter in self.get_params(ctx):
             value = ctx.params.get(parameter.name)
             if isinstance(value, str) and parameter.metavar in OUTPUTS:
@@ -203,13 +206,14 @@ def _name(parameter: Any) -> str:
     return max(parameter.opts, key=len)
 
 
-def _split_redirects(args: list[str]) -> tuple[list[str], dict[str, str]]:
-    """Split off the files of `--json FILE.json`, `--json=FILE` and the like for CSV.
+def _split_data_files(args: list[str]) -> tuple[list[str], dict[str, str]]:
+    """Arguments without the files of `--json FILE.json`, `--json=FILE` and the like for CSV, and
+    these files by the option.
 
     The argument after the option is its file if it has the option's suffix. `-` is standard output.
     """
     arguments: list[str] = []
-    redirects: dict[str, str] = {}
+    data_files: dict[str, str] = {}
     queue = list(args)
     while queue:
         name, equals, path = queue[0].partition("=")
@@ -224,7 +228,7 @@ def _split_redirects(args: list[str]) -> tuple[list[str], dict[str, str]]:
             if following == "-" or (has_suffix and not following.startswith("-")):
                 path = queue.pop(0)
         if path not in ("", "-"):
-            if name in redirects:
+            if name in data_files:
                 raise UserError(f"{name} was given twice: give it once.")
-            redirects[name] = path
-    return arguments, redirects
+            data_files[name] = path
+    return arguments, data_files

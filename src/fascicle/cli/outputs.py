@@ -174,7 +174,7 @@ def replace_output(
     """Context of a path, not yet made, of a draft that replaces `path`; errors name `option`."""
     with user_errors(f"{option} ".lstrip()):
         atomic.check_overwrite(path, overwrite)
-        with atomic.replace_whole(path, folder) as draft:
+        with atomic.open_replacement(path, folder) as draft:
             yield draft
 
 

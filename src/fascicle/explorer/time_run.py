@@ -75,8 +75,8 @@ def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) 
     quantity, heads, table_rows, remarks = "", [], [], []
     if runs:
         assert study.control is not None
-        quantity, worths = study.control.controller.of, [run.worth for run in runs.values()]
-        fronts = front([x.drawdown for x in worths], [x.supply_energy for x in worths]).tolist()
+        quantity, metrics = study.control.controller.of, [run.metrics for run in runs.values()]
+        fronts = front([x.drawdown for x in metrics], [x.supply_energy for x in metrics]).tolist()
         heads = reports.policy_heads(study.plant, quantity)
         table_rows = reports.policy_rows(study.plant, quantity, runs, fronts)
         remarks = reports.policy_notes(study, runs)
@@ -103,8 +103,8 @@ def picture(progress: Progress, text: str, name: str, policies: Sequence[str], k
     if len(runs) == 1:
         ((variant, run, tracking),) = runs.values()
         return to_bytes(traces(variant.plant, run, tracking), kind)
-    worths = [reports.control_worth(variant.control, run) for variant, run, _ in runs.values()]
-    drawdowns, energies = zip(*((x.drawdown, x.supply_energy) for x in worths), strict=True)
+    metrics = [reports.run_metrics(variant.control, run) for variant, run, _ in runs.values()]
+    drawdowns, energies = zip(*((x.drawdown, x.supply_energy) for x in metrics), strict=True)
     costs = PolicyCosts(drawdowns, energies, front(drawdowns, energies).tolist())
     pairs = {label: (run, tracking) for label, (_, run, tracking) in runs.items()}
     return to_bytes(draw_policies(study.plant, pairs, costs), kind)
@@ -168,7 +168,7 @@ def _run(
     if control is not None:
         tracking = reports.run_demand(study, run)
         assert tracking is not None
-        control_metrics = reports.control_worth(control, run)
+        control_metrics = reports.run_metrics(control, run)
         policy_run = reports.PolicyRun(control, run, control_metrics, tracking, doubts)
         if tracking.quantity == "position":
             demand = np.append(tracking.demand, tracking.demand[-1])[rows]

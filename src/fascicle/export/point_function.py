@@ -62,8 +62,8 @@ class PointFunction:
         return float(force[0]), by_pressure.copy(), float(by_strain[0])
 
 
-def muscle_function(muscle: Muscle) -> PointFunction:
-    """The force of a muscle at single points."""
+def compile_muscle_force(muscle: Muscle) -> PointFunction:
+    """Compiled force of a muscle [N] and its slopes, at one pressure [Pa] and strain [-] a call."""
     ca, functions = _casadi()
     pressure, strain = ca.SX.sym("P"), ca.SX.sym("eps")
     force, by_strain = muscle.law.at(pressure).force(strain)
@@ -71,8 +71,8 @@ def muscle_function(muscle: Muscle) -> PointFunction:
     return PointFunction("muscle_force", [pressure, strain], force, slopes)
 
 
-def bundle_function(bundle: Bundle) -> PointFunction:
-    """The force of a bundle at single points."""
+def compile_bundle_force(bundle: Bundle) -> PointFunction:
+    """Compiled force of a bundle [N] and its slopes, at pressures [Pa] and a strain [-] a call."""
     ca, functions = _casadi()
     pressures, strain = ca.SX.sym("P", len(bundle.motor_units)), ca.SX.sym("eps")
     total, by_pressure, by_strain = ca.SX(0), [], ca.SX(0)

@@ -23,7 +23,9 @@ _FUNCTIONS = {  # of CasADi, by the names of the array library
 
 
 class Symbols:
-    """NumPy's functions by their names, of CasADi's scalar symbols."""
+    """Array namespace for CasADi's symbols: NumPy's functions by their names, and the constants
+    that `resolve` substitutes after derivatives have been taken.
+    """
 
     def __init__(self):
         self.__dict__ |= _FUNCTIONS

@@ -74,7 +74,7 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
 
 def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read the `[calibration]` of a muscle file, and of the log that it names.
+    """Table `[calibration]` of a muscle file, with the entries of the calibration log it names.
 
     **Arguments:** `path`: the TOML file.
 

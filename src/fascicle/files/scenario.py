@@ -424,7 +424,7 @@ def _supply(
 
 
 def _times(run: Any, units: int, location: FileLocation) -> tuple[float, float]:
-    """Step and duration of a run [s]."""
+    """Step and duration of a run [s]; refuses a broken step, or too many for the `units`."""
     dt, duration = run.dt or _STEP, run.duration
     steps = round(duration / dt)
     if abs(steps - duration / dt) > _ROUNDING * max(1, steps):

@@ -32,7 +32,7 @@ def write(
     """Let `fill` write a draft of a file, or of a `folder`, and move it to `path` when it is
     complete; an existing one is replaced. `OSError`, one line, if it can't be written.
     """
-    with replace_whole(path, folder) as draft:
+    with open_replacement(path, folder) as draft:
         fill(draft)
 
 
@@ -42,8 +42,10 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 @contextlib.contextmanager
-def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
-    """Context of a path, not yet made, of a draft that replaces `path` at the end; as `write`."""
+def open_replacement(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
+    """Context of the path of a draft, to be written as a file or a `folder`; at the end it replaces
+    `path`. `OSError` as of `write`.
+    """
     target = draft = check_writable(path, folder)
     try:
         with open_draft(target) as draft:

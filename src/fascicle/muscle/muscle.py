@@ -359,7 +359,7 @@ class Muscle(Module):
         **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
         """
         if check_choice(backend, BACKENDS, "backend") == "casadi":
-            return import_late("export.point_function.muscle_function")(self)
+            return import_late("export.point_function.compile_muscle_force")(self)
         require("jax")
         from ..core.jax_backend import jit
 

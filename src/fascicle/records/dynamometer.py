@@ -108,11 +108,11 @@ class Scatter:
         object.__setattr__(self, "braid_angle", float(angle))
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
-        """Draw muscles built to one drawing.
+        """Muscle with a random length and braid angle, or a batch of them of shape `size`.
 
         **Arguments:**
 
-        - `muscle`: the drawing.
+        - `muscle`: its length and braid angle are the means.
         - `generator`: source of random numbers.
         - `size`: shape of the batch; default: a single muscle.
 

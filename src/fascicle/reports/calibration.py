@@ -112,6 +112,7 @@ def _interval_text(low: float, high: float, dimension: str) -> str:
 
 
 def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]:
+    """Rows of the table of a posterior: parameter, median, interval, R-hat, sample size."""
     ends, medians = posterior.interval(), np.median(posterior.values, axis=0)
     return [
         [entry.name, pretty(float(medians[i]), entry.dimension),

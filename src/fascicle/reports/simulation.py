@@ -23,13 +23,13 @@ _REFERENCE = "threshold"  # the policy that energies are compared with
 
 
 class PolicyRun(NamedTuple):
-    """A policy's run: its controller in `control`, the `run`, its metrics, `worth`, its demand and
+    """A policy's run: its controller in `control`, the `run`, its `metrics`, its demand and
     output in `tracking` [SI], and `doubts`, reasons not to trust it.
     """
 
     control: "ScenarioControl"
     run: "Trajectory"
-    worth: "ControlMetrics"
+    metrics: "ControlMetrics"
     tracking: Tracking
     doubts: list[str]
 
@@ -55,10 +55,10 @@ def report(
 
     plant, control = scenario.plant, None
     if (controlled := scenario.control) is not None:
-        quantity, metrics = controlled.controller.of, control_worth(controlled, run)
+        quantity, metrics = controlled.controller.of, run_metrics(controlled, run)
         control = {
             "quantity": quantity,
-            "rows": worth_rows(plant, quantity, metrics),
+            "rows": metrics_rows(plant, quantity, metrics),
             "unreachable": unreachable_message(plant, quantity, metrics),
         }
     components = (plant.load, plant.chamber, plant.supply, plant.valve, plant.spool)
@@ -80,7 +80,7 @@ def report(
     )  # fmt: skip
 
 
-def control_worth(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":
+def run_metrics(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":
     """Metrics of a controlled `run` [SI]."""
     return control_metrics(controlled.controller, run, controlled.reference)
 
@@ -94,7 +94,7 @@ def run_demand(scenario: "Scenario", run: "Trajectory") -> Tracking | None:
     return Tracking(controller.of, reference, controlled_output(controller, run), can)
 
 
-def worth_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list[tuple[str, str]]:
+def metrics_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list[tuple[str, str]]:
     """Rows of the metrics of controlling a `quantity`: labels with units, and numbers."""
     factor, unit = display_unit(plant, quantity)
     rows = [
@@ -149,8 +149,8 @@ def _inverse(rate: float) -> str:
     return "none" if rate == 0 else pretty(1 / rate, "time")
 
 
-def worth_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
-    """Drawdown, error and energy of controlling a `quantity`, in a line."""
+def metrics_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
+    """Text of the drawdown, error and energy of a run that controls a `quantity`, with units."""
     factor, unit = display_unit(plant, quantity)
     return (
         f"drawdown {factor * metrics.drawdown:.4g} {unit}, root mean square of the error"
@@ -243,10 +243,10 @@ def policy_rows(
 ) -> list[list[str]]:
     """Rows of the table of policies: `runs` by policy [SI], and those on the `front`."""
     factor, _ = display_unit(plant, quantity)
-    reference = runs[_REFERENCE].worth.supply_energy if _REFERENCE in runs else 0.0
+    reference = runs[_REFERENCE].metrics.supply_energy if _REFERENCE in runs else 0.0
     rows = []
     for (name, run), on_front in zip(runs.items(), front, strict=True):
-        value = run.worth
+        value = run.metrics
         ratio = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
         extra = f"{100 * (value.supply_energy / reference - 1):+.1f}" if reference else "-"
         rows.append([
@@ -260,11 +260,11 @@ def policy_rows(
 
 def policy_summary(plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun]) -> list[str]:
     """Policies with the least drawdown and with the least energy, a line each."""
-    worths = {name: run.worth for name, run in runs.items() if not run.doubts}
+    metrics = {name: run.metrics for name, run in runs.items() if not run.doubts}
     return [
-        f"Least {label}: {name}, {worth_summary(plant, quantity, worth)}."
+        f"Least {label}: {name}, {metrics_summary(plant, quantity, value)}."
         for label, key in (("drawdown", "drawdown"), ("energy", "supply_energy"))
-        for name, worth in sorted(worths.items(), key=lambda pair: getattr(pair[1], key))[:1]
+        for name, value in sorted(metrics.items(), key=lambda pair: getattr(pair[1], key))[:1]
     ]
 
 
@@ -276,7 +276,7 @@ def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[st
         notes.append("one motor unit alone: nothing is handed over, and policies don't differ")
     if quantity == "position":
         notes.append("a position has no dip D to compare its drawdown with")
-    worst = max((run.worth for run in runs.values()), key=lambda value: value.unreachable)
+    worst = max((run.metrics for run in runs.values()), key=lambda value: value.unreachable)
     if worst.unreachable:
         notes.append(unreachable_message(scenario.plant, quantity, worst))
     return notes

@@ -360,17 +360,19 @@ def simulated(
 
 
 def policy_table(
-    controllers: Mapping[str, "Cascade"], metrics: list["ControlMetrics"], closes: Any
+    controllers: Mapping[str, "Cascade"],
+    metrics: list["ControlMetrics"],
+    is_trusted: Sequence[bool],
 ) -> Table:
-    """Comparison of policies by their control metrics.
+    """Control metrics of policies, a row each.
 
     **Arguments:**
 
     - `controllers`: by the name of the policy.
     - `metrics`: of each one's run.
-    - `closes`: flags of runs whose energy balance closes.
+    - `is_trusted`: true for a run whose audit gives no reason to doubt it.
 
-    **Returns:** a table, a policy a row, with the front of drawdown against supply energy.
+    **Returns:** the table, with the front of drawdown against supply energy.
     """
     from ..control import front
 
@@ -380,7 +382,7 @@ def policy_table(
         ("policy", "policy", list(controllers), "-", "order of recruitment in time"),
         *_metric_variables(next(iter(controllers.values())), metrics, "policy"),
         ("on_front", "policy", best, "-", about),
-        ("trusted", "policy", closes, "-", "true if its balances close"),
+        ("trusted", "policy", is_trusted, "-", "true if the audit doubts nothing"),
     )
 
 

@@ -91,7 +91,7 @@ class Sizing:
 
     @property
     def chosen(self) -> Candidate:
-        """The first candidate."""
+        """The candidate that takes the least fluid."""
         return self.candidates[0]
 
     @property

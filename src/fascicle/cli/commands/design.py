@@ -134,7 +134,7 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
     """
     from ...reports import design_summary
 
-    infeasible, summary = _split(answer)
+    infeasible, summary = _unpack_answer(answer)
     is_feasible = infeasible is None
     lines = design_summary.summary_lines(result, summary) if is_feasible else infeasible.lines()
     for line in [*lines, *(f"note: {note}" for note in notes)]:
@@ -147,8 +147,8 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
     return 0 if is_feasible else INCOMPLETE
 
 
-def _split(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
-    """The infeasible result, if no design reaches every load case, and a design's summary."""
+def _unpack_answer(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
+    """The `InfeasibleResult` of an answer of `summarize_search`, or `None`, and its `Summary`."""
     from ...reports.design_summary import InfeasibleResult
 
     is_infeasible = isinstance(answer, InfeasibleResult)
@@ -213,7 +213,7 @@ def _write(
         for index in range(min(len(result.reported), _SAVED))
     }
     data: dict[str, Any] = {"designs.nc": design_tables.all_design_variables(result)}
-    infeasible, summary = _split(answer)
+    infeasible, summary = _unpack_answer(answer)
     if infeasible is None and result.recommended is not None:
         recommended = dumps(result.designs.bundle(result.recommended, result.task))
         bundles = {"recommended.toml": recommended, **bundles}
@@ -242,7 +242,7 @@ def _json(result: "SearchResult", answer: Any, notes: tuple[str, ...]) -> str:
     from ...results.design_tables import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 
-    infeasible, summary = _split(answer)
+    infeasible, summary = _unpack_answer(answer)
     warning = "" if infeasible is not None else margin_warning(result, summary)
     data = {
         "reached": bool(summary.cases.reached.all()),

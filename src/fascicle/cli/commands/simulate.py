@@ -116,9 +116,9 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
             _, doubts = audit_run(variant.plant, result)
             tracking = pages.run_demand(variant, result)
             assert tracking is not None
-            metrics = pages.control_worth(variant.control, result)
+            metrics = pages.run_metrics(variant.control, result)
             runs[policy] = pages.PolicyRun(variant.control, result, metrics, tracking, doubts)
-    metrics = [run.worth for run in runs.values()]
+    metrics = [run.metrics for run in runs.values()]
     controllers = {name: run.control.controller for name, run in runs.items()}
     table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
     front = table["on_front"].values.tolist()
@@ -185,9 +185,9 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
     if control is None:
         print_text(f"{text}.")
     else:
-        quantity, metrics = control.controller.of, pages.control_worth(control, result)
-        rows = pages.worth_rows(plant, quantity, metrics)
-        summary = pages.worth_summary(plant, quantity, metrics)
+        quantity, metrics = control.controller.of, pages.run_metrics(control, result)
+        rows = pages.metrics_rows(plant, quantity, metrics)
+        summary = pages.metrics_summary(plant, quantity, metrics)
         print_text(f"{text}: {summary}.")
         if message := pages.unreachable_message(plant, quantity, metrics):
             print_text(f"note: {message}")
