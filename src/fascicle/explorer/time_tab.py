@@ -63,7 +63,8 @@ _PLAY = (Path(__file__).with_name("time_page.js")).read_text(encoding="utf-8")
 _EMPTY = (
     "<h2>A bundle in time</h2><p>Choose a scenario and press <b>Run</b>. The simulator computes"
     " valves, pressures and the load, as <code>fascicle simulate</code> does; then you play the run"
-    " here. The first run takes longer: the simulator is compiled.</p>"
+    " here. A scenario brings its own bundle: the muscle of the other tabs takes no part. The"
+    " first run takes longer: the simulator is compiled.</p>"
 )
 _MEASURE = (
     "Drawdown: the largest fall of the output below its maximum while the demand doesn't fall,"
