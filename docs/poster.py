@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import fascicle as fs
 from fascicle.plot.shapes import draw_muscle, outlines
-from fascicle.plot.theme import letters, new_figure, pressure_colors, to_bytes
+from fascicle.plot.theme import CODE_FIGURES, LIGHT, letters, new_figure, pressure_colors, to_bytes
 from fascicle.plot.workspace import draw_workspace
 
 
@@ -43,7 +43,7 @@ def draw_forces(ax: Axes) -> None:
     for pressure, color in zip(pressures, pressure_colors(pressures.size), strict=True):
         label = f"{pressure / 1e3:.0f} kPa"
         ax.plot(strain, MUSCLE.force(pressure, strain), color=color, label=label)
-    ax.axhline(0, color="gray", linewidth=0.5)
+    ax.axhline(0, color=LIGHT.edge, linewidth=0.5)
     ax.set(xlabel="Contraction ε [-]", ylabel="Force F [N]")
     ax.legend()
 
@@ -79,7 +79,7 @@ def poster() -> Figure:
     letters(axes[:2], ("One muscle at 137.9 kPa", "Its force: it pulls, then resists",
                        "More pressure, less reach", "What a bundle of 1 + 4 can do"))  # fmt: skip
     code, text = axes[2]
-    code.text(0, 1, _CODE, va="top", family="monospace", fontsize=7)
+    code.text(0, 1, _CODE, va="top", family=CODE_FIGURES, fontsize=7)
     text.text(0, 1, _TEXT, va="top", fontsize=9)
     for ax in (code, text):
         ax.axis("off")

@@ -5,7 +5,6 @@ from math import degrees
 from string import Template
 
 from ...bundle.schemes import format_names
-from ...core.validation import check_choice
 from .. import options
 from ..errors import UserError, user_errors
 from ..options import argument, complete_target, flag, option
@@ -50,6 +49,8 @@ def run(
     check_file("", path, overwrite)
     if scenario:
         with user_errors():
+            from ...core.validation import check_choice  # imports NumPy
+
             fluid = check_choice(fluid or "air", _LIFTS, "--fluid")
         example = example or _LIFTS[fluid]
         if example not in scenarios():
