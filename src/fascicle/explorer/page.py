@@ -28,7 +28,7 @@ from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .story import Story
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
 from .time_tab import TimeView
-from .widgets import Message, button, dropdown, widget
+from .widgets import Message, button, decode_upload, dropdown, widget
 
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
@@ -172,15 +172,7 @@ class Header:
         raw = self.file.value or b""
         name = str(self.file.filename or "file")[-60:]
         try:
-            if not raw:
-                raise ValueError(f"{name}: the file is empty, 0 bytes.")
-            if len(raw) > LARGEST_MUSCLE_FILE:
-                limit = f"a muscle file may have {LARGEST_MUSCLE_FILE} bytes"
-                raise ValueError(f"{name}: {limit}, got {len(raw)}.")
-            try:
-                text = raw.decode("utf-8")
-            except UnicodeDecodeError:
-                raise ValueError(f"{name}: not a text file in UTF-8.") from None
+            text = decode_upload(raw, name, "muscle", LARGEST_MUSCLE_FILE)
             target = loads(text, source=name)
             self._session.input_names.add(name)
             self._session.open(view_of(target, name, self._session.view))

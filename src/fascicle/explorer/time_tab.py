@@ -34,6 +34,7 @@ from .time_run import PolicyResult, SimulationResult, picture, simulate
 from .widgets import (
     Field,
     button,
+    decode_upload,
     dropdown,
     heading,
     html_legend,
@@ -332,16 +333,7 @@ class TimeView(Tab):
         if not name:
             return
         try:
-            if not raw:
-                raise ValueError(f"{name}: the file is empty, 0 bytes.")
-            if len(raw) > LARGEST_FILE:
-                limit = f"a scenario file may have {LARGEST_FILE} bytes"
-                raise ValueError(f"{name}: {limit}, got {len(raw)}.")
-            try:
-                text = raw.decode("utf-8")
-            except UnicodeDecodeError:
-                raise ValueError(f"{name}: not a text file in UTF-8.") from None
-            setup = open_setup(text, name)
+            setup = open_setup(decode_upload(raw, name, "scenario", LARGEST_FILE), name)
         except ValueError as error:
             self.message.show(error)
             return

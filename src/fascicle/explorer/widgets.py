@@ -117,6 +117,20 @@ class Message:
         self.pane.param.update(object=line, visible=bool(text))
 
 
+def decode_upload(raw: bytes, name: str, kind: str, limit: int) -> str:
+    """Text of an uploaded file of a `kind`; `ValueError` with its `name` for an empty file, one
+    above the `limit` in bytes, and one that isn't UTF-8.
+    """
+    if not raw:
+        raise ValueError(f"{name}: the file is empty, 0 bytes.")
+    if len(raw) > limit:
+        raise ValueError(f"{name}: a {kind} file may have {limit} bytes, got {len(raw)}.")
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError(f"{name}: not a text file in UTF-8.") from None
+
+
 def widget(kind: Any, label: str, **options: Any) -> Any:
     """A Panel widget of a `kind` in the page's style, as wide as there is room."""
     defaults = {"sizing_mode": None if "width" in options else "stretch_width", "margin": (2, 8)}
