@@ -68,7 +68,7 @@ def draw_muscles(truths: int, seed: int) -> list[fs.Muscle]:
 
 
 @cache
-def _tabulated(muscle: fs.Muscle) -> dynamics.Plant:
+def _tabulate_plant(muscle: fs.Muscle) -> dynamics.Plant:
     """Plant of 1 + 1, whose tables all others of this muscle share."""
     bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
     return dynamics.Plant(
@@ -85,7 +85,7 @@ def make_plant(
     valve = fluid.SonicValve(1e-9 * counts, 0.3)
     bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, count)], SUPPLY)
     return with_fields(
-        _tabulated(muscle), bundles=(bundle,), load=dynamics.PrescribedMotion(strain * LENGTH),
+        _tabulate_plant(muscle), bundles=(bundle,), load=dynamics.PrescribedMotion(strain * LENGTH),
         valve=valve, exhaust_valve=valve, counts=counts,
         spool=fluid.Direct() if lag is None else fluid.Servovalve(lag),
     )  # fmt: skip
@@ -212,9 +212,9 @@ def identify_lateness(lag: float | None, delay: float, seed: int) -> tuple[float
     run = dynamics.simulate(plant, commands, dt=DT, start=start, substeps=2)
     late, pressure = round(delay / DT), np.asarray(run.outputs.pressures)[:400, 0]
     pressure = np.r_[np.full(late, pressure[0]), pressure[: 400 - late]]
-    found = control.identify(run.time[:400], commands[:, 0], pressure)
-    whole = round(found.delay / DT) * DT
-    return (found.lag if found.lag > DT else None), whole
+    response = control.identify(run.time[:400], commands[:, 0], pressure)
+    delay = round(response.delay / DT) * DT
+    return (response.lag if response.lag > DT else None), delay
 
 
 def _quantiles(values: np.ndarray) -> str:

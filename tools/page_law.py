@@ -70,9 +70,9 @@ def trace(laws: tuple[str, str, str], name: str) -> tuple[str, list[Any], dict]:
     row = ca.vertcat(*constants)
     at = ca.Function(f"{name}_at", [row, P], [ca.vertcat(*outputs[:4]), ca.vertcat(*outputs[4:])])
 
-    kept = {i: ca.SX.sym(f"s{i}", leaves[i].shape) for i in indices}
-    state = tree_replace(state, [kept.get(i, leaf) for i, leaf in enumerate(leaves)])
-    inputs = [row, P, ca.vertcat(*kept.values()), eps]
+    state_symbols = {i: ca.SX.sym(f"s{i}", leaves[i].shape) for i in indices}
+    state = tree_replace(state, [state_symbols.get(i, leaf) for i, leaf in enumerate(leaves)])
+    inputs = [row, P, ca.vertcat(*state_symbols.values()), eps]
     functions = symbols()
     force = ca.Function(f"{name}_force", inputs, functions.resolve(state.force(eps)[0]))
     functions = symbols()
@@ -142,16 +142,18 @@ def main() -> None:
     parser.add_argument("--only", default="", help="laws whose key contains this text")
     text = parser.parse_args().only
     warnings.simplefilter("ignore")  # of a law that was published for another muscle
-    entries, known, sources = {}, {}, {}
+    entries, sizes_by_formulas, sources = {}, {}, {}
     for i, laws in enumerate(law for law in LAWS if text in "/".join(law)):
         name = f"law{i:02}"
         key, functions, sizes = trace(laws, name)
         texts = {function.name(): code_of(function) for function in functions}
         formulas = "".join(texts.values()).replace(name, "")
-        if formulas not in known:  # laws that differ by the defaults of their constants are one
-            known[formulas] = sizes
+        if (
+            formulas not in sizes_by_formulas
+        ):  # laws that differ by the defaults of their constants are one
+            sizes_by_formulas[formulas] = sizes
             sources |= texts
-        entries[key] = known[formulas]
+        entries[key] = sizes_by_formulas[formulas]
         print(key, entries[key]["name"], *(function.n_nodes() for function in functions))
     data = compile_module(sources)
     MODULE.write_bytes(gzip.compress(data, 9, mtime=0))  # equal formulas give an equal file

@@ -116,7 +116,7 @@ def compare(
     **Returns:** a row for each, the smallest AIC first.
     """
     names = zip((buckling, collapse, post_collapse), _resisting_laws(), strict=True)
-    laws = tuple(default if given is None else given for given, default in names)
+    laws = tuple(default if law is None else law for law, default in names)
     return resisting_law_comparison(record, muscle, parameters, priors, laws, **options).rows
 
 

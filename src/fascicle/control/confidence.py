@@ -70,7 +70,7 @@ def crossing_confidence(
     options: dict[str, Any] = {"slack": slack, "lag": lag}
     model = crossing(bundle, path, valves, unit, supply, **options)
     draws = draw_bundles(bundle) if draws is None else draws
-    crossings = [crossing(drawn, path, valves, unit, supply, **options) for drawn in draws]
+    crossings = [crossing(b, path, valves, unit, supply, **options) for b in draws]
     share = float(np.mean([candidate.found or candidate.needed is None for candidate in crossings]))
     if model.strain is None:
         return CrossingConfidence(model, share, np.nan)

@@ -51,13 +51,13 @@ def draw_bundles(
     scatter = scatter or ModelScatter()
     rows = np.clip(generator.standard_normal((int(count), len(scatter))), -_LARGEST, _LARGEST)
     unique, indices = unique_indices([unit.muscle for unit in bundle.motor_units])
-    drawn = []
+    bundles = []
     for row in rows * np.array(scatter):
         muscles = [_deviate(bundle.motor_units[i].muscle, row) for i in unique]
         units = zip(bundle.motor_units, indices, strict=True)
         motor_units = [MotorUnit(muscles[index], unit.count) for unit, index in units]
-        drawn.append(bundle.replace(motor_units=motor_units))
-    return tuple(drawn)
+        bundles.append(bundle.replace(motor_units=motor_units))
+    return tuple(bundles)
 
 
 def _deviate(muscle: Muscle, deviations: np.ndarray) -> Muscle:

@@ -83,8 +83,8 @@ def bundle_drawing(
     array = np.stack(tubes, axis=1)
     array[..., 1] -= rods[:, :, None]
     parts = _RigidParts(len(rows))
-    placed, labels, spans = _place_units(array, np.asarray(plant.counts), sides)
-    for unit, x in placed:
+    positions, labels, spans = _place_units(array, np.asarray(plant.counts), sides)
+    for unit, x in positions:
         if rods[:, unit].max() > 0.1:  # mm: else it can't be seen
             parts.bar(x, -rods[:, unit], 0.0 * rods[:, unit], "rod")
     for side, (left, right) in enumerate(spans):
@@ -96,7 +96,7 @@ def bundle_drawing(
         bottom = _add_load(parts, plant, q, plates[:, 0], spans[0], demand)
     extent = (spans[0][0] - _GAP, spans[-1][1] + _GAP, bottom - _FOOT, _HEADROOM)
     return Drawing(
-        array.astype(np.float32), np.stack(states, axis=1).astype(np.int8), placed,
+        array.astype(np.float32), np.stack(states, axis=1).astype(np.int8), positions,
         np.stack(parts.rigid, axis=1).astype(np.float32), parts.rigid_kinds, parts.fixed,
         parts.fixed_kinds, labels, extent,
     )  # fmt: skip
@@ -119,14 +119,14 @@ def _place_units(
     tubes: np.ndarray, counts: np.ndarray, sides: np.ndarray
 ) -> tuple[list[tuple[int, float]], list[tuple[float, float]], list[tuple[float, float]]]:
     """Unit and x of each muscle; middle and width of each unit; left and right of each bundle."""
-    placed, labels, spans, x = [], [], [], 0.0
+    positions, labels, spans, x = [], [], [], 0.0
     for side in range(sides.max() + 1):
         start = x
         for unit in np.flatnonzero(sides == side).tolist():
             left, right = tubes[:, unit, :, 0].min(), tubes[:, unit, :, 0].max()
             begin = x
             for _ in range(int(counts[unit])):
-                placed.append((unit, float(x + _GAP / 2 - left)))
+                positions.append((unit, float(x + _GAP / 2 - left)))
                 x += float(right - left) + _GAP
             labels.append(((begin + x) / 2, x - begin))
         width = max(x - start, _BLOCK[0] + 2 * _GAP)
@@ -134,7 +134,7 @@ def _place_units(
         x = start + width + 6 * _GAP  # to the other bundle
     middle = (spans[0][0] + spans[-1][1]) / 2
     return (
-        [(unit, x - middle) for unit, x in placed],
+        [(unit, x - middle) for unit, x in positions],
         [(x - middle, width) for x, width in labels],
         [(left - middle, right - middle) for left, right in spans],
     )

@@ -40,7 +40,7 @@ class AnyCollapse(AbstractCollapse):
         """Collapse moment [N·m] at `youngs_modulus` [Pa] and `pressure` [Pa]."""
         laws = [law() for law in COLLAPSE_LAWS.values()]
         moments = [law.moment(bladder, youngs_modulus, pressure) for law in laws]
-        return self.factor * _chosen(self.choice, moments)
+        return self.factor * _select_value(self.choice, moments)
 
 
 class AnyPostCollapse(AbstractPostCollapse):
@@ -51,12 +51,14 @@ class AnyPostCollapse(AbstractPostCollapse):
     @property
     def slope_factor(self) -> Batch:
         """Slope of the hinge over that of the derived law [-]."""
-        return _chosen(self.choice, [law.slope_factor for law in POST_COLLAPSE_LAWS.values()])
+        return _select_value(self.choice, [law.slope_factor for law in POST_COLLAPSE_LAWS.values()])
 
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """Bending force $B$ of both halves [N] at `compression` [m], and its slope [N/m]."""
         pairs = [law().bending_force(column, compression) for law in POST_COLLAPSE_LAWS.values()]
-        force, slope = (_chosen(self.choice, list(values)) for values in zip(*pairs, strict=True))
+        force, slope = (
+            _select_value(self.choice, list(values)) for values in zip(*pairs, strict=True)
+        )
         return force, slope
 
 
@@ -122,7 +124,7 @@ def muscle_data(muscle: Muscle) -> dict[str, Any]:
     }
 
 
-def _chosen(choice: Batch, values: list[Any]) -> Any:
+def _select_value(choice: Batch, values: list[Any]) -> Any:
     """Entry of `values` [any unit] whose number is `choice` [-]."""
     result = values[0]
     for number, value in enumerate(values[1:], start=1):

@@ -277,8 +277,8 @@ def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | 
     arguments = {}
     for key, value in (section.model_extra or {}).items():
         if key not in names:
-            known = [*names, *type(section).model_fields]
-            rule = did_you_mean(key, known) if names else ": it has none, drop it."
+            valid_keys = [*names, *type(section).model_fields]
+            rule = did_you_mean(key, valid_keys) if names else ": it has none, drop it."
             raise location.error((key,), f"not a parameter of {name}{rule}")
         with location.error_context():  # the error names the key
             arguments[key] = (
