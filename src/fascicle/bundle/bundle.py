@@ -18,22 +18,15 @@ that distance at rest.
 """
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, where
+from ..core.array_namespace import array_namespace, is_numpy, jax_backend, where
 from ..core.errors import InvalidInputError, require
-from ..core.lazy import import_late
-from ..core.module import (
-    Module,
-    evaluate,
-    primal_numpy,
-    replace_checked,
-    static,
-    unique_indices,
-)
+from ..core.lazy import import_late, late_method
+from ..core.module import Module, evaluate, replace_checked, static, unique_indices
 from ..core.types import (
     AnyArray,
     Batch,
@@ -64,7 +57,7 @@ from ..muscle import Muscle
 from ..muscle.muscle import BACKENDS, batch_shape
 from ..muscle.validation import check_strain, lowest_strain, strain_domain
 from ..repr_table import with_table_repr
-from .equilibria import Equilibria, attach_derivatives, find_equilibria
+from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
 from .pressurized import (
     check_plate_strain,
     flatten_batch,
@@ -216,11 +209,8 @@ class Bundle(Module):
         return array_namespace(forces).sum(forces, axis=-1)
 
     def unit_forces(self, pressures: Values, strain: Values, resistance: bool = True) -> PerUnit:
-        """Pulling force of each motor unit, all its muscles.
-
-        **Arguments:** those of `force`.
-
-        **Returns:** forces [N], motor units on the last axis.
+        """Pulling force [N] of each motor unit, all its muscles, motor units on the last axis;
+        arguments are those of `force`: pressures [Pa] and strain [-].
         """
         P, eps = self._check_pressures(pressures), self._check_strain(strain)
         self._check_shapes(P, strain=eps)
@@ -229,16 +219,9 @@ class Bundle(Module):
         return forces if resistance else where(forces > 0, forces, 0.0)
 
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
-        """Smallest strain of no force, inf if none; without resistance, the units' largest one.
-
-        **Arguments:**
-
-        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
-        - `resistance`: units past their own free strain push back.
-
-        **Returns:** strain [-]. It jumps with pressure where two zeros meet and vanish.
-
-        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """Smallest strain [-] of no force at `pressures` [Pa], inf if none, which jumps where two
+        zeros meet and vanish; without `resistance`, the units' largest free strain. Arguments and
+        errors are those of `force`.
         """
         P = self._check_pressures(pressures)
         if not resistance:
@@ -247,17 +230,9 @@ class Bundle(Module):
         return where(roots.count > 0, roots.strain[..., 0], np.inf)[()]
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
-        """All strains of no force, and their stability; without resistance, the free strain alone.
-
-        **Arguments:**
-
-        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
-        - `resistance`: units past their own free strain push back. If not, the bundle is slack
-          beyond its free strain, which alone is given.
-
-        **Returns:** `Equilibria`: strains [-] and stability, NaN-padded on a new last axis.
-
-        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """All strains of no force [-] at `pressures` [Pa], and their stability, NaN-padded on a new
+        last axis; without `resistance` the bundle is slack beyond its free strain, which alone is
+        given. Arguments and errors are those of `force`.
         """
         P = self._check_pressures(pressures)
         if resistance:
@@ -283,73 +258,12 @@ class Bundle(Module):
         F = match_array_type(force, check_finite(force, "force", "N"))
         return self._find_equilibria(self._check_pressures(pressures), F)
 
-    def recruit(
-        self,
-        force: Values,
-        strain: Values,
-        supply: Values = None,
-        scheme: AbstractScheme | str | None = None,
-        prefer: str = "efficiency",
-        *,
-        present: Values = None,
-        resistance: bool = True,
-    ) -> RecruitmentResult:
-        """State and pressures [Pa] that give a force [N] at a strain [-], equation (B9);
-        arguments and result are those of `fascicle.recruitment.recruit`.
-        """
-        recruit = import_late("bundle.inverse.recruit")
-        options = {"present": present, "resistance": resistance}
-        return recruit(self, force, strain, supply, scheme, prefer, **options)
-
-    def workspace(
-        self,
-        supply_pressure: Values = None,
-        levels: Values = 7,
-        strain: Values = None,
-        resistance: bool = True,
-        scheme: AbstractScheme | str | None = None,
-    ) -> Any:
-        """Region of forces [N] and strains [-] that every recruitment state reaches; arguments and
-        result are those of `fascicle.recruitment.workspace`.
-        """
-        workspace = import_late("bundle.recruitment.workspace")
-        return workspace(self, supply_pressure, levels, strain, resistance, scheme)
-
-    def reversal(
-        self, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
-    ) -> Any:
-        """Turn of the free strain [-] as a unit's pressure [Pa] rises from zero to the supply's;
-        arguments and result are those of `fascicle.reversal.reversal`.
-        """
-        return import_late("bundle.reversal.reversal")(self, unit, supply_pressure, resistance)
-
-    def efficiency_map(
-        self,
-        supply_pressure: Values = None,
-        path: str = "isobaric",
-        force: Values = None,
-        strain: Values = None,
-        resistance: bool = True,
-        scheme: AbstractScheme | str | None = None,
-    ) -> Any:
-        """Efficiency over forces [N] and strains [-]; arguments and result are those of
-        `fascicle.energetics.efficiency_map`.
-        """
-        efficiency_map = import_late("bundle.efficiency.efficiency_map")
-        return efficiency_map(self, supply_pressure, path, force, strain, resistance, scheme)
-
-    def average_efficiency(
-        self,
-        supply_pressure: Values = None,
-        path: str = "isobaric",
-        resistance: bool = True,
-        scheme: AbstractScheme | str | None = None,
-    ) -> float:
-        """Plain mean of the efficiency [-] over its map at a supply pressure [Pa]; arguments are
-        those of `fascicle.energetics.average_efficiency`.
-        """
-        options = {"resistance": resistance, "scheme": scheme}
-        return self.efficiency_map(supply_pressure, path, **options).average
+    # functions of a bundle, whose docstrings and signatures these methods have
+    recruit = late_method("bundle.inverse.recruit")
+    workspace = late_method("bundle.recruitment.workspace")
+    reversal = late_method("bundle.reversal.reversal")
+    efficiency_map = late_method("bundle.efficiency.efficiency_map")
+    average_efficiency = late_method("bundle.efficiency.average_efficiency")
 
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
@@ -387,13 +301,8 @@ class Bundle(Module):
         return jit(lambda pressures, strain: pressurized(self, pressures).force(strain)[0])
 
     def replace(self, **changes: Any) -> "Bundle":
-        """A new bundle with some other arguments.
-
-        **Arguments:** `changes`: arguments of the class, such as `scheme="batch"`.
-
-        **Returns:** the bundle; this one stays as it is.
-
-        **Raises:** `ValueError` for unknown names and for invalid values.
+        """A new bundle with `changes` of its arguments, such as `scheme="batch"`; `ValueError` for
+        unknown names and for invalid values.
         """
         return replace_checked(self, changes, length=self.plate_distance)
 
@@ -444,18 +353,23 @@ class Bundle(Module):
         return broadcast_shape(**shapes)
 
     def _find_equilibria(self, pressures: PerUnit, *force: Numbers) -> Equilibria:
-        """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. If JAX traces for
-        derivatives alone, NumPy searches, and the strains get their derivatives afterwards.
+        """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. NumPy searches; the
+        strains of JAX's arrays get their derivatives afterwards.
         """
         self._check_shapes(pressures, **dict(zip(("force",), force, strict=False)))
-        primal = primal_numpy(self, pressures, *force)
-        if primal is None:
-            return evaluate(_equilibria_of_all, self, pressures, *force)
-        bundle, *arrays = primal
-        roots = bundle._find_equilibria(*arrays)
-        return roots._replace(
-            strain=evaluate(_with_derivatives, self, roots.strain, pressures, *force)
+        arrays = (self, pressures, *force)
+        if self.is_numpy and is_numpy(*arrays[1:]):
+            return evaluate(_equilibria_of_all, *arrays)
+        jax = jax_backend()
+        shapes = (np.shape(pressures)[:-1], *map(np.shape, force))
+        shape = np.broadcast_shapes(self._batch, *shapes)
+        slots = (*shape, max_equilibria(len(self.motor_units)))
+        result = Equilibria(
+            jax.array_spec(float, slots), jax.array_spec(bool, slots), jax.array_spec(int, shape)
         )
+        roots = jax.call_numpy(partial(evaluate, _equilibria_of_all), result, *arrays)
+        strain = evaluate(_with_derivatives, self, roots.strain, *arrays[1:])
+        return roots._replace(strain=strain)
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
@@ -470,7 +384,7 @@ def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
 def _equilibria_of_all(bundle: Bundle, pressures: PerUnit, *force: Numbers) -> Equilibria:
     """Equilibria at all points to which bundles, `pressures` [Pa] and `force` [N] broadcast."""
     batch, shape = flatten_batch(bundle, pressures, *force)
-    load = [array_namespace(x).broadcast_to(x, shape).reshape(-1) for x in force]
+    load = [np.broadcast_to(x, shape).reshape(-1) for x in force]
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in find_equilibria(batch, *load)))
 
 

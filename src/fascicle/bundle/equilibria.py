@@ -13,21 +13,12 @@ Without a load all units pull before the least free strain: stretches begin ther
 begin where the fibers of a muscle are straight.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import (
-    array_namespace,
-    isfinite,
-    maximum,
-    minimum,
-    running_max,
-    sqrt,
-    where,
-)
-from ..core.module import tree_map
-from ..core.roots import find_root, refine_root, stop_gradient
+from ..core.array_namespace import isfinite, where
+from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
 from ..repr_table import with_table_repr
 from .pressurized import BundleBatch, Pressurized
@@ -59,20 +50,16 @@ def find_equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Equili
     """
     count, units = bundles.pressures.shape
     size = max(1, min(_BATCH, _PAIRS // units**2))
-    if count <= size:
-        return _equilibria_of_block(bundles, load)
+    blocks = [slice(start, start + size) for start in range(0, max(1, count), size)]
+    parts = [
+        _equilibria_of_block(bundles.take(i), None if load is None else load[i]) for i in blocks
+    ]
+    return Equilibria(*map(np.concatenate, zip(*parts, strict=True)))
 
-    def search(index: Any) -> Equilibria:
-        return _equilibria_of_block(bundles.take(index), None if load is None else load[index])
 
-    if bundles.is_numpy and isinstance(load, np.ndarray | None):
-        parts = [search(slice(start, start + size)) for start in range(0, count, size)]
-        return Equilibria(*map(np.concatenate, zip(*parts, strict=True)))
-    from ..core.jax_backend import jnp, lax
-
-    # one compiled search, called block after block, so that memory doesn't grow with the batch
-    index = jnp.minimum(jnp.arange(-(-count // size) * size), count - 1).reshape(-1, size)
-    return tree_map(lambda x: x.reshape(-1, *x.shape[2:])[:count], lax.map(search, index))
+def max_equilibria(units: int) -> int:
+    """Number of equilibria for which a result has room: each unit adds a dip, so two at most."""
+    return 2 * units + 1
 
 
 def attach_derivatives(pressurized: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
@@ -87,63 +74,59 @@ def attach_derivatives(pressurized: Pressurized, load: Numbers, strain: Numbers)
 def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
     """As `find_equilibria`, of a batch that fits the memory."""
     pressurized = bundles.pressurized()
-    constant = stop_gradient(pressurized)
-    free_strains = constant.free_strains[:, 0]
-    xp = array_namespace(free_strains) if load is None else array_namespace(free_strains, load)
-    lowest_free, highest_free = xp.min(free_strains, axis=1), xp.max(free_strains, axis=1)
-    zero = 0.0 * free_strains[:, 0]
-    end = maximum(constant.largest_strain + zero[:, None], highest_free[:, None])
-    start = lowest_free[:, None] if load is None else constant.least_strain + zero[:, None]
-    constant_load = zero if load is None else stop_gradient(load)
-    kinks = minimum(maximum(constant.kinks[:, :, 0], start), end)
+    free_strains = pressurized.free_strains[:, 0]
+    lowest_free, highest_free = free_strains.min(axis=1)[:, None], free_strains.max(axis=1)[:, None]
+    zero = 0.0 * lowest_free
+    end = np.maximum(pressurized.largest_strain + zero, highest_free)
+    start = lowest_free if load is None else pressurized.least_strain + zero
+    target = zero if load is None else load[:, None]
+    kinks = np.clip(pressurized.kinks[:, :, 0], start, end)
     nodes, force = _nodes(
-        constant, constant_load, xp.sort(xp.concatenate([start, *kinks, end], axis=1), axis=1)
+        pressurized, target[:, 0], np.sort(np.concatenate([start, *kinks, end], axis=1), axis=1)
     )
     pulls = force > 0
     if load is None:
         # all units pull up to the least free strain, by definition; rounding may differ there
-        pulls = pulls | (nodes <= lowest_free[:, None])
+        pulls |= nodes <= lowest_free
 
     change = pulls[:, 1:] != pulls[:, :-1]
-    slots = 2 * len(bundles.bundle.motor_units) + 1  # a unit adds one dip, so two roots at most
-    count = minimum(change.sum(axis=1), slots)
-    columns = int(count.max(initial=1)) if xp is np else slots
-    index = xp.argsort(~change, axis=1, stable=True)[:, :columns]
+    slots = max_equilibria(len(bundles.bundle.motor_units))
+    count = np.minimum(change.sum(axis=1), slots)
+    index = np.argsort(~change, axis=1, stable=True)[:, : count.max(initial=1)]
     exists = np.arange(index.shape[1]) < count[:, None]
-    falls = xp.take_along_axis(pulls, index, axis=1) & exists
-    low = xp.take_along_axis(nodes, index, axis=1)
-    high = where(exists, xp.take_along_axis(nodes, index + 1, axis=1), low)
-    sign = where(falls, 1.0, -1.0)
-    theta = (constant, sign, constant_load[:, None])
+    falls = np.take_along_axis(pulls, index, axis=1) & exists
+    low = np.take_along_axis(nodes, index, axis=1)
+    high = np.where(exists, np.take_along_axis(nodes, index + 1, axis=1), low)
+    theta = (pressurized, np.where(falls, 1.0, -1.0), target)
     strain = find_root(_falling_force, theta, low, high, 0.5 * (low + high))
     if load is None:
         # equal units all vanish at their free strain
-        equal = (low <= lowest_free[:, None]) & ((highest_free - lowest_free) <= _WIDTH)[:, None]
-        strain = where(equal, lowest_free[:, None], strain)
-    target: Any = constant_load if load is None else load
-    strain = refine_root(_falling_force, (pressurized, sign, target[:, None]), strain)
+        equal = (low <= lowest_free) & (highest_free - lowest_free <= _WIDTH)
+        strain = np.where(equal, lowest_free, strain)
+    strain = np.where(exists, refine_root(_falling_force, theta, strain), np.nan)
     padding = [(0, 0), (0, slots - index.shape[1])]
-    strain = xp.pad(where(exists, strain, np.nan), padding, constant_values=np.nan)
-    return Equilibria(strain, xp.pad(falls, padding), count)
+    strain = np.pad(strain, padding, constant_values=np.nan)
+    return Equilibria(strain, np.pad(falls, padding), count)
 
 
 def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers, Numbers]:
     """Strains [-] of nodes with one equilibrium at most between two, and the force beyond a `load`
     [N] there, for each bundle in order; `ends`: of its stretches, rising [-].
     """
-    xp = array_namespace(ends)
     left, right = ends[:, :-1], ends[:, 1:]
     wide, inset = right - left > _WIDTH, _INSET * (right - left)
     # the first and the last end have no other side
-    low = where(left > ends[:, :1], left + inset, left)
-    high = where(right < ends[:, -1:], right - inset, right)
-    batch, column = _indices(wide)
+    low = np.where(left > ends[:, :1], left + inset, left)
+    high = np.where(right < ends[:, -1:], right - inset, right)
+    batch, column = np.nonzero(wide)
     low, high, load = low[batch, column], high[batch, column], load[batch]
 
-    forces, slopes = bundles.take(batch).unit_forces(xp.stack([low, high], axis=1))
+    forces, slopes = bundles.take(batch).unit_forces(np.stack([low, high], axis=1))
     third = (high - low)[:, None] / 3
     control = (forces[:, 0] + slopes[:, 0] * third, forces[:, 1] - slopes[:, 1] * third)
-    bounds = [pick(pick(forces[:, 0], forces[:, 1]), pick(*control)) for pick in (minimum, maximum)]
+    bounds = [
+        pick(pick(forces[:, 0], forces[:, 1]), pick(*control)) for pick in (np.minimum, np.maximum)
+    ]
     margin = _MARGIN * (bounds[1] - bounds[0])
     lowest = (bounds[0] - margin).sum(axis=-1) - load
     highest = (bounds[1] + margin).sum(axis=-1) - load
@@ -152,27 +135,26 @@ def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers,
     # without an equilibrium the force keeps the sign of its ends
     strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 2 * _CELLS + 1)
     values = force[:, :1] + 0.0 * strains
-    (row,) = _indices((lowest <= 0) & (highest >= 0))
+    row = np.flatnonzero((lowest <= 0) & (highest >= 0))
     x, cut = strains[row, ::2], bundles.take(batch[row])
     value, by_strain = (y.sum(axis=-1) for y in cut.unit_forces(x[:, 1:-1]))
     value = value - load[row, None]
-    value = xp.concatenate([force[row, :1], value, force[row, 1:]], axis=1)
-    by_strain = xp.concatenate([slope[row, :1], by_strain, slope[row, 1:]], axis=1)
+    value = np.concatenate([force[row, :1], value, force[row, 1:]], axis=1)
+    by_strain = np.concatenate([slope[row, :1], by_strain, slope[row, 1:]], axis=1)
     step = x[:, 1:] - x[:, :-1]
     by_cell = (by_strain[:, :-1] * step, by_strain[:, 1:] * step)
     middle = x[:, :-1] + step * _extremum(value[:, :-1], value[:, 1:], *by_cell)
     middle_value = cut.unit_forces(middle)[0].sum(axis=-1) - load[row, None]
-    strains = _put(strains, (row,), _interleave(x, middle))
-    values = _put(values, (row,), _interleave(value, middle_value))
+    strains[row, ::2], strains[row, 1::2] = x, middle
+    values[row, ::2], values[row, 1::2] = value, middle_value
 
-    shape = (*wide.shape, 2 * _CELLS + 1)
-    flat = (len(ends), shape[1] * shape[2])
-    exists = xp.broadcast_to(wide[..., None], shape).reshape(flat)
+    tables = np.zeros((2, *wide.shape, 2 * _CELLS + 1))
+    tables[:, batch, column] = strains, values
+    exists = np.repeat(wide, 2 * _CELLS + 1, axis=1)
     # stretches without a width take the node before them, at the beginning the first that is wide
-    before = where(exists, np.arange(flat[1]), exists.argmax(axis=1)[:, None])
-    before = running_max(before, 1)
-    tables = (_put(xp.zeros(shape), (batch, column), x) for x in (strains, values))
-    strains, values = (xp.take_along_axis(x.reshape(flat), before, axis=1) for x in tables)
+    before = np.where(exists, np.arange(exists.shape[1]), exists.argmax(axis=1)[:, None])
+    before = np.maximum.accumulate(before, axis=1)
+    strains, values = (np.take_along_axis(x.reshape(exists.shape), before, axis=1) for x in tables)
     return strains, values
 
 
@@ -183,34 +165,13 @@ def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
     return sign * (force - load), sign * slope
 
 
-def _indices(mask: Any) -> tuple[Any, ...]:
-    """Indices where a mask is true; under JAX, whose arrays have fixed lengths, all indices."""
-    if array_namespace(mask) is np:
-        return np.nonzero(mask)
-    return tuple(x.reshape(-1) for x in np.indices(mask.shape))
-
-
-def _put(table: Any, index: tuple, values: Any) -> Any:
-    """A `table` with `values` at an index."""
-    if array_namespace(table, values) is np:
-        table[index] = values
-        return table
-    return array_namespace(table, values).asarray(table).at[index].set(values)
-
-
-def _interleave(ends: Numbers, middle: Numbers) -> Numbers:
-    xp = array_namespace(ends, middle)
-    pairs = xp.stack([ends[:, :-1], middle], axis=-1).reshape(len(ends), 2 * _CELLS)
-    return xp.concatenate([pairs, ends[:, -1:]], axis=1)
-
-
 def _extremum(left: Numbers, right: Numbers, left_slope: Numbers, right_slope: Numbers) -> Numbers:
     """Extremum in (0, 1) of the cubic of these values and slopes; the middle if there is none."""
     c3 = 2 * (left - right) + left_slope + right_slope
     c2 = 3 * (right - left) - 2 * left_slope - right_slope
     # 3 c3 t² + 2 c2 t + left_slope = 0, by the form that doesn't cancel
-    inside = sqrt(maximum(c2**2 - 3 * c3 * left_slope, 0.0))
-    q = -(c2 + where(c2 < 0, -inside, inside))
-    t1 = q / where(c3 == 0, np.inf, 3 * c3)
-    t2 = left_slope / where(q == 0, np.inf, q)
-    return where((t1 > 0) & (t1 < 1), t1, where((t2 > 0) & (t2 < 1), t2, 0.5))
+    inside = np.sqrt(np.maximum(c2**2 - 3 * c3 * left_slope, 0.0))
+    q = -(c2 + np.where(c2 < 0, -inside, inside))
+    t1 = q / np.where(c3 == 0, np.inf, 3 * c3)
+    t2 = left_slope / np.where(q == 0, np.inf, q)
+    return np.where((t1 > 0) & (t1 < 1), t1, np.where((t2 > 0) & (t2 < 1), t2, 0.5))

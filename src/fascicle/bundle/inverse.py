@@ -14,16 +14,14 @@ lowest pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that o
 The search is NumPy's; JAX's arrays come as numbers, by a callback, and get their derivatives after.
 """
 
-from collections.abc import Callable
-from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, where
+from ..core.array_namespace import is_numpy, jax_backend, where
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
-from ..core.module import tree_leaves, tree_map, unique_indices
+from ..core.module import tree_map, unique_indices
 from ..core.roots import guarded, stop_gradient
 from ..core.types import Numbers, Values
 from ..core.validation import (
@@ -307,61 +305,29 @@ def _solve_traced(
     scheme: AbstractScheme, resistance: bool,
 ) -> RecruitmentResult:  # fmt: skip
     """Result for demands with arrays of JAX's: solved by NumPy, with derivatives by JAX."""
-    import jax
-
     states, shape = states_of(scheme, len(bundle.motor_units)), np.shape(force)
     slots = 1 if states.independent else _SLOTS_PER_STATE * states.size + 2
 
-    def solve_by_numpy(*arguments: Any) -> RecruitmentResult:
-        # in single precision only arguments and results are; the search itself is not
-        arguments = tree_map(
-            lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), arguments
-        )
-        axes = np.ndim(arguments[2]) - len(shape)  # of `jax.vmap`: size 1 where nothing varies
-        sizes = np.broadcast_shapes(*(np.shape(x)[:axes] for x in tree_leaves(arguments)))
-        if all(np.shape(x)[:axes] == (1,) * axes for x in tree_leaves(arguments[:2])):
-            same_bundle = tree_map(lambda x: x.reshape(x.shape[axes:]), arguments[:2])
-            demands = (np.broadcast_to(x, sizes + x.shape[axes:]) for x in arguments[2:])
-            return solve_arrays(*same_bundle, *demands)
-
-        def solve_at(index: tuple[int, ...]) -> RecruitmentResult:
-            return solve_arrays(
-                *tree_map(lambda x: np.broadcast_to(x, sizes + x.shape[axes:])[index], arguments)
-            )
-
-        results = [solve_at(index) for index in np.ndindex(sizes)]
-        return tree_map(lambda *x: np.reshape(x, sizes + x[0].shape), *results)
-
-    def solve_arrays(*arguments: Any) -> RecruitmentResult:
+    def solve(*arguments: Any) -> RecruitmentResult:
         result = _solve(*arguments, scheme=scheme, resistance=resistance)
-        result = result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
-        return tree_map(lambda x, shape: np.asarray(x, shape.dtype), result, shapes)
+        return result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
 
-    def array_spec(kind: type, *columns: int) -> Any:
-        return jax.ShapeDtypeStruct((*shape, *columns), jax.dtypes.canonicalize_dtype(kind))
-
-    solutions = Solutions(*(array_spec(kind, slots) for kind in (float, int, bool)))
+    backend = jax_backend()
+    spec, numbers = backend.array_spec, (*shape, slots)
     shapes = RecruitmentResult(
-        pressures=array_spec(float, len(bundle.motor_units)),
-        state=array_spec(int),
-        force=array_spec(float),
-        status=array_spec(int),
-        stable=array_spec(bool),
-        solutions=solutions,
-        count=array_spec(int),
-        unit=array_spec(int),
+        pressures=spec(float, (*shape, len(bundle.motor_units))),
+        state=spec(int, shape),
+        force=spec(float, shape),
+        status=spec(int, shape),
+        stable=spec(bool, shape),
+        solutions=Solutions(*(spec(kind, numbers) for kind in (float, int, bool))),
+        count=spec(int, shape),
+        unit=spec(int, shape),
     )
-    arguments = stop_gradient((bundle, supply, force, strain, *present))
-    result = jax.pure_callback(solve_by_numpy, shapes, *arguments, vmap_method="expand_dims")
-    return _derivatives_for(scheme, resistance)(bundle, force, strain, supply, result)
-
-
-@cache
-def _derivatives_for(scheme: AbstractScheme, resistance: bool) -> Callable[..., RecruitmentResult]:
-    """`_attach_derivatives` for a scheme, compiled once."""
-    import jax
-
-    return jax.jit(partial(_attach_derivatives, scheme=scheme, resistance=resistance))
+    result = backend.call_numpy(solve, shapes, bundle, supply, force, strain, *present)
+    return backend.compile_law(_attach_derivatives, (scheme, resistance))(
+        bundle, force, strain, supply, result
+    )
 
 
 def _attach_derivatives(

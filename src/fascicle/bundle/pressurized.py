@@ -147,11 +147,6 @@ class BundleBatch(NamedTuple):
     bundle: Any
     pressures: PerUnit
 
-    @property
-    def is_numpy(self) -> bool:
-        """True if all arrays are NumPy's."""
-        return array_namespace(self.pressures, *tree_leaves(self.bundle)) is np
-
     def pressurized(self) -> Pressurized:
         """The bundles at their pressures, with an axis of one ahead of units."""
         return pressurized(self.bundle, self.pressures[:, None, :])

@@ -169,11 +169,6 @@ def stack(rows: Any) -> Any:
     return xp.stack(xp.broadcast_arrays(*rows))
 
 
-def running_max(x: Any, axis: int) -> Any:
-    """Running maximum along an axis."""
-    return jax_backend().cummax(x, axis) if is_jax_array(x) else np.maximum.accumulate(x, axis)
-
-
 _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay in the cache
 
 

@@ -9,8 +9,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import eval_shape, jit, lax  # noqa: F401 imported from here
-from jax.lax import cummax, stop_gradient  # noqa: F401 imported from here
+from jax.lax import stop_gradient
 
 from .array_namespace import where
 from .roots import STEPS, Residual, init_search, newton_step, safe_slope, search_step
@@ -21,6 +22,26 @@ from .types import Batch, BatchLike, BoolBatch
 def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
     """A `law` compiled by JAX, with its `static` arguments bound."""
     return jax.jit(lambda module, *arrays: law(module, *arrays, *static))
+
+
+def array_spec(kind: type, shape: tuple[int, ...]) -> Any:
+    """Shape and type of an array of a `kind` of numbers."""
+    return jax.ShapeDtypeStruct(shape, jax.dtypes.canonicalize_dtype(kind))
+
+
+def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> Any:
+    """Tree that a NumPy `function` gives for `arguments` [any unit] that may be traced, without
+    derivatives; `result`: a tree of its arrays' `array_spec`.
+    """
+
+    def call(*values: Any) -> Any:
+        # in single precision only arguments and results are; the computation is not
+        values = jax.tree.map(
+            lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), values
+        )
+        return jax.tree.map(lambda x, spec: np.asarray(x, spec.dtype), function(*values), result)
+
+    return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
 
 
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:

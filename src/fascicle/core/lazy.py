@@ -13,7 +13,7 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
-from types import ModuleType
+from types import MethodType, ModuleType
 from typing import Any, cast
 
 from .deprecations import MODULES, NAMES, warn_renamed
@@ -52,6 +52,17 @@ def import_late(name: str) -> Any:
     """Import an object of a higher layer, such as "plot.curves.force_strain", when it is needed."""
     module, _, attribute = name.rpartition(".")
     return getattr(_import(f".{module}", "fascicle"), attribute)
+
+
+class late_method:  # noqa: N801 as `property`
+    """Method that is a function of a higher layer by its `name`, imported when it is needed."""
+
+    def __init__(self, name: str):
+        self.name = name
+
+    def __get__(self, instance: object, owner: type | None = None) -> Callable[..., Any]:
+        function = import_late(self.name)
+        return function if instance is None else MethodType(function, instance)
 
 
 def _import(name: str, package: str) -> ModuleType:

@@ -318,15 +318,6 @@ def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tupl
         return _as_numpy(law(module, *arrays, *static))
 
 
-def primal_numpy(*trees: Any) -> tuple | None:
-    """NumPy's numbers of `trees` [SI] that are traced for derivatives alone, as under `jax.grad`;
-    `None` for concrete or compiled ones.
-    """
-    if is_concrete(trees) or not is_concrete(primal := stop_gradient(trees)):
-        return None
-    return to_numpy(primal)
-
-
 def _as_numpy(result: Any) -> Any:
     if isinstance(result, tuple):
         return type(result)(*map(_as_numpy, result))
