@@ -150,7 +150,8 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
             "distance": None if distance is None else float(distance),
             "highest": highest,
             "start": [
-                highest * (1.0 if i == 0 < len(units) - 1 else _START[0]) for i in range(len(units))
+                highest if i == 0 < len(units) - 1 else float(f"{_START[0] * highest:.2g}")
+                for i in range(len(units))
             ],
             "strain": min(_START[1], largest),
             "curves": curves,

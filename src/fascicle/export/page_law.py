@@ -22,12 +22,14 @@ from ..muscle.bladder import Bladder
 from ..muscle.buckling import Column
 from ..muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
 from ..muscle.post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
+from ..muscle.tension.tension_law import LEAST_PRESSURE
 
 
 FOLDER = Path(__file__).with_name("page")
 MODULE = FOLDER / "law.wasm.gz"
 MANIFEST = FOLDER / "law.json"
 POINTS = 61  # of a centerline: odd, so that a hinge lies on one
+_DIVIDING = ("ideal", "tondu_lopez", "meller2014")  # laws that divide C₁ by the pressure
 
 
 class AnyCollapse(AbstractCollapse):
@@ -119,6 +121,7 @@ def muscle_data(muscle: Muscle) -> dict[str, Any]:
         "constants": [float(np.ravel(leaf)[0]) for leaf in leaves],
         "c1": next(i for i, leaf in enumerate(leaves) if leaf is general.tuning.c1),
         "dead_band": float(table.dead_band),
+        "least_pressure": LEAST_PRESSURE if muscle.tension.name in _DIVIDING else 0.0,
         "inactive_length": float(getattr(muscle.ends, "inactive_length", 0.0)),
         "table": [list(map(float, rows)) for rows in (table.pressures, table.c1, table.c2)],
     }

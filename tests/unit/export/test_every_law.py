@@ -4,11 +4,13 @@ import importlib.util
 from pathlib import Path
 
 import jax
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.export import c_code
+from fascicle.export.point_function import compile_muscle_force
 from fascicle.muscle import LAWS
 
 
@@ -39,6 +41,15 @@ def test_c_is_written_as_the_table_says(kind, name, abilities):
         with pytest.raises(fs.InvalidInputError) as error:
             c_code(muscle)
         assert "--table" in error.value.remedy
+
+
+@pytest.mark.filterwarnings("ignore:`martens2017` was fitted to")
+def test_a_muscle_that_never_stops_pulling_is_the_same_in_c():
+    muscle = fs.Muscle(0.25, 0.01, 1.8e-3, np.radians(38), tension="martens2017")
+    force = compile_muscle_force(muscle)
+    for strain in (0.2, 0.31, 0.35):  # its mesh pushes beyond 0.32
+        # both end at the same strain, to rounding
+        assert force(2e5, strain) == pytest.approx(float(muscle.force(2e5, strain)), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", LAWS["buckling"])

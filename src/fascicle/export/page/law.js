@@ -86,8 +86,7 @@ class PressurizedMuscle {
   constructor(functions, muscle, pressure) {
     this.functions = functions;
     const [rows, c1, c2] = muscle.table;
-    // at 1 mPa instead of none: laws that divide C1 by the pressure do so there
-    const felt = Math.max(pressure - muscle.dead_band, 1e-3);
+    const felt = Math.max(pressure - muscle.dead_band, muscle.least_pressure);
     this.constants = muscle.constants.slice();
     this.constants[muscle.c1] = interpolate(rows, c1, felt);
     this.constants[muscle.c1 + 1] = interpolate(rows, c2, felt);

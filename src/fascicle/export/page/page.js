@@ -95,7 +95,7 @@ class Chart {
 
   begin(xRange, yRange) {
     const [context, width, height] = canvasContext(this.canvas), colors = theme();
-    Object.assign(this, {context, xRange, yRange, labels: []});
+    Object.assign(this, {context, xRange, yRange, labels: [], taken: []});
     context.font = `13px ${DATA.font}`;
     const yTicks = ticks(...yRange, 6), xTicks = ticks(...xRange, width < 500 ? 4 : 8);
     const wide = Math.max(...yTicks.map(tick => context.measureText(String(tick)).width));
@@ -170,23 +170,30 @@ class Chart {
     context.fillStyle = color; context.strokeStyle = theme().paper; context.lineWidth = 2;
     context.beginPath(); context.arc(a, b, radius, 0, 2 * Math.PI);
     context.fill(); context.stroke();
+    this.taken.push([a - radius - 2, b - radius - 2, a + radius + 2, b + radius + 2]);
     if (!text) return;
-    const wide = context.measureText(text).width, turned = a + wide + 12 > right;
-    const from = turned ? a - 9 - wide : a + 9;
-    // above the mark, and above the labels that stand there
-    const heights = this.labels.filter(x => x.from < from + wide + 6 && from < x.from + x.wide + 6);
-    let height = b - 12;
-    while (heights.some(x => Math.abs(x.height - height) < 16)) height -= 2;
-    height = Math.max(height, top + 9);
-    this.labels.push({from, wide, height});
-    context.textAlign = "left"; context.textBaseline = "middle";
-    this.label(text, from, height, theme().ink);
+    const wide = context.measureText(text).width;
+    // above the mark or below, to its right or left
+    this.labels.push([text, [14, 30, 46, -16, -32, 62].flatMap(up =>
+      [[a + 9, b - up], [a - 9 - wide, b - up]])]);
   }
 
-  label(text, a, b, color) {
-    const {context} = this;
-    context.lineWidth = 4; context.strokeStyle = theme().paper; context.fillStyle = color;
-    context.strokeText(text, a, b); context.fillText(text, a, b);
+  label(text, a, b) { this.labels.push([text, [[a, b]]]); }
+
+  // Write the labels, in order, each at the first of its places that is free; else it is left out.
+  writeLabels() {
+    const {context} = this, [left, top, right] = this.box;
+    context.textAlign = "left"; context.textBaseline = "middle";
+    context.lineWidth = 4; context.strokeStyle = theme().paper; context.fillStyle = theme().ink;
+    for (const [text, places] of this.labels) {
+      const wide = context.measureText(text).width;
+      const boxes = places.map(([a, b]) => [a - 2, b - 7, a + wide + 2, b + 7]);
+      const free = boxes.findIndex(box => box[0] > left && box[1] > top - 8 && box[2] < right + 10
+        && !this.taken.some(x => x[0] < box[2] && box[0] < x[2] && x[1] < box[3] && box[1] < x[3]));
+      if (free < 0) continue;
+      this.taken.push(boxes[free]);
+      context.strokeText(text, ...places[free]); context.fillText(text, ...places[free]);
+    }
   }
 }
 
@@ -217,17 +224,10 @@ function familyOf() {
 function drawForce(shown) {
   const {curves, top, range} = familyOf(), colors = theme(), chart = forceChart;
   chart.begin([0, top], range);
-  let last = Infinity;
   curves.forEach((curve, i) => {
     const color = colors.family[Math.round(i / Math.max(curves.length - 1, 1) *
                                            (colors.family.length - 1))];
     chart.line(curve, color, 1.3);
-    const place = chart.y(curve.y[0]);
-    if (Math.abs(place - last) > 15) {
-      chart.context.textAlign = "left"; chart.context.textBaseline = "middle";
-      chart.label(`${figures(curve.pressure / KPA)} kPa`, chart.x(0) + 6, place, colors.ink);
-      last = place;
-    }
   });
   const {bundle} = shown;
   if (isBundle) {
@@ -237,6 +237,7 @@ function drawForce(shown) {
     });
   }
   chart.line(curveOf(bundle, top), colors.curves[0], 2.6);
+  chart.mark(shown.strain, shown.force, colors.mark, `${figures(shown.force)} N`, 7);
   chart.mark(0, shown.blocked, colors.curves[0]);
   if (Number.isFinite(shown.free)) chart.mark(shown.free, 0, colors.curves[0],
                                              `free ${figures(shown.free)}`);
@@ -245,7 +246,10 @@ function drawForce(shown) {
     chart.mark(unit.collapse, bundle.force(unit.collapse), colors.bad,
                isBundle ? `${i + 1}` : `collapse ${figures(unit.collapse)}`, 3);
   });
-  chart.mark(shown.strain, shown.force, colors.mark, `${figures(shown.force)} N`, 7);
+  for (const {pressure, y} of curves) {
+    chart.label(`${figures(pressure / KPA)} kPa`, chart.x(0) + 7, chart.y(y[0]));
+  }
+  chart.writeLabels();
 }
 
 // ---- the reversal: a curve that is computed in slices, so that no frame waits for it
@@ -307,6 +311,7 @@ function drawReversal(shown) {
   if (Number.isFinite(shown.free)) {
     reversalChart.mark(view.pressures[1] / KPA, shown.free, colors.mark, "", 7);
   }
+  reversalChart.writeLabels();
 }
 
 // ---- the solid
@@ -432,7 +437,9 @@ function onNumber(input, low, high, unit, set) {
 function prepareControls() {
   view.pressures.forEach((_, i) => {
     const set = value => { view.pressures[i] = value * KPA; schedule(); };
-    $(`pressure-${i}`).addEventListener("input", event => set(event.target.valueAsNumber));
+    // four digits, but at the end, which may have more
+    $(`pressure-${i}`).addEventListener("input", ({target: {valueAsNumber: value, max}}) =>
+      set(value < max ? Number(figures(value)) : value));
     onNumber($(`pressure-number-${i}`), 0, DATA.highest / KPA, "kPa", set);
   });
   const setStrain = value => { view.strain = value; schedule(); };
@@ -536,7 +543,8 @@ function prepareDragging() {
   const canvas = $("force");
   let start = null;  // of a drag, which a finger begins by moving to the side
   const set = event => {
-    view.strain = forceChart.value(event.clientX - canvas.getBoundingClientRect().left);
+    const strain = forceChart.value(event.clientX - canvas.getBoundingClientRect().left);
+    view.strain = Number(strain.toFixed(4));
     schedule();
   };
   canvas.addEventListener("pointerdown", event => {

@@ -325,8 +325,10 @@ class AbstractMartens(AbstractEmpirical):
         cot2 = 1 / tan(bladder.braid.angle + self.angle_correction) ** 2
         far = 1 - sqrt((1 + 1 / cot2) / 3) + 0.0 * pressure
         theta = (self, bladder, pressure, offset(pressure))
+        # a muscle that still pulls there has no root before it, which a search would only near
+        start = where(force_residual(theta, far)[0] > 0, far, 0.5 * far)
         return root(
-            force_residual, theta, 0.5 * bladder.braid.straight_strain + 0.0 * far, far, 0.5 * far
+            force_residual, theta, 0.5 * bladder.braid.straight_strain + 0.0 * far, far, start
         )
 
 

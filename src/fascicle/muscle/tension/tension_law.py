@@ -39,7 +39,7 @@ from ..law import AbstractLaw
 Offset = Callable[[Batch], Batch]
 # Pa: C1/P of lower pressures is taken here, lest subnormal ones divide 0 by 0. C1 is proportional
 # to pressure up to the tuning's first row, so that the ratio is equal
-_LEAST_PRESSURE = 1e-3
+LEAST_PRESSURE = 1e-3
 SIZES = ("braid_angle", "outer_radius")  # least accurately measured, and what the mesh depends on
 
 
@@ -147,7 +147,7 @@ class Ideal(AbstractTension):
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """Strain [-] at which the mesh holds $C_1$ alone; its limit at $P = 0$."""
         cot2, r0 = bladder.braid.cot2, bladder.braid.radius
-        P = where(pressure > _LEAST_PRESSURE, pressure, _LEAST_PRESSURE)
+        P = where(pressure > LEAST_PRESSURE, pressure, LEAST_PRESSURE)
         return 1 - sqrt((1 + cot2 + offset(P) / (np.pi * r0**2 * P)) / (3 * cot2))
 
 
