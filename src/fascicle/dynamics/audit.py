@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
@@ -58,39 +59,42 @@ _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"co
 _HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
 
 
+@with_former_names
 class Balance(NamedTuple):
     """Balance of energy or mass over a run.
 
-    `name` and `unit`; terms that come `into` it and that `went` out of it, by name [J or kg]; the
-    residual that is `left` [J or kg], and its `share` of the largest term [-]; `closes_within`: the
-    largest share at which it closes [-]; a `remedy` if it doesn't close for a known reason.
+    `name` and `unit`; its `inputs` and `outputs`, by name [J or kg]; the `residual`, inputs less
+    outputs [J or kg], and the `relative_residual`, over the largest term [-]; `tolerance`: the
+    largest relative residual at which it closes [-]; a `remedy` if
+    it doesn't close for a known reason.
     """
 
     name: str
     unit: str
-    into: dict[str, float]
-    went: dict[str, float]
-    left: float
-    share: float
-    closes_within: float
+    inputs: dict[str, float]
+    outputs: dict[str, float]
+    residual: float
+    relative_residual: float
+    tolerance: float
     remedy: str = ""
 
     @property
     def closes(self) -> bool:
         """True if the residual is small enough."""
-        return bool(self.share <= self.closes_within)
+        return bool(self.relative_residual <= self.tolerance)
 
 
+@with_former_names
 class Event(NamedTuple):
-    """Event of a run: `name`; `first` and `last` time [s]; number of `moments` [-]; a sentence in
-    `words`; `trusted`, true if the run can be trusted all the same.
+    """Event of a run: `name`; `first` and `last` time [s]; number of `samples` [-]; its
+    `message`, a sentence; `trusted`, true if the run can be trusted all the same.
     """
 
     name: str
     first: float
     last: float
-    moments: int
-    words: str
+    samples: int
+    message: str
     trusted: bool
 
 
@@ -110,15 +114,17 @@ class Audit(NamedTuple):
         lines = []
         for balance in self.balances:
             verdict = "closes" if balance.closes else "DOES NOT CLOSE"
-            residual = f"{balance.share:.1e} of its largest term is left over"
+            residual = f"residual {balance.relative_residual:.1e} of its largest term"
             lines += [f"{balance.name}: {verdict}, {residual}"]
             lines += [f"  {balance.remedy}"] if balance.remedy else []
-            for side, terms in (("in", balance.into), ("out", balance.went)):
+            for side, terms in (("in", balance.inputs), ("out", balance.outputs)):
                 lines += [
                     f"  {side:>3} {name:<28} {value:>14.6g} {balance.unit}"
                     for name, value in terms.items()
                 ]
-        lines += [f"{event.name} from {event.first:.4g} s: {event.words}" for event in self.events]
+        lines += [
+            f"{event.name} from {event.first:.4g} s: {event.message}" for event in self.events
+        ]
         return "\n".join(lines)
 
 
@@ -163,10 +169,10 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
                  ("pull", "motor", "Δmotion", "Δload")),
     ]  # fmt: skip
     mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
-    went = {"held": mass[-1] - mass[0]}
+    outputs = {"held": mass[-1] - mass[0]}
     balances.append(
         _balance("mass of the fluid", COUNTED, largest | {"held": float(np.max(mass))},
-                 {"flowed in": ledger["mass"]}, went, ("mass", "held"), unit="kg")
+                 {"flowed in": ledger["mass"]}, outputs, ("mass", "held"), unit="kg")
     )  # fmt: skip
     if plant.liquid and plant.supply.count:
         balances.append(_supply_balance(plant, run, ledger, largest))
@@ -175,12 +181,12 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
         V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
         U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
-        went = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
+        outputs = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
                 "internal energy": U[-1] - U[0]}  # fmt: skip
         terms = ("enthalpy", "heat", "displaced", "held")
         largest = largest | {"held": float(np.max(U))}
-        into = {"enthalpy": ledger["enthalpy"]}
-        balances.append(_balance("first law", SMOOTH, largest, into, went, terms))
+        inputs = {"enthalpy": ledger["enthalpy"]}
+        balances.append(_balance("first law", SMOOTH, largest, inputs, outputs, terms))
     return Audit(tuple(balances), events(run))
 
 
@@ -192,14 +198,14 @@ def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
     except ValueError as error:
         doubts.append(str(error).rstrip("."))
     doubts += [
-        f"the {balance.name} doesn't close: its residual is {balance.share:.1e} of its largest"
-        f" term, more than {balance.closes_within:g}"
+        f"the {balance.name} doesn't close: its residual is {balance.relative_residual:.1e} of its"
+        f" largest term, more than {balance.tolerance:g}"
         + (f": {balance.remedy}" if balance.remedy else "")
         for balance in (audited.balances if audited else ())
         if not balance.closes
     ]
     doubts += [
-        f"{event.name} from {event.first:g} s, {event.words}"
+        f"{event.name} from {event.first:g} s, {event.message}"
         for event in events(run)
         if not event.trusted
     ]
@@ -225,22 +231,24 @@ def _changes(names: tuple[str, ...], rows: Any) -> tuple[dict[str, Any], dict[st
 
 
 def _balance(
-    name: str, tolerance: float, largest: dict[str, Any], into: dict[str, Any],
-    went: dict[str, Any], terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
+    name: str, tolerance: float, largest: dict[str, Any], inputs: dict[str, Any],
+    outputs: dict[str, Any], terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
 ) -> Balance:  # fmt: skip
-    """Balance of what came `into` a store and where it `went`, over the largest of its `terms`."""
-    into = {key: float(value) for key, value in into.items()}
-    went = {key: float(value) for key, value in went.items()}
-    left = sum(into.values()) - sum(went.values())
+    """Balance of a store's `inputs` and `outputs`, over the largest of its `terms`."""
+    inputs = {key: float(value) for key, value in inputs.items()}
+    outputs = {key: float(value) for key, value in outputs.items()}
+    residual = sum(inputs.values()) - sum(outputs.values())
     # the largest of any term meanwhile: at the end of a cycle all may be zero again
-    size = max([*(largest[term] for term in terms), *map(abs, (*into.values(), *went.values()))])
+    size = max(
+        [*(largest[term] for term in terms), *map(abs, (*inputs.values(), *outputs.values()))]
+    )
     remedy = ""
     if volume is not None:  # named, but part of the residual all the same: it comes from nowhere
-        went[_BY_VOLUME] = volume = float(volume)
+        outputs[_BY_VOLUME] = volume = float(volume)
         if abs(volume) > tolerance * size:
             remedy = f"{volume:.3g} J of it are {_BY_VOLUME}: {_CONJUGATE}"
-    relative = abs(left) / size if size > 0 else 0.0
-    return Balance(name, unit, into, went, left, relative, tolerance, remedy)
+    relative = abs(residual) / size if size > 0 else 0.0
+    return Balance(name, unit, inputs, outputs, residual, relative, tolerance, remedy)
 
 
 def _supply_balance(
@@ -250,9 +258,9 @@ def _supply_balance(
     reserve = np.asarray(run.outputs.reserve)
     stored = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}
-    into = {"shaft": spent.pop("shaft_work", 0.0)}
+    inputs = {"shaft": spent.pop("shaft_work", 0.0)}
     losses = {_LOSSES.get(name, name): x for name, x in spent.items()}
-    went = {"supplied": ledger["supplied"], "stored in the supply": stored[-1] - stored[0]}
+    outputs = {"supplied": ledger["supplied"], "stored in the supply": stored[-1] - stored[0]}
     largest = largest | {"held": float(np.max(np.abs(stored - stored[0])))}
     terms = ("supplied", "held")
-    return _balance("energy of the supply", SMOOTH, largest, into, went | losses, terms)
+    return _balance("energy of the supply", SMOOTH, largest, inputs, outputs | losses, terms)

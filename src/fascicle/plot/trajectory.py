@@ -285,11 +285,10 @@ def sides(balance: "Balance") -> tuple[dict[str, float], dict[str, float], list[
     """Sources and sinks of a `balance` [J], all positive, the largest first, and the names of terms
     that are too small to be drawn. A negative term counts on the other side.
     """
-    into, went = dict(balance.into), dict(balance.went)
-    sources = {name: x for name, x in into.items() if x > 0}
-    sources |= {f"{name}, given back": -x for name, x in went.items() if x < 0}
-    sinks = {name: x for name, x in went.items() if x > 0}
-    sinks |= {f"{name}, taken back": -x for name, x in into.items() if x < 0}
+    sources = {name: x for name, x in balance.inputs.items() if x > 0}
+    sources |= {f"{name}, given back": -x for name, x in balance.outputs.items() if x < 0}
+    sinks = {name: x for name, x in balance.outputs.items() if x > 0}
+    sinks |= {f"{name}, taken back": -x for name, x in balance.inputs.items() if x < 0}
     limit = _LEAST * max([*sources.values(), *sinks.values()], default=0.0)
     small = [name for side in (sources, sinks) for name, x in side.items() if x < limit]
     first, second = (

@@ -69,7 +69,7 @@ def report(
         "simulation.html",
         title=f"Simulated: {scenario.name.replace('_', ' ')}",
         date=date, scenario=scenario, run=run, doubts=doubts, control=control, events=events(run),
-        audit=audit, worst=max(balances, key=lambda entry: entry.share, default=None),
+        audit=audit, worst=max(balances, key=lambda entry: entry.relative_residual, default=None),
         units=" and ".join(" + ".join(bundle) for bundle in counts),
         parts=", ".join(type(component).__name__ for component in components),
         steps=len(run.time) - 1, most=MOST, turns=plant.load.unit == "rad",
@@ -190,13 +190,13 @@ def position_table(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[l
 
 
 def _balance_row(balance: "Balance") -> list[str]:
-    into, went = (
+    inputs, outputs = (
         lines([f"{name}: {x + 0.0:.4g} {balance.unit}" for name, x in terms.items()])
-        for terms in (balance.into, balance.went)
+        for terms in (balance.inputs, balance.outputs)
     )
     return [
-        balance.name, into, went, f"{balance.left:.1e} {balance.unit}",
-        f"{balance.share:.0e}, up to {balance.closes_within:g} passes",
+        balance.name, inputs, outputs, f"{balance.residual:.1e} {balance.unit}",
+        f"{balance.relative_residual:.0e}, up to {balance.tolerance:g} passes",
         mark(balance.closes, "closes", "doesn't close", "fails"),
     ]  # fmt: skip
 

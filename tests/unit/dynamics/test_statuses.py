@@ -79,7 +79,7 @@ def test_a_fold_between_two_steps_is_reported(muscle, compliance, folds):
     assert ("folded" in result) == folds
     assert dynamics.audit(plant, run).closes == (not folds)
     if folds:
-        assert result["folded"].moments == 1 and not result["folded"].trusted
+        assert result["folded"].samples == 1 and not result["folded"].trusted
 
 
 def test_a_stiff_chamber_is_reported(single):

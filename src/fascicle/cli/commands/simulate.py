@@ -195,7 +195,7 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
         print_text(f"note: {note}")
     happened = events(result)
     for event in happened[:_MAX_EVENTS]:
-        print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.words}")
+        print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.message}")
     if len(happened) > _MAX_EVENTS:
         print_text(f"{len(happened) - _MAX_EVENTS} more events are in the output of --json.")
     print_table("Positions of the load", *pages.position_table(plant, result))
@@ -208,13 +208,15 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
 def _print_balances(balances: Any) -> None:
     rows = []
     for balance in balances:
-        smallest = _ROUNDING * max(map(abs, (balance.into | balance.went).values()))
+        smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
         sides = (
             "\n".join(f"{name} {value:.3g} {balance.unit}" for name, value in terms.items()
                       if abs(value) > smallest)
-            for terms in (balance.into, balance.went)
+            for terms in (balance.inputs, balance.outputs)
         )  # fmt: skip
-        verdict = f"{balance.share:.0e}\n" + ("closes" if balance.closes else "DOES NOT\nCLOSE")
+        verdict = f"{balance.relative_residual:.0e}\n" + (
+            "closes" if balance.closes else "DOES NOT\nCLOSE"
+        )
         rows.append([balance.name.replace(" of ", "\nof "), *sides, verdict])
     caption = "residual: what is left over, relative to the largest term; zero terms are omitted"
     print_table("Balances", ["balance", "in [J, kg]", "out [J, kg]", "residual [-]"], rows, caption)
