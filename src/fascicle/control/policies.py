@@ -5,22 +5,25 @@ $t_c \sqrt{k/M} \ll 1$; derived here.
 """
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..bundle.bundle import Bundle
 from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
 from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
+from .confidence import CONFIDENCE
 from .crossing import Crossing, Path, crossing, hand_over_time
 from .learning import Correction, correct_units
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
+from .uncertainty import draw_bundles
 from .units import Units
 
 
@@ -35,6 +38,7 @@ POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
 })  # fmt: skip
 OF = ("force", "position")  # values of the argument `of`
 _BAND = 0.02  # of the largest unit's force at rest: more than noise
+_DRAWS = 20  # of bundles: each takes a quarter of a second
 _HARMLESS = (
     0.2  # of t_c √(k/M): below it a dip moves the load by 2 % of a lasting dip's way at most
 )
@@ -145,15 +149,24 @@ def _steps(value: Any, dt: float, name: str) -> int:
 
 
 class PolicyChoice(NamedTuple):
-    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on."""
+    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on; `share`: of the
+    bundles that the model could be, those that have all of them [-], nan if the model itself
+    doesn't, or needs none.
+    """
 
     policy: str
     why: str
     crossings: tuple[Crossing, ...]
+    share: float = np.nan
 
 
 def select_policy(
-    plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
+    plant: Plant,
+    reference: Values,
+    dt: float,
+    of: str,
+    delay: float = 0.0,
+    draws: Sequence[Bundle] | None = None,
 ) -> PolicyChoice:
     """Select a policy for a plant and its reference.
 
@@ -164,6 +177,8 @@ def select_policy(
     - `dt`: the step [s].
     - `of`: quantity of the reference, "force" or "position".
     - `delay`: of measurements [s]; the lag of valves is the plant's.
+    - `draws`: bundles that the plant's could be, such as those of a calibration; left out, 20 by
+      `draw_bundles`. A crossing counts if 95 % of them have it.
 
     **Raises:** `InvalidInputError` as `crossing` does.
     """
@@ -177,16 +192,28 @@ def select_policy(
     units = range(2, plant.units + 1)
     lag = DAMPED * (valve_lag(plant) + delay)  # of pressures, (K3a)
     crossings = tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
-    return PolicyChoice(*_select(plant, path, crossings), crossings)
+    share = np.nan
+    if any(entry.needed is not None for entry in crossings) and all(map(_is_settled, crossings)):
+        draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
+        share = float(np.mean([
+            all(_is_settled(crossing(b, path, plant, unit, supply, lag=lag)) for unit in units)
+            for b in draws
+        ]))  # fmt: skip
+    return PolicyChoice(*_select(plant, path, crossings, share), crossings, share)
 
 
-def _select(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[str, str]:
+def _select(
+    plant: Plant, path: Path, crossings: tuple[Crossing, ...], share: float
+) -> tuple[str, str]:
     """A policy and the reason for it."""
     needed = [entry for entry in crossings if entry.needed is not None]
     if not needed:
         return "threshold", f"no crossing is needed: {crossings[0].reason}"
-    infeasible = next((entry for entry in needed if not entry.found), None)
-    if infeasible is not None:
+    infeasible = next((entry.reason for entry in needed if not entry.found), "")
+    among = f"of {100 * share:.0f} % of the bundles that the model could be"
+    if share < CONFIDENCE:
+        infeasible = f"there is a crossing without a dip {among} only"
+    if infeasible:
         ratio = np.inf
         if not plant.load.prescribed:  # the unit's valve wide open, at the path's middle strain
             eps = float(np.median(path.strain))
@@ -196,14 +223,19 @@ def _select(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[
             stiffness = plant.counts * plant.lengths * plant.gains**2 * muscles.force_by_strain
             ratio = time * float(np.sqrt(max(-np.sum(stiffness), 0.0) / float(plant.load.inertia)))
         if ratio < _HARMLESS:
-            why = f"{infeasible.reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
+            why = f"{infeasible}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
             return "fast_cross", why
-        return "hand_over", f"{infeasible.reason}; it keeps the dip as small as it can be"
+        return "hand_over", f"{infeasible}; it keeps the dip as small as it can be"
     wait = max((entry.needed or 0.0) - (entry.end or 0.0) - (entry.time or 0.0) for entry in needed)
     if wait > 0 and np.ptp(path.strain) > 1e-6:
         why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
-    return "hand_over", f"there is a crossing without a dip, {needed[0]}"
+    return "hand_over", f"there is a crossing without a dip {among}, {needed[0]}"
+
+
+def _is_settled(entry: Crossing) -> bool:
+    """True if a crossing is found, or none is needed."""
+    return entry.found or entry.needed is None
 
 
 def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:

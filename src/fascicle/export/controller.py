@@ -22,6 +22,7 @@ from ..dynamics.muscles import Tables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
+from .c_files import join, render_template
 
 
 # chambers whose content the C code computes
@@ -47,11 +48,6 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (plant.liquid, "is of a liquid", "use gas"),
         (not isinstance(plant.chamber, _CHAMBERS), "has a chamber of another kind", ""),
         (controller.delay > 0, "has a delay", "drop it: what C measures is late by itself"),
-        (
-            isinstance(controller.units[0].branches.muscles, CorrectedMuscles),
-            "has a learned correction",
-            "drop it",
-        ),
         (not _c_policy(controller), "has a policy of another kind", "take orderly or threshold"),
     )
     for is_violated, reason, remedy in limitations:
@@ -60,7 +56,11 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
             raise InvalidInputError("controller", rule, None, remedy)
     top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
-    branches = Branches.tabulated(Tables.from_muscles(muscles, top, shape), plant.supply_pressure)
+    tables: Any = Tables.from_muscles(muscles, top, shape)
+    corrected = controller.units[0].branches.muscles
+    if isinstance(corrected, CorrectedMuscles):
+        tables = replace(corrected, muscles=tables)
+    branches = Branches.tabulated(tables, plant.supply_pressure)
     units = (replace(controller.units[0], branches=branches),)
     return replace(controller, units=units, dt=controller.dt * controller.every, every=1)
 
@@ -90,7 +90,20 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
         return nested_initializers(constants)[1:-1]
 
+    learned = branches.muscles if isinstance(branches.muscles, CorrectedMuscles) else None
+    correction = {} if learned is None else {
+        "forces": ",\n".join(map(nested_initializers, learned.forces)),
+        "pressures": ", ".join(map(number, learned.pressures)),
+        "rows": len(learned.pressures) - 1,
+        "strains": len(learned.grid_strains) - 1,
+        "lowest": number(learned.grid_strains[0]),
+        "highest": number(learned.grid_strains[-1]),
+    }  # fmt: skip
     return {
+        "correct": "" if learned is None else render_template("correction.c", correction),
+        "corrects": "" if learned is None else "    correct(unit, pressure, strain, &at);\n",
+        "branch_count": len(branches.onsets),
+        "branch_of": join(map(int, branches.muscles.indices)),
         "policy": _c_policy(controller),
         "shares": branches.pressures.shape[-1] - 1,
         "onsets": ",\n".join(map(nested_initializers, branches.onsets)),

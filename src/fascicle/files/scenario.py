@@ -52,7 +52,7 @@ from .shipped_files import example_text, named_muscles
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
-    from ..control import Cascade, PolicyChoice
+    from ..control import Cascade, Correction, PolicyChoice
 
 MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
 _MAX_STEPS = 2_000_000  # of a run: some minutes
@@ -69,6 +69,7 @@ class ScenarioControl(NamedTuple):
     - `controller`, `reference`: the controller, and its demand at each step [SI].
     - `choice`: the comparison by which `auto` chose the policy, or `None`.
     - `policy`: its name; `options`: the controller's other arguments.
+    - `correction_file`: file of the correction that runs are to be learned into, or `None`.
     """
 
     controller: "Cascade"
@@ -76,6 +77,7 @@ class ScenarioControl(NamedTuple):
     choice: "PolicyChoice | None"
     policy: str
     options: Mapping[str, Any]
+    correction_file: Path | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -104,7 +106,7 @@ class ScenarioControl(NamedTuple):
         else:
             check_choice(policy, (*POLICIES, "auto"), "policy")
         controller = cascade(plant, policy, output, **options)
-        return ScenarioControl(controller, self.reference, choice, policy, options)
+        return self._replace(controller=controller, choice=choice, policy=policy, options=options)
 
 
 @with_former_names
@@ -149,6 +151,24 @@ class Scenario:
             raise InvalidInputError(name, rule, policy, shown="")
         control = self.control.with_policy(policy, compensate)
         return replace(self, control=control, notes=control.notes)
+
+    def learn(self, run: Trajectory) -> "Correction":
+        """Correction of the controller's muscles after a run.
+
+        **Arguments:** `run`: of this scenario [SI].
+
+        **Returns:** the correction for the next run.
+
+        **Raises:** `InvalidInputError` for a scenario without [control].
+        """
+        from ..control import Learner
+
+        if self.control is None:
+            raise InvalidInputError("control", "must be in the scenario", None, shown="")
+        outputs, plant = run.outputs, self.control.controller.plant
+        force = np.sum(plant.lengths * plant.gains * np.asarray(outputs.forces), axis=-1)
+        before = self.control.options.get("correction")
+        return Learner.of(plant).learn(force, outputs.pressures, outputs.strains, before)
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""
@@ -210,8 +230,13 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     parts = _parts(tables, classes, units, root)
     run = file.run
     options = run.model_dump(exclude_none=True, include={"law", "volume"})
-    with root.error_context():
-        plant = Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
+
+
+    def make_plant(bundles: list[Bundle]) -> Plant:
+        with root.error_context():
+            return Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
+
+    plant = make_plant(bundles)
     if not np.subtract(*plant.stroke) < 0:
         rule = "leaves no stroke with valid strains of all muscles: check its sizes."
         raise root.error(("load",), rule)
@@ -222,7 +247,10 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         if highest > plant.supply_pressure:
             rule = f"must be at most the supply's {plant.supply_pressure:g} Pa, got {highest:g} Pa."
             raise root.error(("run", "pressures"), rule)
-        control = _control(file, plant, dt, duration, root)
+        model = file.control.model
+        others = bundles if model is None else _model_bundles(model, bundles, root, folder)
+        model_plant = plant if model is None else make_plant(others)
+        control = _control(file, model_plant, dt, duration, root, folder)
         notes = control.notes
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
@@ -299,22 +327,44 @@ def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path
             raise root.error(("bundle",), "there is a [muscle], too: keep one of them.")
         inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
         return [_as_bundle(from_dict(inline, source))]
+    rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
+    rule = f"{rule}; or write [muscle] and [bundle] as in its file."
+    return _named_bundles(names, root.child("bundle"), rule, folder)
+
+
+def _named_bundles(names: Any, location: FileLocation, rule: str, folder: Path) -> list[Bundle]:
+    """Bundles by names of examples or files; `rule`: of an error, if they aren't names."""
     names = list(names) if isinstance(names, list) else [names]
     if not names or not all(isinstance(name, str) for name in names):
-        rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
-        raise root.error(("bundle",), f"{rule}; or write [muscle] and [bundle] as in its file.")
+        raise location.error((), rule)
     shipped, bundles = named_muscles(), []
     for name in names:
         path = folder / name
         if name not in shipped and not path.exists():
-            rule = f"{name!r} is neither a file nor a named example{did_you_mean(name, shipped)}"
-            raise root.error(("bundle",), rule)
-        with root.child("bundle").error_context():
+            fault = f"{name!r} is neither a file nor a named example{did_you_mean(name, shipped)}"
+            raise location.error((), fault)
+        with location.error_context():
             if name in shipped:
                 bundles.append(_as_bundle(loads(example_text(name), name)))
             else:
                 bundles.append(_as_bundle(load_muscle(path)))
     return bundles
+
+
+def _model_bundles(
+    names: Any, bundles: list[Bundle], root: FileLocation, folder: Path
+) -> list[Bundle]:
+    """The bundles that a controller takes for its scenario's."""
+    location = root.child("control", kind="part").child("model")
+    rule = "must name a bundle or its file, for a joint a list of two."
+    model = _named_bundles(names, location, rule, folder)
+    sizes, model_sizes = (
+        [[(unit.count, float(unit.muscle.length)) for unit in b.motor_units] for b in group]
+        for group in (bundles, model)
+    )
+    if sizes != model_sizes:
+        raise location.error((), "must have the bundle's motor units, with muscles as long.")
+    return model
 
 
 def _as_bundle(obj: Muscle | Bundle) -> Bundle:
@@ -473,13 +523,21 @@ def _rising_times(rows: list[Any], key: str, root: FileLocation) -> np.ndarray:
 
 
 def _control(
-    file: Any, plant: Plant, dt: float, duration: float, root: FileLocation
+    file: Any, plant: Plant, dt: float, duration: float, root: FileLocation, folder: Path
 ) -> ScenarioControl:
-    from ..control import Gains, cascade
+    """Controller with a `plant` as its model."""
+    from ..control import Correction, Gains, cascade
 
     output, reference = _reference(file, dt, duration, root)
     values, location, default = _values(file.control), root.child("control", kind="part"), Gains()
-    policy = values.pop("policy")
+    policy, name, learns = (values.pop(key, None) for key in ("policy", "correction", "learn"))
+    values.pop("model", None)
+    if learns and name is None:
+        raise location.error(("learn",), 'needs a file: write correction = "learned.json".')
+    path = None if name is None else folder / name
+    if path is not None and not (learns and not path.exists()):  # a first run begins without one
+        with location.child("correction", kind="correction").error_context():
+            values["correction"] = Correction.load(path)
     if values.get("delay", 0.0) > duration:
         rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
         raise location.error(("delay",), rule)
@@ -499,7 +557,8 @@ def _control(
     options = {"gains": gains, "dt": dt, **values}
     with location.error_context():
         controller = cascade(plant, "orderly", output, **options)
-        control = ScenarioControl(controller, reference, None, "orderly", options)
+        learned = path if learns else None
+        control = ScenarioControl(controller, reference, None, "orderly", options, learned)
         return control.with_policy(policy)
 
 

@@ -65,6 +65,7 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
         "units": ("spool",),
     },
     "motion": {"position": ("load",), "pressures": ("run", "pressures")},
+    "correction": {"path": ()},
     "part": {"gas": ("medium",), "liquid": ("medium",)},
 }
 # tables that only one kind of file has, and its command; scenarios may have a muscle, too

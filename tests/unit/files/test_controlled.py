@@ -92,6 +92,13 @@ POLICY = 'policy = "hand_over"'
         (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force = 15: `force` must be a force"),
         (RAMP, [('force = "70 N"', 'position = "7 mm"')], "write `force` in each row"),
         (RAMP, [(POLICY, "")], "control.policy: missing"),
+        (RAMP, [(POLICY, f"{POLICY}\nlearn = true")], "control.learn = true: needs a file"),
+        (RAMP, [(POLICY, f'{POLICY}\ncorrection = "none.json"')], "none.json: no such file"),
+        (
+            RAMP,
+            [(POLICY, f'{POLICY}\nmodel = "kim2021_bundle_1_4"')],
+            "control.model = \"kim2021_bundle_1_4\": must have the bundle's motor units",
+        ),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_with_its_key(text, edits, message):

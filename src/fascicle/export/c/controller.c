@@ -3,8 +3,9 @@
 #define SHARES @shares@ /* cells of a branch's pressures, even in the root of its force */
 #define NEWTON 4
 
-static const real onsets[KINDS][COLUMNS + 1] = {@onsets@};
-static const real branches[KINDS][COLUMNS + 1][SHARES + 1] = {
+static const int branch_of[UNITS] = {@branch_of@};
+static const real onsets[@branch_count@][COLUMNS + 1] = {@onsets@};
+static const real branches[@branch_count@][COLUMNS + 1][SHARES + 1] = {
 @branches@
 };
 static const real branch_top = @branch_top@, highest = @highest_pressure@; /* [Pa] */
@@ -22,9 +23,12 @@ static const real exhaust_valve[UNITS][2][3] = {@exhaust_valve@};
 static real least(real a, real b) { return a < b ? a : b; }
 static real most(real a, real b) { return a > b ? a : b; }
 
+@correct@
 static point unit_at(int unit, real pressure, real strain)
 {
-    return muscle_at(kind_of[unit], pressure, strain);
+    point at = muscle_at(kind_of[unit], pressure, strain);
+
+@corrects@    return at;
 }
 
 /* place among the columns, and how far into it */
@@ -41,12 +45,12 @@ static int column(int kind, real strain, real *w)
 /* the last pressure at which a muscle pulls as when it is empty */
 static real onset(int unit, real strain)
 {
-    const int kind = kind_of[unit];
+    const real *row = onsets[branch_of[unit]];
     const real empty = unit_at(unit, 0, strain).force;
     real w, p, between, reach;
-    int j = column(kind, strain, &w), i;
+    int j = column(kind_of[unit], strain, &w), i;
 
-    between = p = (1 - w) * onsets[kind][j] + w * onsets[kind][j + 1];
+    between = p = (1 - w) * row[j] + w * row[j + 1];
     reach = least(0.5 * between, branch_top / 500);
     for (i = 0; i < 2; i++) {
         const point at = unit_at(unit, p, strain);
@@ -61,19 +65,18 @@ static real onset(int unit, real strain)
 /* pressure at which one muscle pulls so much; 0 where that is less than an empty one does */
 static real branch(int unit, real force, real strain)
 {
-    const int kind = kind_of[unit];
     const real empty = unit_at(unit, 0, strain).force;
     const real full = unit_at(unit, branch_top, strain).force;
     const real share = full > empty ? (force - empty) / (full - empty) : 0;
     const real size = branch_top / 10;
     real begin, p, w, x, u, left, right;
-    const real (*row)[SHARES + 1] = branches[kind];
+    const real (*row)[SHARES + 1] = branches[branch_of[unit]];
     int i, j, k;
 
     if (!(full > empty) || !(share > 0)) return 0;
     if (share >= 1) return branch_top;
     begin = onset(unit, strain);
-    j = column(kind, strain, &w);
+    j = column(kind_of[unit], strain, &w);
     x = @sqrt@(share) * (real)SHARES;
     i = (int)least(x, (real)(SHARES - 1));
     u = x - (real)i;
