@@ -33,13 +33,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, maximum, minimum, node_axis, sum_nodes, where
+from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import evaluate, with_fields
 from ..core.types import AnyArray, Batch, Float, Int, Numbers, PerUnit, Values
 from ..core.validation import check_choice, check_finite, is_concrete, to_si
 from ..muscle import Muscle
-from ..muscle.coenergy import contraction_work
+from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import Pressurized
 from ..repr_table import with_table_repr
 from .bundle import (
@@ -93,13 +93,8 @@ def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
-    """Fluid taken in by each motor unit from rest length on.
-
-    **Arguments:** `bundle`; `strain`: contraction [-].
-
-    **Returns:** $n_i (V_i(\\varepsilon) - V_i(0))$ [m³], motor units on the last axis.
-
-    **Raises:** `ValueError` for muscles with compliant ends.
+    """Fluid $n_i (V_i(\\varepsilon) - V_i(0))$ [m³] that each motor unit of a `bundle` takes in
+    from rest length to `strain` [-], units on the last axis; `ValueError` for compliant ends.
     """
     units, ratios = bundle.motor_units, bundle.ratios
     check_volume_by_strain(unit.muscle for unit in units)
@@ -114,18 +109,8 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
 
 
 def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
-    """Work of a contraction from rest length at constant pressures, (28).
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
-    - `strain`: contraction at the end [-]; broadcasts against the rest of `pressures`.
-    - `resistance`: units past their own free strain push back.
-
-    **Returns:** $W$ [J].
-
-    **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+    """Work $W$ [J] of a contraction from rest length to `strain` [-] at constant `pressures` [Pa],
+    (28); arguments and errors are those of `Bundle.force`.
     """
     works = unit_work(bundle, pressures, strain, resistance)
     return array_namespace(works).sum(works, axis=-1)
@@ -154,16 +139,8 @@ def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: 
 
 
 def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:
-    """Energy drawn from the supply by a contraction from rest length, (29).
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `strain`: contraction at the end [-].
-    - `supply_pressure`: $P_s$ [Pa].
-    - `active`: 1 for motor units that are pressurized [-], 0 for others, on the last axis.
-
-    **Returns:** $E$ [J].
+    """Energy $E$ [J] drawn from a supply at `supply_pressure` [Pa] by a contraction from rest
+    length to `strain` [-], (29); `active`: 1 for pressurized units [-], 0 for others, units last.
     """
     volumes = unit_volume_change(bundle, strain)
     supply_pressure = to_si(supply_pressure, "supply_pressure", "Pa")
@@ -193,30 +170,13 @@ def _unit_work_along(
     """As `unit_work_along`: `stops`, rest first, then `count` strains of the result, then others
     [-].
     """
-    x, weights = np.polynomial.legendre.leggauss(nodes)
 
     def muscle_work(muscle: Pressurized, stops: Numbers) -> Numbers:
-        xp = array_namespace(stops, muscle.collapse)
-        kinks = xp.moveaxis(muscle.kinks[:, :, 0], 0, 1)  # level, kind, unit
-        stops = stops + 0.0 * kinks[:, :1]
-        low, high = (pick(stops, axis=1, keepdims=True) for pick in (xp.min, xp.max))
-        ends = xp.concatenate([stops, minimum(maximum(kinks, low), high)], axis=1)
-        order = xp.argsort(ends, axis=1)
-        ends = xp.take_along_axis(ends, order, axis=1)
-        middle, half = (ends[:, 1:] + ends[:, :-1]) / 2, (ends[:, 1:] - ends[:, :-1]) / 2
-        eps = middle + half * node_axis(x, middle)
-        F = muscle.force(eps)[0]
-        if not resistance:
-            F = where(eps <= muscle.column.free_strain, F, 0.0)
-        pieces = half * sum_nodes(node_axis(weights, middle) * F)
-        sums = xp.concatenate([0.0 * ends[:, :1], xp.cumsum(pieces, axis=1)], axis=1)
-        # each stop is exactly an end, so nothing is interpolated
-        index = xp.argsort(order, axis=1)[:, : 1 + count]
-        works = xp.take_along_axis(sums, index, axis=1)
-        return muscle.column.rest_length * (works[:, 1:] - works[:, :1])
+        sums = integrate_force(muscle, stops, nodes, resistance)
+        return muscle.column.rest_length * (sums[1 : 1 + count] - sums[:1])
 
-    muscles = pressurized(bundle, pressures[:, None, :])
-    return bundle.counts * muscles.map_units_over_strain(muscle_work, stops)
+    works = pressurized(bundle, pressures).map_units_over_strain(muscle_work, stops[:, None])
+    return bundle.counts * array_namespace(works).moveaxis(works, 0, 1)
 
 
 def constant_cross_section(
@@ -363,19 +323,8 @@ def average_efficiency(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> float:
-    """Plain mean of the efficiency over the points of its map that a bundle reaches [R18].
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `supply_pressure`: $P_s$ [Pa]; by default the bundle's own.
-    - `path`: "isobaric" or "isotonic".
-    - `resistance`: units past their own free strain push back.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
-
-    **Returns:** efficiency [-].
-
-    **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
+    """Plain mean of the efficiency [-] over the points of its map that a bundle reaches [R18];
+    arguments and errors are those of `efficiency_map`: `supply_pressure` [Pa].
     """
     options = {"resistance": resistance, "scheme": scheme}
     return efficiency_map(bundle, supply_pressure, path, **options).average

@@ -42,8 +42,7 @@ _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
 TIE = 1e-10  # N: forces this near to each other are equal
 _KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
 _JUMP = 1e-7  # N, and of the force: two sides of a kink differ by less, but for a jump
-_EXTREMUM_WIDTH = 1e-8  # of its bracket: the value of a flat extremum is exact to its square
-_GOLDEN = 0.381966  # (3 − √5)/2, the golden section
+_ZOOM_POINTS, _ZOOMS = 9, 5  # to 1e-3 of a bracket, where a parabola is exact to 1e-6
 
 Array = np.ndarray
 Residual = Callable[[Array, Array], Array]
@@ -52,8 +51,7 @@ Residual = Callable[[Array, Array], Array]
 class MuscleCurves:
     """Force of one kind of muscle over level: its pressure over the supply's, from 0 to 1.
 
-    `kinks`: for each kind of kink a residual of level and the plates' strain that changes its sign
-    there, and the muscle's strain at the kink [-] at each node of the grid.
+    `kinks`: for each kind of kink, by number, the muscle's strain there [-] at the grid's nodes.
     """
 
     def __init__(self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array):
@@ -63,12 +61,12 @@ class MuscleCurves:
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
         self.free_strain, self.collapse = self.nodes.column.free_strain, self.nodes.collapse
-        self.kinks: list[tuple[Residual, Array]] = [(self.pull_residual, self.free_strain)]
-        for i, strains in enumerate(_kink_strains(self.nodes)):
-            # most laws buckle at the free strain itself
-            if strains is not self.free_strain and not np.all(np.isinf(strains)):
-                nodes = np.broadcast_to(strains, levels.shape)
-                self.kinks.append((self._kink_residual(i), nodes))
+        # most laws buckle at the free strain itself, and some strains are infinite: no kinks
+        self.kinks = {
+            i: np.broadcast_to(strains, levels.shape)
+            for i, strains in enumerate(_kink_strains(self.nodes))
+            if i == 0 or not (strains is self.free_strain or np.all(np.isinf(strains)))
+        }
 
     def strain(self, plates: Array) -> Array:
         """Strain of the muscle [-] at the `plates`' [-]."""
@@ -107,8 +105,8 @@ class MuscleCurves:
         index = np.searchsorted(self.levels, level, "right") - 1
         return np.clip(index, 0, self.levels.size - 2)
 
-    def _free_strain(self, level: Array) -> Array | None:
-        """Free strain [-] by Newton's method from the grid's; `None` if that doesn't converge."""
+    def _free_strain(self, level: Array) -> Array:
+        """Free strain [-] by Newton's method from the grid's, or by the law where that fails."""
         cell = self._cell(level)
         left, right = self.levels[cell], self.levels[cell + 1]
         weight = (level - left) / (right - left)
@@ -119,23 +117,14 @@ class MuscleCurves:
             free = free - step
             if np.all(np.abs(step) <= _NEWTON_TOLERANCE):
                 return free
-        return None
+        return self.law.free_strain(level * self.supply)
 
-    def pull_residual(self, level: Array, plates: Array) -> Array:
-        """Tension [N]: it has the sign of free strain less strain, and needs no root."""
-        return self.law.tension.pull(level * self.supply, self.strain(plates)).force
-
-    def _kink_residual(self, index: int) -> Residual:
-        """Function of level [-] and plates' strain [-]: strain of the kink `index` less that of the
-        muscle [-].
-        """
-
-        def residual(level: Array, plates: Array) -> Array:
-            muscle = self.law.at(level * self.supply, self._free_strain(level))
-            strain = np.broadcast_to(_kink_strains(muscle)[index], level.shape)
-            return strain - self.strain(plates)
-
-        return residual
+    def kink_residual(self, kink: int, level: Array, plates: Array) -> Array:
+        """Strain of a `kink`, by number, less that of the muscle [-] at `level` and the plates'."""
+        strain = self._free_strain(level)
+        if kink > 0:
+            strain = _kink_strains(self.law.at(level * self.supply, strain))[kink]
+        return np.broadcast_to(strain, level.shape) - self.strain(plates)
 
 
 class StateCurves:
@@ -232,8 +221,9 @@ class StateCurves:
 
 
 def _kink_strains(muscle: "Pressurized") -> list[Numbers]:
-    """Strains [-] past the free strain at which the force of a muscle has kinks."""
-    return [muscle.onset, muscle.collapse, *muscle.law.buckling.folds(muscle.column)]
+    """Strains [-] at which the force of a muscle has kinks, the free strain first."""
+    column = muscle.column
+    return [column.free_strain, muscle.onset, muscle.collapse, *muscle.law.buckling.folds(column)]
 
 
 def pressure_grid(tunings: list, supply: float) -> Array:
@@ -397,26 +387,16 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
     for j, muscle in enumerate(searches.curves.muscles):
         throttled = np.flatnonzero(searches.curves.throttled[searches.state[rows], j])
         strain = muscle.strain(searches.strain[rows[throttled]])
-        for residual, strains in muscle.kinks:
-            left, right = (strains[nodes[throttled] + i] > strain for i in (0, 1))
-            cells = throttled[left != right]
-            if not len(cells):
-                continue
-            row, ends = rows[cells], (point[cells], point[cells] + 1)
-            start, end = (points.level[i] for i in ends)
-            plates = searches.strain[row]
-            if residual == muscle.pull_residual:  # a force, not a strain
-                values = [residual(level, plates) for level in (start, end)]
-            else:  # known at the nodes, where computing it again takes two searches for roots
-                values = [strains[nodes[cells] + i] - strain[left != right] for i in (0, 1)]
-            # a free strain within rounding of a node may have either sign of force
-            change = np.flatnonzero((values[0] > 0) != (values[1] > 0))
-            row, start, end, plates, *values = (
-                x[change] for x in (row, start, end, plates, *values)
-            )
+        for kink, strains in muscle.kinks.items():
+            left, right = (strains[nodes[throttled] + i] - strain for i in (0, 1))
+            change = np.flatnonzero((left > 0) != (right > 0))
+            cells = throttled[change]
+            row, start, end = rows[cells], *(points.level[point[cells] + i] for i in (0, 1))
             *_, left, right = _bracketed_root(
-                lambda i, level, residual=residual, plates=plates: residual(level, plates[i]),
-                start, end, *values, np.full(len(row), -1.0),
+                lambda i, level, muscle=muscle, kink=kink, plates=searches.strain[row]: (
+                    muscle.kink_residual(kink, level, plates[i])
+                ),
+                start, end, left[change], right[change], np.full(len(row), -1.0),
             )  # fmt: skip
             kinks.append((row, left, right, start, end))
     if not any(len(row) for row, *_ in kinks):
@@ -451,9 +431,8 @@ def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     row, sign = points.row[1:-1][i], sign[i]
     level = _bracketed_minimum(
         lambda index, x: sign[index] * searches.excess(row[index], x),
-        np.stack([points.level[window][i] for window in windows]),
-        np.stack([before[i], middle[i], after[i]]),
-    )
+        points.level[:-2][i], points.level[2:][i],
+    )  # fmt: skip
     return points.insert(row, level, searches.excess(row, level))
 
 
@@ -534,32 +513,21 @@ def _bracketed_root(
     return np.where(newest, x[0], x[1]), np.where(newest, f[0], f[1]), *ends
 
 
-def _bracketed_minimum(residual: Residual, x: Array, f: Array) -> Array:
-    """Minima [-] by parabolas and golden sections, all at once, from three points `x` each, the
-    middle one lowest, with residuals `f`; or a point at which the residual is negative.
+def _bracketed_minimum(residual: Residual, low: Array, high: Array) -> Array:
+    """Levels [-] of the least residuals between `low` and `high` [-], all at once, each by a
+    parabola on the last of ever finer grids; or a level at which the residual is negative.
     """
-    limits, index = _EXTREMUM_WIDTH * (x[2] - x[0]), np.arange(x.shape[1])
-    for n in range(60):  # golden sections alone would need 38
-        index = index[(f[1, index] > 0) & (x[2, index] - x[0, index] > 4 * limits[index])]
+    x, f = np.stack([low, 0.5 * (low + high), high]), np.zeros((3, len(low)))
+    index = np.arange(len(low))
+    for _ in range(_ZOOMS):
         if not len(index):
             break
-        (a, m, b), (f_a, f_m, f_b), limit = x[:, index], f[:, index], limits[index]
-        p, q = (m - a) * (f_m - f_b), (m - b) * (f_m - f_a)
-        vertex = m - 0.5 * ((m - a) * p - (m - b) * q) / (p - q)
-        right_is_wider = b - m > m - a
-        inside = (a + limit < vertex) & (vertex < b - limit) & (n % 3 < 2)
-        new = np.where(inside, vertex, m + _GOLDEN * np.where(right_is_wider, b - m, a - m))
-        step = np.where(right_is_wider, limit, -limit)
-        new = np.where(np.abs(new - m) < limit, m + step, new)
-        value = residual(index, new)
-        lower = value < f_m
-        cuts_right = lower == (new < m)  # the higher of both points becomes an end
-        for table, (low, middle, high), added in (
-            (x, (a, m, b), new),
-            (f, (f_a, f_m, f_b), value),
-        ):
-            end = np.where(lower, middle, added)
-            table[0, index] = np.where(cuts_right, low, end)
-            table[2, index] = np.where(cuts_right, end, high)
-            table[1, index] = np.where(lower, added, middle)
-    return x[1]
+        grid = np.linspace(x[0, index], x[2, index], _ZOOM_POINTS)
+        value = residual(np.tile(index, _ZOOM_POINTS), grid.reshape(-1)).reshape(grid.shape)
+        middle = np.clip(value.argmin(axis=0), 1, _ZOOM_POINTS - 2)
+        triple = middle + np.array([[-1], [0], [1]]), np.arange(len(index))
+        x[:, index], f[:, index] = grid[triple], value[triple]
+        index = index[f[1, index] > 0]
+    bend = f[0] - 2 * f[1] + f[2]
+    vertex = 0.5 * (f[0] - f[2]) / np.where(bend > 0, bend, np.inf)
+    return np.where(f[1] > 0, x[1] + np.clip(vertex, -1, 1) * (x[1] - x[0]), x[1])

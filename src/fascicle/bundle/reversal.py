@@ -53,19 +53,8 @@ def free_strain_curve(
     supply_pressure: Values = None,
     resistance: bool = True,
 ) -> Float[np.ndarray, " pressure"]:
-    """Free strain of the bundle over one unit's pressure, earlier units at supply.
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `unit`: the unit whose pressure varies, counted from 1.
-    - `pressures`: its pressures [Pa].
-    - `supply_pressure`: of the units before it [Pa]; by default the bundle's own.
-    - `resistance`: units past their own free strain push back.
-
-    **Returns:** free strains [-].
-
-    **Raises:** `ValueError` for a unit that doesn't exist or a pressure off the domain.
+    """Free strains [-] of the bundle over the `pressures` [Pa] of one `unit`, counted from 1, with
+    earlier units at `supply_pressure` [Pa]; other arguments and errors are those of `reversal`.
     """
     supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
     all_pressures = pressures_of(unit, pressures, supply, len(bundle.motor_units))
@@ -86,6 +75,8 @@ def reversal(
 
     **Returns:** a `Reversal`: pressure [Pa], strains and depth [-]; a depth of zero if the free
     strain never falls.
+
+    **Raises:** `ValueError` for a unit that doesn't exist or a pressure off the domain.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     pressures = np.linspace(0.0, supply, _GRID)

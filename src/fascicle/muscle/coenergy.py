@@ -24,9 +24,19 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 
 from typing import Any
 
-from ..core.array_namespace import minimum, node_axis, stack, sum_nodes, where
+import numpy as np
+
+from ..core.array_namespace import (
+    array_namespace,
+    maximum,
+    minimum,
+    node_axis,
+    stack,
+    sum_nodes,
+    where,
+)
 from ..core.errors import require
-from ..core.types import Batch, BatchLike
+from ..core.types import Batch, BatchLike, Numbers
 from .ends.ends_law import quadrature
 from .piecewise import Pressurized
 
@@ -53,6 +63,32 @@ def contraction_work(
     strains = (middle[:, None] + half[:, None] * node).reshape(shape)
     work = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(strains)[0])
     return muscle.column.rest_length * where(back, -work, work)
+
+
+def integrate_force(
+    muscle: Pressurized, stops: Numbers, points: int, resistance: bool = True
+) -> Numbers:
+    """Integral of the force over strain [N] from the least of the `stops` [-] to each of them, on
+    the first axis, with Gauss `points` on each piece between two stops or kinks; `resistance`: true
+    to count forces past the free strain.
+    """
+    xp = array_namespace(stops, muscle.collapse)
+    low, high = xp.min(stops, axis=0), xp.max(stops, axis=0)
+    kinks = [*muscle.kinks, *muscle.law.buckling.folds(muscle.column)]
+    kinks = stack([minimum(maximum(kink, low), high) for kink in kinks])
+    ends = xp.concatenate([xp.broadcast_to(stops, (len(stops), *kinks.shape[1:])), kinks])
+    order = xp.argsort(ends, axis=0)
+    ends = xp.take_along_axis(ends, order, axis=0)
+    middle, half = (ends[1:] + ends[:-1]) / 2, (ends[1:] - ends[:-1]) / 2
+    node, weight = (node_axis(x, middle) for x in np.polynomial.legendre.leggauss(points))
+    strain = middle + half * node
+    force = muscle.force(strain)[0]
+    if not resistance:
+        force = where(strain <= muscle.column.free_strain, force, 0.0)
+    pieces = half * sum_nodes(weight * force)
+    sums = xp.concatenate([0.0 * ends[:1], xp.cumsum(pieces, axis=0)])
+    # each stop is exactly an end, so nothing is interpolated
+    return xp.take_along_axis(sums, xp.argsort(order, axis=0)[: len(stops)], axis=0)
 
 
 def coenergy_at_rest(muscle: Pressurized) -> Batch:

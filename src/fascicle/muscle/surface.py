@@ -30,7 +30,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
-from .coenergy import coenergy_at_rest
+from .coenergy import coenergy_at_rest, integrate_force
 from .muscle import Muscle
 from .piecewise import Pressurized
 from .validation import lowest_strain, strain_domain
@@ -42,7 +42,7 @@ _PUSH_STRAIN = 0.08  # past the strain at which no braid pulls: how far a load m
 # Pa: a pressure is solved for to some 1e-9 Pa, so that a vented unit may be that far below zero.
 # Its volume keeps the slope at zero there, or the first step of filling would go without one
 PRESSURE_ROUNDING = 1e-6
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)  # cells of the grid are short: 1e-12
+_POINTS = 5  # of Gauss's rule, in short cells: 1e-12
 # cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
 _HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
 
@@ -246,19 +246,8 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
 
     def integrals(pressure: Batch) -> tuple[Batch, Batch, Batch]:
         at: Pressurized = muscle.law.at(pressure)
-        kinks = [*at.kinks, *muscle.law.buckling.folds(at.column)]
-        low, high = strain[0], strain[-1]
-        inside = [minimum(maximum(kink, low), high) for kink in kinks]
         grid = jnp.broadcast_to(strain[:, None], (len(strain), len(pressure)))
-        stops = jnp.concatenate([grid, jnp.stack(jnp.broadcast_arrays(*inside))])
-        order = jnp.argsort(stops, axis=0)
-        stops = jnp.take_along_axis(stops, order, axis=0)
-        middle, half = (stops[1:] + stops[:-1]) / 2, (stops[1:] - stops[:-1]) / 2
-        force, _ = at.force((middle + half * _NODES[:, None, None]).reshape((-1, len(pressure))))
-        cells = half * jnp.sum(force.reshape((-1, *half.shape)) * _WEIGHTS[:, None, None], axis=0)
-        sums = jnp.concatenate([jnp.zeros((1, len(pressure))), jnp.cumsum(cells, axis=0)])
-        back = jnp.argsort(order, axis=0)[: len(strain)]
-        work = jnp.take_along_axis(sums, back, axis=0)
+        work = integrate_force(at, grid, _POINTS)
         work = work - work[jnp.argmin(jnp.abs(strain))]
         return coenergy_at_rest(at) + 0.0 * pressure, work, at.force(grid)[0]
 
