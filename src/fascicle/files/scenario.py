@@ -231,7 +231,6 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     run = file.run
     options = run.model_dump(exclude_none=True, include={"law", "volume"})
 
-
     def make_plant(bundles: list[Bundle]) -> Plant:
         with root.error_context():
             return Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)

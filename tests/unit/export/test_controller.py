@@ -62,9 +62,13 @@ def measure(rng, count):
     return zip(demand, force, pressures, supply, strain, rate, strict=True)
 
 
+# each case compiles its step in Python; two of them run always
 @pytest.mark.parametrize(
-    "case",  # each compiles its step in Python
-    [pytest.param(case, marks=() if case in ("hose", "learned") else pytest.mark.slow) for case in CASES],
+    "case",
+    [
+        pytest.param(case, marks=() if case in ("hose", "learned") else pytest.mark.slow)
+        for case in CASES
+    ],
 )
 def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
     policy, options = CASES[case]
