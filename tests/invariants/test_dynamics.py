@@ -245,11 +245,11 @@ def test_a_straight_braid_s_volume_is_named_by_the_audit(bundle, held):
         audit = dynamics.audit(plant, run)
         muscles = {b.name: b for b in audit.balances}["energy of the muscles"]
         assert all(b.closes for b in audit.balances if b is not muscles), str(audit)
-        made.append(muscles.went["made by the volume"])
+        made.append(muscles.outputs["made by the volume"])
         # nothing but it is left over, and no run is trusted in which there is any
         assert (
-            abs(muscles.left - made[-1])
-            <= muscles.closes_within * muscles.into["work of the fluid"]
+            abs(muscles.residual - made[-1])
+            <= muscles.tolerance * muscles.inputs["work of the fluid"]
         )
         assert muscles.closes == audit.closes == (kind is held), str(audit)
         assert ("conjugate" in muscles.remedy) == (kind is other)

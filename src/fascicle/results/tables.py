@@ -334,14 +334,14 @@ def simulated(
     for name, energy in zip(STORES, np.asarray(outputs.store).T, strict=True):
         rows.append((f"stored_{name}", "time", energy, "J", f"stored: {_STORES[name]}"))
     if audit is not None:
-        names, left, imbalance, tolerance, closes = (
+        names, residual, relative, tolerance, closes = (
             [getattr(balance, name) for balance in audit.balances]
-            for name in ("name", "left", "share", "closes_within", "closes")
+            for name in ("name", "residual", "relative_residual", "tolerance", "closes")
         )
         rows += [
             ("balance", "balance", names, "-", "balanced quantity"),
-            ("left_over", "balance", left, "J", "in kg of the fluid's mass"),
-            ("left_over_share", "balance", imbalance, "-", "of the largest term"),
+            ("left_over", "balance", residual, "J", "in kg of the fluid's mass"),
+            ("left_over_share", "balance", relative, "-", "of the largest term"),
             ("closes_within", "balance", tolerance, "-", "largest share of a balance that closes"),
             ("closes", "balance", closes, "-", "true if the balance closes"),
         ]
