@@ -42,7 +42,7 @@ def _forces(muscle, pressure, strains):
     of_pressure = {
         "free_strain": at.column.free_strain,
         "blocked_force": law.tension.force(pressure, 0 * pressure),
-        "collapse_strain": at.collapse,
+        "collapse_strain": at.collapse_strain,
         "collapse_moment": law.collapse_moment(pressure),
     }
     return (

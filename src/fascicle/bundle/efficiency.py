@@ -40,7 +40,7 @@ from ..core.types import AnyArray, Batch, Float, Int, Numbers, PerUnit, Values
 from ..core.validation import check_choice, check_finite, is_concrete, to_si
 from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work, integrate_force
-from ..muscle.piecewise import Pressurized
+from ..muscle.piecewise import PressurizedMuscle
 from ..repr_table import with_table_repr
 from .bundle import (
     Bundle,
@@ -129,7 +129,7 @@ def unit_work(
 def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
     """As `unit_work`, without checks."""
 
-    def muscle_work(muscle: Pressurized, strain: Numbers, start: Numbers) -> Numbers:
+    def muscle_work(muscle: PressurizedMuscle, strain: Numbers, start: Numbers) -> Numbers:
         return contraction_work(muscle, strain, start, resistance)
 
     # a muscle that isn't as long as the plates are apart has a strain at rest; its own length
@@ -171,7 +171,7 @@ def _unit_work_along(
     [-].
     """
 
-    def muscle_work(muscle: Pressurized, stops: Numbers) -> Numbers:
+    def muscle_work(muscle: PressurizedMuscle, stops: Numbers) -> Numbers:
         sums = integrate_force(muscle, stops, nodes, resistance)
         return muscle.column.rest_length * (sums[1 : 1 + count] - sums[:1])
 

@@ -21,7 +21,7 @@ from ..core.array_namespace import isfinite, where
 from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
 from ..repr_table import with_table_repr
-from .pressurized import BundleBatch, Pressurized
+from .pressurized import BundleBatch, PressurizedBundle
 from .printing import equilibria_table
 
 
@@ -62,7 +62,7 @@ def max_equilibria(units: int) -> int:
     return 2 * units + 1
 
 
-def attach_derivatives(pressurized: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
+def attach_derivatives(pressurized: PressurizedBundle, load: Numbers, strain: Numbers) -> Numbers:
     """Equilibria [-] with their derivatives, from `strain` [-] without them, which is not finite
     where there are none; `load`: force of the bundles [N]. Both have an axis of one ahead of units.
     """
@@ -109,7 +109,7 @@ def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibr
     return Equilibria(strain, np.pad(falls, padding), count)
 
 
-def _nodes(bundles: Pressurized, load: Numbers, ends: Numbers) -> tuple[Numbers, Numbers]:
+def _nodes(bundles: PressurizedBundle, load: Numbers, ends: Numbers) -> tuple[Numbers, Numbers]:
     """Strains [-] of nodes with one equilibrium at most between two, and the force beyond a `load`
     [N] there, for each bundle in order; `ends`: of its stretches, rising [-].
     """

@@ -21,14 +21,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..core.module import unique_indices
-from ..core.types import Numbers
 from .pressurized import muscle_strain
 from .states import States
 
 
 if TYPE_CHECKING:
     from ..muscle import Muscle
-    from ..muscle.piecewise import Pressurized
+    from ..muscle.piecewise import PressurizedMuscle
 
 _CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
 _COLUMNS = 129  # strains of the force table: a step is some 0.002, as fine as a transition
@@ -60,7 +59,8 @@ class MuscleCurves:
         """
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
-        self.free_strain, self.collapse = self.nodes.column.free_strain, self.nodes.collapse
+        self.free_strain = self.nodes.column.free_strain
+        self.collapse_strain = self.nodes.collapse_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
             i: np.broadcast_to(strains, levels.shape)
@@ -91,7 +91,8 @@ class MuscleCurves:
             pull = self.law.tension.pull(pressure[pulls], strain[pulls])
             force[pulls], slope[pulls] = pull.force, pull.slope
             pulls[pulls] = pull.force > 0  # a free strain that falls with pressure within a cell
-        buckles = ~pulls & (strain < np.minimum(self.collapse[cell], self.collapse[cell + 1]))
+        collapse = np.minimum(self.collapse_strain[cell], self.collapse_strain[cell + 1])
+        buckles = ~pulls & (strain < collapse)
         for index, may_collapse in ((buckles, False), (~pulls & ~buckles, True)):
             if index.any():
                 P = pressure[index]
@@ -220,10 +221,10 @@ class StateCurves:
         return np.where(force > 0, force, 0.0), np.where(force > 0, slope, 0.0)
 
 
-def _kink_strains(muscle: "Pressurized") -> list[Numbers]:
+def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
     """Strains [-] at which the force of a muscle has kinks, the free strain first."""
-    column = muscle.column
-    return [column.free_strain, muscle.onset, muscle.collapse, *muscle.law.buckling.folds(column)]
+    folds = muscle.law.buckling.folds(muscle.column)
+    return [muscle.column.free_strain, muscle.onset, muscle.collapse_strain, *folds]
 
 
 def pressure_grid(tunings: list, supply: float) -> Array:

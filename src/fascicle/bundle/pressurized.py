@@ -30,18 +30,18 @@ from ..core.validation import (
 )
 from ..muscle import Muscle
 from ..muscle.muscle import batch_shape, tuning_tables
-from ..muscle.piecewise import Pressurized as PressurizedMuscles
+from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import check_strain, lowest_strain, strain_domain
 
 
-class Pressurized(Module):
+class PressurizedBundle(Module):
     """A bundle at given pressures.
 
     `groups`: muscles of the same laws, with the `indices` of their units; `counts`: muscles of each
     unit [-], units last; `ratios`: $L/L_i$ [-], if lengths differ.
     """
 
-    groups: tuple[PressurizedMuscles, ...]
+    groups: tuple[PressurizedMuscle, ...]
     indices: tuple[tuple[int, ...], ...] = static()
     counts: Whole
     ratios: Numbers | None
@@ -67,7 +67,7 @@ class Pressurized(Module):
     @property
     def kinks(self) -> Numbers:
         """Strains of the bundle [-] at which the slope of a unit's force jumps (its free strain,
-        onset of buckling, folds and collapse, on the first axis); units last.
+        onset of buckling and collapse, on the first axis); units last.
         """
         return self._plate_strains(self.map_units(lambda muscle: muscle.kinks))
 
@@ -76,11 +76,11 @@ class Pressurized(Module):
         """Strain of the bundle [-] at which each unit neither pulls nor pushes, units last."""
         return self._plate_strains(self.map_units(lambda muscle: muscle.column.free_strain))
 
-    def take(self, index: Any) -> "Pressurized":
+    def take(self, index: Any) -> "PressurizedBundle":
         """Bundles of a batch by `index`; the batch is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
-    def map_units(self, function: Callable[[PressurizedMuscles], Any]) -> Any:
+    def map_units(self, function: Callable[[PressurizedMuscle], Any]) -> Any:
         """Value of a `function` of one muscle of every unit, units on the last axis."""
         return self._in_order([function(group) for group in self.groups])
 
@@ -128,13 +128,13 @@ class Pressurized(Module):
         return xp.concatenate(values, axis=-1)[..., order]
 
 
-def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
+def pressurized(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
     """A `bundle` at `pressures` [Pa], one for each unit on the last axis."""
     indices = tuple(index for index, _ in bundle.groups)
     groups = tuple(
         muscles.law.at(pressures[..., np.array(index)]) for index, muscles in bundle.groups
     )
-    return Pressurized(groups, indices, bundle.counts, bundle.ratios)
+    return PressurizedBundle(groups, indices, bundle.counts, bundle.ratios)
 
 
 class BundleBatch(NamedTuple):
@@ -147,7 +147,7 @@ class BundleBatch(NamedTuple):
     bundle: Any
     pressures: PerUnit
 
-    def pressurized(self) -> Pressurized:
+    def pressurized(self) -> PressurizedBundle:
         """The bundles at their pressures, with an axis of one ahead of units."""
         return pressurized(self.bundle, self.pressures[:, None, :])
 

@@ -83,6 +83,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "Fluid": {"known": "inside"},
     "OrderlyValve": {"middle": "closing_command"},
     "PressureBand": {"after": "update"},
+    "PressurizedMuscle": {"collapse": "collapse_strain", "hinge": "hinge_moment"},
     "Remedy": {"contracts": "free_strain"},
     "Scenario": {"controlled": "control", "taking": "with_policy"},
     "Trajectory": {"account": "ledger", "seen": "outputs"},

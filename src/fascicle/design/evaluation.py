@@ -21,7 +21,7 @@ from ..muscle import Muscle
 from .designs import Designs, Sizes
 from .objectives import check_objectives, needs, objective_values
 from .outcome import Demand, Outcome, existing_states, outcome, recruitment_states
-from .reversal import overlap_width, reversal_depth, uniform_reversal_depths
+from .reversal import largest_overlap, reversal_depth, uniform_reversal_depths
 from .tables import (
     MIXED,
     UNIFORM,
@@ -124,7 +124,7 @@ def design_outcome(
     if top is not None:
         depth = reversal_depth(counts, curves, top, states)
         existing = existing_states(demand.scheme, exists)
-        overlap = overlap_width(counts, curves, curves, states, existing)
+        overlap = largest_overlap(counts, curves, curves, states, existing)
     return outcome(counts, table, sizes.length[0], demand, depth, overlap)
 
 
@@ -197,7 +197,7 @@ def _curve_objectives(
     step = max(1, _BATCH // (ends.size * len(counts)))
     for start in range(0, len(width), step):
         cut = (slice(None), slice(start, start + step))
-        width[cut[1]] = overlap_width(
+        width[cut[1]] = largest_overlap(
             counts[cut], curves[..., None, None], ends, states, exists[cut]
         )
     return uniform_reversal_depths(counts, curves, top, states), width

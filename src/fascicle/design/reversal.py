@@ -97,7 +97,7 @@ def uniform_reversal_depths(
     return falls[index.reshape(n.shape)].max(axis=0)
 
 
-def overlap_width(
+def largest_overlap(
     counts: Whole, curves: Numbers, levels: Numbers, states: States, exists: Marks
 ) -> Numbers:
     """Overlap of the force ranges of two successive states, of each design [N]: the largest over

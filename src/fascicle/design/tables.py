@@ -16,7 +16,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, stack, whe
 from ..core.types import Float, Numbers
 from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
-from ..muscle.piecewise import Piecewise, Pressurized
+from ..muscle.piecewise import Piecewise, PressurizedMuscle
 from .designs import Sizes
 from .outcome import Demand, ForceTable
 
@@ -115,7 +115,7 @@ def force_curves(
         # the tension law alone, where it is enough, takes a tenth of the time
         force = law.tension.force(pressure[:, None], strain)
         level, index = np.nonzero(strain > free[:, None])
-        collapse = np.broadcast_to(pressurized.collapse, free.shape)[level]
+        collapse = np.broadcast_to(pressurized.collapse_strain, free.shape)[level]
         pushes = law.at(pressure[level], free[level], collapse)
         force[level, index] = pushes.force(strain[index])[0]
     return force, float(free[-1])
@@ -125,7 +125,7 @@ def _table(
     muscle: Muscle,
     demand: Demand,
     needs: tuple[str, ...],
-    vented: Pressurized | None,
+    vented: PressurizedMuscle | None,
     vented_force: Numbers,
     full: Numbers,
     levels: Numbers,
@@ -137,7 +137,7 @@ def _table(
     if "size" in needs and vented is not None:
         largest = strain.max(axis=0)
         # it bows deepest where it collapses, if it does before, else at the end
-        deepest = stack([largest, minimum(vented.collapse, largest)])
+        deepest = stack([largest, minimum(vented.collapse_strain, largest)])
         radius, bulge = muscle.braid.radius_at(largest), vented.deflection(deepest).max(axis=0)
     volume = muscle.braid.volume(strain) - muscle.braid.volume(zero)
     blocked = muscle.law.tension.force(demand.supply + zero, zero)

@@ -70,7 +70,7 @@ def muscle_curves(
     # a slider waits for it
     with np.errstate(all="ignore"):  # of branches that aren't taken
         state = muscle.law.at(pressures[:, None])
-        free, collapse = np.asarray(state.column.free_strain), np.asarray(state.collapse)
+        free, collapse = np.asarray(state.column.free_strain), np.asarray(state.collapse_strain)
         kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
         even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
         grid = np.sort(np.concatenate([even, kinks], axis=1), axis=1)

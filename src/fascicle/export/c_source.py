@@ -137,7 +137,7 @@ def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
         P, eps = ca.SX.sym("P"), ca.SX.sym("eps")
         law = muscle.law.at(P)
         force, by_strain = law.force(eps)
-        kinks = (law.column.free_strain, law.law.buckling.onset(law.column), law.collapse)
+        kinks = (law.column.free_strain, law.law.buckling.onset(law.column), law.collapse_strain)
         expressions = functions.resolve(force, ca.jacobian(force, P), by_strain, *map(ca.SX, kinks))
         function = ca.Function(f"{name}_law{i}", [P, eps], expressions)
         code.add(function)

@@ -38,11 +38,11 @@ from ..core.array_namespace import (
 from ..core.errors import require
 from ..core.types import Batch, BatchLike, Numbers
 from .ends.ends_law import quadrature
-from .piecewise import Pressurized
+from .piecewise import PressurizedMuscle
 
 
 def contraction_work(
-    muscle: Pressurized, strain: BatchLike, start: BatchLike = 0.0, resistance: bool = True
+    muscle: PressurizedMuscle, strain: BatchLike, start: BatchLike = 0.0, resistance: bool = True
 ) -> Batch:
     """Work of the ends [J] from the strain `start` to `strain` [-] at the muscle's pressure;
     `resistance`: true to count it past the free strain, too.
@@ -58,7 +58,7 @@ def contraction_work(
     ends = stack([low, *stops, high] if resistance else [low, *stops])
     # all stretches as one row of nodes: one evaluation of the law
     middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
-    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in quadrature())
+    node, weight = (node_axis(x, low + 0.0 * muscle.collapse_strain) for x in quadrature())
     shape = (-1, *ends.shape[1:])
     strains = (middle[:, None] + half[:, None] * node).reshape(shape)
     work = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(strains)[0])
@@ -66,13 +66,13 @@ def contraction_work(
 
 
 def integrate_force(
-    muscle: Pressurized, stops: Numbers, points: int, resistance: bool = True
+    muscle: PressurizedMuscle, stops: Numbers, points: int, resistance: bool = True
 ) -> Numbers:
     """Integral of the force over strain [N] from the least of the `stops` [-] to each of them, on
     the first axis, with Gauss `points` on each piece between two stops or kinks; `resistance`: true
     to count forces past the free strain.
     """
-    xp = array_namespace(stops, muscle.collapse)
+    xp = array_namespace(stops, muscle.collapse_strain)
     low, high = xp.min(stops, axis=0), xp.max(stops, axis=0)
     kinks = [*muscle.kinks, *muscle.law.buckling.folds(muscle.column)]
     kinks = stack([minimum(maximum(kink, low), high) for kink in kinks])
@@ -91,7 +91,7 @@ def integrate_force(
     return xp.take_along_axis(sums, xp.argsort(order, axis=0)[: len(stops)], axis=0)
 
 
-def coenergy_at_rest(muscle: Pressurized) -> Batch:
+def coenergy_at_rest(muscle: PressurizedMuscle) -> Batch:
     """Co-energy [J] besides $P V(0)$ at rest length, where a bladder between compliant ends has
     contracted.
     """

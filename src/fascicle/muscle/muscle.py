@@ -31,7 +31,7 @@ from .collapse import COLLAPSE_LAWS, AbstractCollapse
 from .ends import ENDS_LAWS, AbstractEnds
 from .fitted_length import replace_muscle
 from .materials import LATEX, AbstractMaterial
-from .piecewise import Piecewise, Pressurized, Response
+from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 from .printing import muscle_line, muscle_table
 from .tension import TENSION_LAWS, AbstractTension
@@ -60,7 +60,7 @@ class AtPressure(Module):
     """
 
     pressure: Batch
-    state: Pressurized
+    state: PressurizedMuscle
     _of_jax: bool = static()
 
     @property
@@ -76,7 +76,7 @@ class AtPressure(Module):
     @property
     def collapse_strain(self) -> Batch:
         """Strain $\\varepsilon_c$ [-] at which the bladder collapses; inf where it never does."""
-        return self._match_type(self.state.collapse)
+        return self._match_type(self.state.collapse_strain)
 
     def force(self, strain: Values) -> Batch:
         """Pulling force $F$ [N] at `strain` [-], equation (27), negative where the muscle pushes.

@@ -36,6 +36,7 @@ from ..core.array_namespace import (
     stack,
     where,
 )
+from ..core.deprecations import with_former_names
 from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch
@@ -115,40 +116,47 @@ class Piecewise(Module):
 
     def collapse_strain(self, pressure: Batch) -> Batch:
         """Strain [-] at which the bladder collapses at `pressure` [Pa]; inf where it never does."""
-        return self.at(pressure).collapse
+        return self.at(pressure).collapse_strain
 
     def at(
-        self, pressure: Batch, free: Batch | None = None, collapse: Batch | None = None
-    ) -> "Pressurized":
-        """Laws at `pressure` [Pa]; `free`, `collapse`: known strains [-], default: computed."""
+        self,
+        pressure: Batch,
+        free_strain: Batch | None = None,
+        collapse_strain: Batch | None = None,
+    ) -> "PressurizedMuscle":
+        """Laws at `pressure` [Pa]; both strains [-] are computed if they are left out."""
         E, bladder = self.youngs_modulus, self.tension.bladder
+        if free_strain is None:
+            free_strain = self.tension.free_strain(pressure)
         column = self.buckling.solve(
             Column(
                 tension=self.tension,
                 pressure=pressure,
-                free_strain=self.tension.free_strain(pressure) if free is None else free,
+                free_strain=free_strain,
                 bending_stiffness=E * bladder.second_moment,
                 axial_stiffness=E * bladder.area,
             )
         )
-        if collapse is None:
-            collapse = self.buckling.strain_at_moment(column, self.collapse_moment(pressure))
+        if collapse_strain is None:
+            moment = self.collapse_moment(pressure)
+            collapse_strain = self.buckling.strain_at_moment(column, moment)
         hinge = self.tension.tuning.hinge_stiffness_at(pressure) * hinge_moment(bladder, E)
-        return Pressurized(law=self, column=column, hinge=hinge, collapse=collapse)
+        return PressurizedMuscle(self, column, hinge, collapse_strain)
 
 
-class Pressurized(NamedTuple):
+@with_former_names
+class PressurizedMuscle(NamedTuple):
     """Force, shape and moment of a muscle at given pressures, as functions of strain, elementwise.
 
-    `law`: of all pressures. `column`: the muscle as a column at these. `hinge`: constant
-    moment $M_h$ of the wall once it has folded [N·m]. `collapse`: strain at which it folds [-],
-    inf where it never does.
+    `law`: of all pressures. `column`: the muscle as a column at these. `hinge_moment`: constant
+    $M_h$ of the wall once it has folded [N·m]. `collapse_strain`: at which it folds [-], inf where
+    it never does.
     """
 
     law: Piecewise
     column: Column
-    hinge: Batch
-    collapse: Batch
+    hinge_moment: Batch
+    collapse_strain: Batch
 
     @property
     def onset(self) -> Batch:
@@ -158,7 +166,7 @@ class Pressurized(NamedTuple):
     @property
     def kinks(self) -> Batch:
         """Free strain, onset of buckling and collapse strain [-], on a new first axis."""
-        return stack([self.column.free_strain, self.onset, self.collapse])
+        return stack([self.column.free_strain, self.onset, self.collapse_strain])
 
     def force(self, strain: Batch) -> tuple[Batch, Batch]:
         """Force [N] and its slope in strain [N], at `strain` [-]."""
@@ -195,7 +203,7 @@ class Pressurized(NamedTuple):
         """Largest bending moment [N·m] at `strain` [-]."""
         in_tension, collapsed, buckled_strain = self._regions(strain)
         _, moment = self.law.buckling.bow(self.column, buckled_strain)
-        return where(in_tension, 0.0, where(collapsed, self.hinge, moment))
+        return where(in_tension, 0.0, where(collapsed, self.hinge_moment, moment))
 
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
@@ -222,11 +230,11 @@ class Pressurized(NamedTuple):
         xp = array_namespace(in_tension, collapsed)
         pull = self.column.pull(xp.where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)
-        past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse, 1.0), 0.0)
+        past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse_strain, 1.0), 0.0)
         decay = exp(-rate * past)  # 1 before collapse
         growth = 1 - decay
         x = (self._hinge_strain(collapsed, strain) - self.column.free_strain) * L0
-        F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
+        F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge_moment, x)
 
         mesh = xp.where(in_tension, pull.mesh, push.mesh * decay)
         bladder = xp.where(in_tension, pull.bladder, push.bladder * decay)
@@ -239,7 +247,7 @@ class Pressurized(NamedTuple):
 
     def _regions(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
         """Masks of tension and collapse, and the buckled state's strain [-], up to collapse."""
-        eps_f, eps_c = self.column.free_strain, self.collapse
+        eps_f, eps_c = self.column.free_strain, self.collapse_strain
         in_tension, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
         return in_tension, collapsed, where(in_tension, eps_f, where(collapsed, eps_c, strain))
 

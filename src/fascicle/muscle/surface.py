@@ -32,7 +32,7 @@ from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force
 from .muscle import Muscle
-from .piecewise import Pressurized
+from .piecewise import PressurizedMuscle
 from .validation import lowest_strain, strain_domain
 
 
@@ -245,7 +245,7 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
     from ..core.jax_backend import derivative, jnp
 
     def integrals(pressure: Batch) -> tuple[Batch, Batch, Batch]:
-        at: Pressurized = muscle.law.at(pressure)
+        at: PressurizedMuscle = muscle.law.at(pressure)
         grid = jnp.broadcast_to(strain[:, None], (len(strain), len(pressure)))
         work = integrate_force(at, grid, _POINTS)
         work = work - work[jnp.argmin(jnp.abs(strain))]

@@ -11,7 +11,7 @@ from fascicle.design.outcome import existing_states, recruitment_states
 from fascicle.design.reversal import (
     chord_zero,
     first_push,
-    overlap_width,
+    largest_overlap,
     reversal_depth,
     uniform_reversal_depths,
 )
@@ -72,7 +72,7 @@ def test_every_overlap(curves, scheme):
     states = recruitment_states(scheme, N)
     ends = np.stack([force.min(axis=0), force.max(axis=0)])[..., None, None]
     exists = existing_states(scheme, counts > 0)
-    widths = overlap_width(counts, force[..., None, None], ends, states, exists)
+    widths = largest_overlap(counts, force[..., None, None], ends, states, exists)
 
     def state(before, own):
         total = before * force[-1] + own * force + (N - before - own) * force[0]
