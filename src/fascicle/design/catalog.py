@@ -110,26 +110,20 @@ def cheapest(
     values: Values,
     designs: Callable[[Int[np.ndarray, " index"]], Designs],
     catalog: Catalog,
-    drawings: Mapping[str, Muscle],
 ) -> int | None:
     """Index of the design with the lowest price of muscles and valves, or the fewest valves if a
     price is unknown; ties as in the module's docstring; `None` without candidates.
 
     `candidates`: indices of the designs to choose from; `values`: objectives of all designs, by
     name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
-    indices; `catalog`: prices [-]; `drawings`: of all designs, by name.
+    indices; `catalog`: prices [-].
     """
-    if candidates.size and not catalog.known_prices(drawings)[1]:
-        # no other count matters before this one
-        valves = values["valves"][candidates]
-        candidates = candidates[valves == valves.min()]
-    ranks = []
-    for start in range(0, len(candidates), _BLOCK):
-        indices = candidates[start : start + _BLOCK]
-        keys = _price_keys(indices, values, designs(indices), catalog, drawings)
-        first = int(np.lexsort(keys[::-1])[0])
-        ranks.append((*(float(key[first]) for key in keys), int(indices[first])))
-    return min(ranks)[-1] if ranks else None
+
+    def first(indices: Int[np.ndarray, " index"]) -> int:
+        return int(next(cheapest_first(indices, values, designs, catalog))[0])
+
+    blocks = np.split(candidates, range(_BLOCK, len(candidates), _BLOCK))
+    return first(np.array([first(block) for block in blocks])) if candidates.size else None
 
 
 def cheapest_first(
@@ -137,19 +131,18 @@ def cheapest_first(
     values: Values,
     designs: Callable[[Int[np.ndarray, " index"]], Designs],
     catalog: Catalog,
-    drawings: Mapping[str, Muscle],
 ) -> Iterator[Int[np.ndarray, " group"]]:
     """Candidates from the cheapest on, in groups of as many valves unless all prices are known.
 
     Arguments as of `cheapest`.
     """
     groups = [candidates]
-    if not catalog.known_prices(drawings)[1]:
+    if not catalog.known_prices(designs(candidates[:1]).drawings)[1]:
+        # no other count matters before this one
         valves = values["valves"][candidates]
-        groups = [candidates[valves == number] for number in np.unique(valves)]
+        groups = (candidates[valves == number] for number in np.unique(valves))
     for indices in groups:
-        keys = _price_keys(indices, values, designs(indices), catalog, drawings)
-        yield indices[np.lexsort(keys[::-1])]
+        yield indices[np.lexsort(_price_keys(indices, values, designs(indices), catalog)[::-1])]
 
 
 def _price_keys(
@@ -157,10 +150,9 @@ def _price_keys(
     values: Values,
     block: Designs,
     catalog: Catalog,
-    drawings: Mapping[str, Muscle],
 ) -> tuple[np.ndarray, ...]:
     """Keys that rank the designs of a `block`, with these `indices`: the first decides."""
-    muscles_known, all_known = catalog.known_prices(drawings)
+    muscles_known, all_known = catalog.known_prices(block.drawings)
     valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
     price = catalog.muscle_price(block) if muscles_known else muscles
     costs = (catalog.price(block),) if all_known else (valves, price)

@@ -1,7 +1,7 @@
 """Workers for a sweep: processes on this machine, or a scheduler's anywhere.
 
-Each local worker computes on one thread: as many workers as cores then share a machine without
-waiting for one another. XLA reads that when a worker first computes, so it is in its environment.
+Each local worker computes on one thread, as Dask has it by default: as many workers as cores then
+share a machine without waiting for one another.
 A scheduler's clients can run anything on its workers: the local one asks for a certificate that
 only its own workers have, and serves no page.
 """
@@ -50,7 +50,6 @@ def local_client(workers: int | None = None) -> Iterator[Any]:
                     scheduler_kwargs={"dashboard": False},
                     memory_limit=0,
                     host="127.0.0.1",
-                    env=_environment(),
                     silence_logs=logging.CRITICAL,
                     security=Security.temporary(),
                 )
@@ -144,20 +143,6 @@ def _without_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-
-
-def _environment() -> dict[str, str]:
-    """Environment variables of the workers: one thread each, and JAX's settings of this process."""
-    import jax
-
-    config: Any = jax.config
-    names = ["jax_platforms", "jax_compilation_cache_dir"]
-    if config.jax_compilation_cache_dir:
-        names.append("jax_persistent_cache_min_compile_time_secs")
-    settings = {name.upper(): getattr(config, name) for name in names}
-    return {"PJRT_NPROC": "1", "OMP_NUM_THREADS": "1"} | {
-        name: str(value) for name, value in settings.items() if value not in (None, "")
-    }
 
 
 def short_reason(error: BaseException) -> str:

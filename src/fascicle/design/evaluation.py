@@ -1,10 +1,9 @@
 r"""Objectives of designs: one evaluator, for all designs and arrays.
 
-Designs whose units have one muscle, and others whose states depend on the largest force of
-each unit alone, are evaluated together, on a table of all the muscles they are made of. Designs of
-several muscles whose curves are needed, or whose units share a throttled pressure, and all where a
-scheme leaves gaps between states, are evaluated one by one on tables of every level: so can a
-single design of JAX's arrays be, to be differentiated, or mapped over draws.
+Designs of one drawing are evaluated together, on a table of all the muscles they are made of: of
+the largest force alone if their states depend on no more, else of the forces at every level. Only
+designs of several muscles whose curves are needed are evaluated one by one: so can a single design
+of JAX's arrays be, to be differentiated, or mapped over draws.
 """
 
 from collections.abc import Iterable, Iterator
@@ -16,7 +15,7 @@ from ..bundle.schemes import AbstractScheme
 from ..bundle.states import is_prefix_consistent
 from ..core.array_namespace import where
 from ..core.errors import InvalidInputError
-from ..core.types import Float, Int, Whole
+from ..core.types import Float, Int, Numbers, Whole
 from ..muscle import Muscle
 from .designs import Designs, Sizes
 from .objectives import check_objectives, needs, objective_values
@@ -43,6 +42,7 @@ def evaluate(
     task: Task,
     objectives: Iterable[str],
     resolution: Resolution | None = None,
+    force_factor: Numbers | float = 1.0,
 ) -> Values:
     """Objectives of designs for a task.
 
@@ -53,6 +53,7 @@ def evaluate(
     - `objectives`: by name, of `OBJECTIVES`.
     - `resolution`: of levels and strains; left out, `UNIFORM` for designs of one muscle, else
       `MIXED`.
+    - `force_factor`: of each design, or all: its muscles' forces over the model's [-].
 
     **Returns:** an array for each, in its own unit [SI].
 
@@ -60,7 +61,7 @@ def evaluate(
     """
     names = check_objectives(objectives, task.scheme)
     values = np.full((len(names), len(designs)), np.nan)
-    for index, batch in outcomes(designs, task, needs(names), resolution):
+    for index, batch in outcomes(designs, task, needs(names), resolution, force_factor):
         values[:, index] = objective_values(batch, names)
     return dict(zip(names, values, strict=True))
 
@@ -70,6 +71,7 @@ def outcomes(
     task: Task,
     needs: tuple[str, ...] = (),
     resolution: Resolution | None = None,
+    force_factor: Numbers | float = 1.0,
 ) -> Iterator[tuple[Any, Outcome]]:
     """Indices and outcome of the designs of each batch; a single index for an outcome without an
     axis for designs.
@@ -81,7 +83,7 @@ def outcomes(
         raise InvalidInputError("wall_thickness", rule, None)
     if np.any(designs.counts.sum(axis=1) < 1):
         raise InvalidInputError("counts", "must hold at least one muscle in every design", None)
-    demand = Demand.from_task(task)
+    demand, factor = Demand.from_task(task), np.broadcast_to(force_factor, len(designs))
     # together: designs of one drawing and number of units, either all of one muscle each or not
     uniform = designs.uniform
     keys = np.stack([designs.kind, evaluated_units(designs, task.scheme), uniform], axis=1)
@@ -89,15 +91,17 @@ def outcomes(
         index = np.flatnonzero(np.all(keys == key, axis=1))
         group = designs.take(index, int(key[1]))
         states = recruitment_states(demand.scheme, int(key[1]))
-        one_table = bool(key[2]) and states.gapless
-        res = resolution or (UNIFORM if one_table else MIXED)
-        if one_table or (states.gapless and states.separable and "curves" not in needs):
-            for portion, batch in _batches(group, bool(key[2]), demand, needs, res):
+        res = resolution or (UNIFORM if key[2] and states.gapless else MIXED)
+        if key[2] or "curves" not in needs:
+            for portion, batch in _batches(group, bool(key[2]), demand, needs, res, factor[index]):
                 yield index[portion], batch
             continue
         for i, design in enumerate(index):
-            drawing, sizes = group.drawing(i), group.sizes(i)
-            yield design, design_outcome(drawing, group.counts[i], sizes, demand, needs, res)
+            drawing, sizes, factor_i = group.drawing(i), group.sizes(i), factor[design]
+            yield (
+                design,
+                design_outcome(drawing, group.counts[i], sizes, demand, needs, res, factor_i),
+            )
 
 
 def design_outcome(
@@ -107,12 +111,14 @@ def design_outcome(
     demand: Demand,
     needs: tuple[str, ...],
     resolution: Resolution = MIXED,
+    force_factor: Numbers | float = 1.0,
 ) -> Outcome:
     """Outcome of a single design, computed at every level, without an axis for designs: by JAX,
     where any array is JAX's.
 
     `drawing`: with material, laws and tuning of all muscles; `counts` of muscles and their `sizes`
-    by unit; `needs`: of the objectives, "size", "curves", both or nothing.
+    by unit; `needs`: of the objectives, "size", "curves", both or nothing; `force_factor`: forces
+    over the model's [-].
     """
     exists, states = counts > 0, recruitment_states(demand.scheme, len(counts))
     top = depth = overlap = None
@@ -121,6 +127,7 @@ def design_outcome(
         free = law.tension.free_strain(demand.supply + 0.0 * sizes.length)
         top = where(exists, free, 0.0).max()
     table, curves = every_level_table(drawing, sizes, demand, needs, resolution, top)
+    table, curves = table.scale_forces(force_factor), curves * force_factor
     if top is not None:
         depth = reversal_depth(counts, curves, top, states)
         existing = existing_states(demand.scheme, exists)
@@ -144,10 +151,14 @@ def _batches(
     demand: Demand,
     needs: tuple[str, ...],
     resolution: Resolution,
+    force_factor: Float[np.ndarray, " design"],
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
     """Outcomes of designs of one drawing, batch by batch, with the batch's indices."""
-    points, units = demand.travel.size, designs.counts.shape[1]
-    step, drawing = max(1, _BATCH // (points * units)), designs.drawing(0)
+    drawing, units = designs.drawing(0), designs.counts.shape[1]
+    states = recruitment_states(demand.scheme, units)
+    largest_only = states.gapless and (uniform or states.separable)
+    points = demand.travel.size * (1 if largest_only else resolution.levels)
+    step = max(1, _BATCH // (points * units))
     columns = 1 if uniform else units
     sizes = [x[:, :columns] for x in (designs.radius, designs.wall, designs.angle)]
     rows = np.stack([designs.length[:, None] + 0.0 * sizes[0], *sizes], axis=-1)
@@ -160,7 +171,10 @@ def _batches(
         (members,) = np.nonzero(batch_of == number)
         used, index = np.unique(muscle_of[members], return_inverse=True)
         sizes, index = Sizes(*muscles[used].T), index.reshape(-1, columns)
-        table = largest_force_table(drawing, sizes, demand, needs, resolution)
+        if largest_only:
+            table = largest_force_table(drawing, sizes, demand, needs, resolution)
+        else:
+            table, _ = every_level_table(drawing, sizes, demand, needs, resolution)
         depth = overlap = None
         if "curves" in needs:
             depth, overlap = np.empty((2, len(members)))
@@ -172,14 +186,13 @@ def _batches(
                 )
         for start in range(0, len(members), step):
             cut = slice(start, start + step)
-            batch, table_of_units = members[cut], table.take(index[cut].T)
-            curves = () if depth is None or overlap is None else (depth[cut], overlap[cut])
-            yield (
-                batch,
-                outcome(
-                    designs.counts[batch].T, table_of_units, designs.length[batch], demand, *curves
-                ),
-            )
+            batch = members[cut]
+            factor, counts, length = force_factor[batch], designs.counts[batch].T, designs.length
+            units_table = table.take(index[cut].T).scale_forces(factor)
+            curves = ()
+            if depth is not None and overlap is not None:
+                curves = (depth[cut], factor * overlap[cut])
+            yield batch, outcome(counts, units_table, length[batch], demand, *curves)
 
 
 def _curve_objectives(

@@ -191,9 +191,7 @@ class SearchResult:
         """Index of the cheapest design that has the `least_margin` too [-]; `None` if none has."""
         margin = Limit(least=self.least_margin).holds(self.values["relative_margin"])
         candidates = np.flatnonzero(self.allowed & margin)
-        return cheapest(
-            candidates, self.values, self.all_designs, self.catalog, self.space.drawings
-        )
+        return cheapest(candidates, self.values, self.all_designs, self.catalog)
 
 
 def search(
@@ -274,7 +272,7 @@ def conclude(
     permitted = ~np.isin(space.kind(index), kinds)
     allowed = within_limits(values, limits) & permitted
     candidates = np.flatnonzero(allowed)
-    best = cheapest(candidates, values, all_designs, catalog, space.drawings)
+    best = cheapest(candidates, values, all_designs, catalog)
     return SearchResult(
         space, task, dict(senses), limits, index, dict(values), allowed,
         pareto_front(values, senses, candidates), best,

@@ -316,6 +316,5 @@ def _best_indices(
     # of equal points the first is enough
     best[good[np.unique(points, axis=0, return_index=True)[1]]] = True
     best[good] &= non_dominated(points)
-    drawings = decoder.space.drawings
-    best[cheapest(good, values, lambda i: decoder.designs(genomes[i]), catalog, drawings)] = True
+    best[cheapest(good, values, lambda i: decoder.designs(genomes[i]), catalog)] = True
     return np.flatnonzero(best)

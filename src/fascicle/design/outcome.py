@@ -95,6 +95,11 @@ class ForceTable(NamedTuple):
         """The table of the muscles with an `index` on the last axis."""
         return ForceTable(*(None if x is None else x[..., index] for x in self))
 
+    def scale_forces(self, factor: Numbers) -> "ForceTable":
+        """The table of muscles whose forces are `factor` times as large [-]."""
+        names = ("unfed", "full", "levels", "blocked")
+        return self._replace(**{name: factor * getattr(self, name) for name in names})
+
 
 class Outcome(NamedTuple):
     """Outcome of designs at the task's points, designs on the last axis.

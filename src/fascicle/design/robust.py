@@ -1,7 +1,6 @@
-r"""Draws of a design one after another, by one compiled program, and Sobol's indices.
+r"""Draws of a calibrated muscle one after another, by one compiled program, and Sobol's indices.
 
-Calibrated muscles, whose constants are drawn too, and objectives that need curves can't share a
-batch's tables: each draw is a design of its own here, as in `scatter`.
+Muscles whose constants differ can't share a batch's tables: each draw is a design of its own here.
 """
 
 from collections.abc import Mapping
@@ -22,7 +21,7 @@ from .designs import Designs, Sizes
 from .evaluation import design_outcome, evaluated_units
 from .objectives import check_objectives, needs, objective_values
 from .outcome import Demand
-from .scatter import LARGEST_ANGLE, SMALLEST_ANGLE, Draws, scale_forces
+from .scatter import LARGEST_ANGLE, SMALLEST_ANGLE, Draws
 from .tables import MIXED, Resolution
 from .task import Task
 
@@ -48,44 +47,38 @@ def compiled_objectives(
     task: Task,
     names: tuple[str, ...],
     draws: Draws,
-    muscles: Muscle | None = None,
+    muscles: Muscle,
     seed: int = 0,
-) -> Float[np.ndarray, "objective design draw"]:
+) -> dict[str, Float[np.ndarray, " draw"]]:
     """Objectives of designs in every draw [SI], by compiled code of JAX, one design at a time.
 
     **Arguments:**
 
-    - `designs`: any; of one drawing, if `muscles` are given.
+    - `designs`: of one drawing.
     - `task`: what is demanded.
     - `names`: of the objectives.
     - `draws`: of fabrication and forces.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-], of which
-      each draw has one at random; default: the drawing itself.
+      each draw has one at random.
     - `seed`: random seed of that choice; `draws` are drawn already.
 
-    **Returns:** the values [SI].
+    **Returns:** the values by name, all draws of the first design first [SI].
 
-    **Raises:** `ValueError` for `muscles` and designs of several drawings.
+    **Raises:** `ValueError` for designs of several drawings.
     """
-    number, demand = len(draws.length), Demand.from_task(task)
-    values = np.empty((len(names), len(designs), number))
-    if muscles is not None:
-        _single_drawing(designs)
-    for kind in np.unique(designs.kind):
-        (rows,) = np.nonzero(designs.kind == kind)
-        drawing = list(designs.drawings.values())[kind]
-        kinds = _repeat(drawing, number)
-        if muscles is not None:
-            size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
-            picks = np.random.default_rng(seed).integers(0, size, number)
-            kinds = _pick_draws(muscles, drawing, picks)
-        scales = _draw_scales(kinds, drawing, draws)
-        for index in map(int, rows):
-            counts, sizes = _counts_and_sizes(designs, index, task)
-            values[:, index] = drawn_objectives(
-                kinds, counts, sizes, scales, demand, names=names, needs=needs(names)
-            )
-    return values
+    drawing, demand = _single_drawing(designs), Demand.from_task(task)
+    size = max(leaf.shape[0] for leaf in jax.tree.leaves(muscles) if jnp.ndim(leaf))
+    picks = np.random.default_rng(seed).integers(0, size, len(draws.length))
+    kinds = _pick_draws(muscles, drawing, picks)
+    scales = _draw_scales(kinds, drawing, draws)
+    values = [
+        drawn_objectives(
+            kinds, *_counts_and_sizes(designs, index, task), scales, demand,
+            names=names, needs=needs(names),
+        )
+        for index in range(len(designs))
+    ]  # fmt: skip
+    return dict(zip(names, np.concatenate(values, axis=1), strict=True))
 
 
 def _draw_scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
@@ -135,10 +128,8 @@ def drawn_objectives(
             sizes.wall * scale.wall,
             jnp.clip(sizes.angle + scale.angle, SMALLEST_ANGLE, LARGEST_ANGLE),
         )
-        demanded = with_fields(demand, force=demand.force / scale.force)
-        outcome = design_outcome(kind, counts, drawn, demanded, needs, resolution)
-        scaled = scale_forces(outcome, demand, drawn.length[0], scale.force)
-        return objective_values(scaled, names)
+        outcome = design_outcome(kind, counts, drawn, demand, needs, resolution, scale.force)
+        return objective_values(outcome, names)
 
     return lax.map(objectives, (kinds, scales), batch_size=_TOGETHER).T
 

@@ -18,17 +18,17 @@ from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .catalog import cheapest_first
 from .designs import Designs
+from .evaluation import evaluate
 from .exhaustive_search import SearchResult
 from .objectives import (
     OBJECTIVES,
     Limits,
     check_objectives,
-    needs,
     with_reach_limits,
     within_limits,
 )
-from .outcome import recruitment_states
-from .scatter import Safety, Spread, Uncertainty, batch_objectives, sample_draws
+from .scatter import Safety, Spread, Uncertainty, draw_designs, sample_draws
+from .tables import MIXED
 from .task import Task
 
 
@@ -72,15 +72,15 @@ def spread(
     limits, scatter = with_reach_limits(limits), Scatter() if scatter is None else scatter
     names = check_objectives([*objectives, *limits], task.scheme)
     sample = sample_draws(scatter, draws, seed)
-    if muscles is None and _can_batch_draws(designs, task, names):
-        values = batch_objectives(designs, task, names, sample)
+    if muscles is None:
+        factor = np.tile(sample.force, len(designs))
+        values = evaluate(draw_designs(designs, sample), task, names, MIXED, factor)
     else:
         from .robust import compiled_objectives  # loads JAX
 
         values = compiled_objectives(designs, task, names, sample, muscles, seed)
-    by_name = dict(zip(names, values, strict=True))
-    success = within_limits({name: rows.ravel() for name, rows in by_name.items()}, limits)
-    return Spread(by_name, success.reshape(len(designs), draws))
+    met = within_limits(values, limits).reshape(len(designs), draws)
+    return Spread({name: row.reshape(met.shape) for name, row in values.items()}, met)
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
@@ -151,10 +151,8 @@ def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
     the cheapest often holds.
     """
     count = 0
-    for group in cheapest_first(
-        np.flatnonzero(result.allowed), result.values, result.all_designs, result.catalog,
-        result.space.drawings,
-    ):  # fmt: skip
+    candidates = np.flatnonzero(result.allowed)
+    for group in cheapest_first(candidates, result.values, result.all_designs, result.catalog):
         start = 0
         while start < len(group):
             block = group[start : start + min(_TOGETHER, count + 1)]
@@ -194,11 +192,3 @@ def _spread(
         result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
         uncertainty.muscles, draws,
     )  # fmt: skip
-
-
-def _can_batch_draws(designs: Designs, task: Task, names: tuple[str, ...]) -> bool:
-    """True if `batch_objectives` is right for designs: for their objectives and recruitment states
-    the largest force of each unit is enough.
-    """
-    states = recruitment_states(task.scheme, designs.counts.shape[1])
-    return states.gapless and states.separable and "curves" not in needs(names)

@@ -8,33 +8,22 @@ angles deviate alike, and that the model is wrong by the same share everywhere. 
 muscles, which average out over a bundle, aren't drawn: so the same muscles are as safe in one motor
 unit as in several.
 
-A bundle whose forces are $f$ times as large meets the demand $F$ in the state in which the
-drawn one meets $F/f$: draws are evaluated together as designs are, with demands of their own.
+Draws are evaluated together, as designs are.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.module import with_fields
 from ..core.types import Bool, Float
 from ..core.validation import check_interval
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
-from .designs import Designs, Sizes
-from .evaluation import evaluated_units
-from .objectives import (
-    as_minimization,
-    needs,
-    non_dominated,
-    objective_values,
-)
-from .outcome import Demand, Outcome, outcome, with_axes
-from .tables import MIXED, largest_force_table
-from .task import Task
+from .designs import Designs
+from .objectives import as_minimization, non_dominated
 
 
 SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
@@ -43,7 +32,6 @@ USUAL_SHARE = 0.95  # of the draws that must meet the task
 USUAL_DRAWS = 2000  # a share of 95 % is then known within 0.5 %, a standard error
 _THINNEST, _THICKEST = 0.05, 0.95  # of a drawn wall, over drawing and radius: stays a tube
 _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
-_BATCH = 2**20  # numbers computed together, some ten megabytes
 
 
 @dataclass(frozen=True)
@@ -194,55 +182,14 @@ class Safety:
         return self.probability >= self.uncertainty.share
 
 
-def scale_forces(outcome: Outcome, demand: Demand, length: np.ndarray, factor: Any) -> Outcome:
-    """Outcome for a `demand` of bundles with `factor` times the model's forces [-].
-
-    `outcome`: of the model's forces, for the demanded forces divided by `factor`; the states, and
-    so the fluid energy, are the same in both. `length`: of the bundles at rest [m].
-    """
-    axes = np.ndim(length)
-    return outcome._replace(
-        force=with_axes(demand.force, axes), work=with_axes(demand.work(length), axes),
-        shortfall=factor * outcome.shortfall, spare=factor * outcome.spare,
-        blocked=factor * outcome.blocked,
-    )  # fmt: skip
-
-
-def batch_objectives(
-    designs: Designs, task: Task, names: tuple[str, ...], draws: Draws
-) -> Float[np.ndarray, "objective design draw"]:
-    """Objectives of designs in every draw [SI], many draws in one evaluation."""
-    number, demand = len(draws.length), Demand.from_task(task)
-    values = np.empty((len(names), len(designs), number))
-    keys = np.stack([designs.kind, evaluated_units(designs, task.scheme)], axis=1)
-    for key in np.unique(keys, axis=0):
-        index, units = np.flatnonzero(np.all(keys == key, axis=1)), int(key[1])
-        step = max(1, _BATCH // (number * len(task) * units))
-        for start in range(0, len(index), step):
-            rows = index[start : start + step]
-            drawn = _drawn_outcome(designs.take(rows, units), demand, names, draws)
-            values[:, rows] = objective_values(drawn, names).reshape(-1, len(rows), number)
-    return values
-
-
-def _drawn_outcome(
-    designs: Designs, demand: Demand, names: tuple[str, ...], draws: Draws
-) -> Outcome:
-    """Outcome of designs of one drawing in every draw, draws fastest on the last axis."""
-    (D, U), N = designs.counts.shape, len(draws.length)
-    columns = 1 if np.all(designs.uniform) else U  # a draw changes all muscles of a bundle alike
-    zero = np.zeros((columns, D, N))
-    radius = designs.radius.T[:columns, :, None] + zero
-    wall = designs.wall.T[:columns, :, None] * draws.wall
-    angle = designs.angle.T[:columns, :, None] + draws.angle
-    length = designs.length[:, None] * draws.length
-    sizes = Sizes(
-        (length + zero).ravel(), radius.ravel(), np.minimum(wall, _THICKEST * radius).ravel(),
-        np.clip(angle, SMALLEST_ANGLE, LARGEST_ANGLE).ravel(),
-    )  # fmt: skip
-    counts = np.repeat(designs.counts.T, N, axis=1)
-    table = largest_force_table(designs.drawing(0), sizes, demand, needs(names), MIXED)
-    table = table.take(np.resize(np.arange(columns * D * N), (U, D * N)))  # units repeat a column
-    factor, length = np.tile(draws.force, D), length.ravel()
-    demanded = with_fields(demand, force=demand.force[:, None] / factor)
-    return scale_forces(outcome(counts, table, length, demanded), demand, length, factor)
+def draw_designs(designs: Designs, draws: Draws) -> Designs:
+    """Designs with the sizes of every draw: all draws of the first design first."""
+    number, copies = len(designs), np.repeat(np.arange(len(designs)), len(draws.length))
+    drawn = designs.take(copies)
+    length, wall, angle = (np.tile(x, number) for x in (draws.length, draws.wall, draws.angle))
+    return replace(
+        drawn,
+        length=drawn.length * length,
+        wall=np.minimum(drawn.wall * wall[:, None], _THICKEST * drawn.radius),
+        angle=np.clip(drawn.angle + angle[:, None], SMALLEST_ANGLE, LARGEST_ANGLE),
+    )

@@ -25,10 +25,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.module import tree_leaves, tree_structure
 from ..io.atomic import holds_drafts_only, remove_abandoned, write, write_text
 from ..version import __version__
 from .cluster import restart_dead_workers, short_reason
@@ -115,9 +115,8 @@ class Study:
                     sha.update(np.ascontiguousarray(value).tobytes())
                 elif isinstance(value, dict):  # muscles by name
                     for name, muscle in value.items():
-                        leaves, structure = jax.tree.flatten(muscle)
-                        sha.update(name.encode() + str(structure).encode())
-                        for leaf in leaves:
+                        sha.update(name.encode() + str(tree_structure(muscle)).encode())
+                        for leaf in tree_leaves(muscle):
                             sha.update(np.asarray(leaf, float).tobytes())
                 else:
                     sha.update(repr(value).encode())

@@ -24,10 +24,7 @@ def result(space):
 
 
 def cheapest_index(result, catalog):
-    return cheapest(
-        np.flatnonzero(result.allowed), result.values, result.all_designs, catalog,
-        result.space.drawings,
-    )  # fmt: skip
+    return cheapest(np.flatnonzero(result.allowed), result.values, result.all_designs, catalog)
 
 
 def cheapest_label(result, catalog):

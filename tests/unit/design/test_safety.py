@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.core.module import tree_map
 from fascicle.design import (
     Designs,
     DesignScatter,
@@ -17,7 +18,7 @@ from fascicle.design import (
     spread,
 )
 from fascicle.design.robust import compiled_objectives
-from fascicle.design.scatter import batch_objectives, sample_draws
+from fascicle.design.scatter import sample_draws
 
 
 SUPPLY = 413.7e3
@@ -43,9 +44,8 @@ def margin_of(muscles, counts, task, factor):
 @pytest.mark.parametrize("counts", [(3,), (1, 2), (1, 1, 1)])
 def test_margins_of_draws_are_those_of_bundles_built_so(muscle, reachable, counts):
     draws = sample_draws(WIDE, 6, seed=2)
-    values = batch_objectives(
-        Designs.of(muscle, [counts]), reachable, ("relative_margin", "margin"), draws
-    )
+    designs = Designs.of(muscle, [counts])
+    values = spread(designs, reachable, ("relative_margin",), scatter=WIDE, draws=6, seed=2).values
     for i in range(6):
         built = muscle.replace(
             length=muscle.length * draws.length[i],
@@ -54,18 +54,23 @@ def test_margins_of_draws_are_those_of_bundles_built_so(muscle, reachable, count
         )
         expected = margin_of([built] * len(counts), counts, reachable, draws.force[i])
         # all demanded points are pulls at full supply, where both are the law itself
-        assert_allclose(values[0, 0, i], expected, rtol=1e-9, atol=1e-9)
+        assert_allclose(values["relative_margin"][0, i], expected, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("scheme", ["orderly", "free"])
+@pytest.mark.parametrize("scheme", ["orderly", "free", "batch"])
 def test_draws_together_are_as_one_by_one(muscle, reachable, scheme):
     task = Task.of(reachable.force, reachable.strain, SUPPLY, scheme=scheme)
     designs = Designs.of(muscle, [(1, 2), (3,)])
     names = ("relative_margin", "margin", "mean_efficiency", "shortfall", "largest_force",
              "worst_shortfall", "envelope")  # fmt: skip
-    draws = sample_draws(WIDE, 16)
-    together = batch_objectives(designs, task, names, draws)
-    assert_allclose(together, compiled_objectives(designs, task, names, draws), rtol=1e-7)
+    if scheme != "free":
+        names += ("reversal_depth", "overlap_width")
+    together = spread(designs, task, names, scatter=WIDE, draws=16).values
+    copies = tree_map(lambda leaf: np.stack([leaf]), muscle)
+    alone = compiled_objectives(designs, task, names, sample_draws(WIDE, 16), copies)
+    for name in names:
+        expected = alone[name].reshape(2, 16)
+        assert_allclose(together[name], expected, rtol=1e-7, atol=1e-12, err_msg=name)
 
 
 def test_scatter_has_the_given_deviations():
