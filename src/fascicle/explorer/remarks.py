@@ -1,6 +1,7 @@
 """Texts beside the pictures: warnings that numbers may be wrong, notes, and words explained."""
 
 import html
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -44,8 +45,13 @@ _WORDS = {
 
 def words_html(*words: str) -> str:
     """Explanations of `words`, folded until a visitor opens them."""
-    entries = "".join(f"<dt>{word}</dt><dd>{_WORDS[word]}</dd>" for word in words)
-    return f"<details><summary>Explain the words</summary><dl>{entries}</dl></details>"
+    return glossary_html("Explain the words", {word: _WORDS[word] for word in words})
+
+
+def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
+    """Words with their `meanings` under a `title`, folded until a visitor opens them."""
+    entries = "".join(f"<dt>{word}</dt><dd>{text}</dd>" for word, text in meanings.items())
+    return f"<details><summary>{title}</summary><dl>{entries}</dl></details>"
 
 
 def remarks_html(view: View, tab: str) -> str:

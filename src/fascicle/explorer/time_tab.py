@@ -24,6 +24,7 @@ from ..results import Table
 from ..units import DIMENSIONS
 from .chart import Chart, cycle_colors
 from .exports import download_button, output_stem
+from .remarks import glossary_html
 from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_policies, open_setup
 from .state import Session, View
 from .tab import LatestResult, Tab, progress_bar
@@ -67,10 +68,10 @@ _EMPTY = (
     " here. A scenario brings its own bundle: the muscle of the other tabs takes no part. The"
     " first run takes longer: the simulator is compiled.</p>"
 )
-_MEASURE = (
-    "Drawdown: the largest fall of the output below its maximum while the demand doesn't fall,"
-    " (K4); D: the deepest dip of force of a motor unit. As <code>fascicle simulate --compare"
-    "</code> prints them, of all steps."
+_DRAWDOWN = "Drawdown: how far the output falls back while the demand doesn't (K4)."
+_DIP = (
+    " D: how far the force falls while a motor unit fills and the others hold their pressures."
+    " Drawdown/D is 0 for a smooth hand-over, and 1 where nothing made up for the fall."
 )
 
 
@@ -113,6 +114,7 @@ class TimeView(Tab):
         self.policies = widget(pn.widgets.CheckBoxGroup, "Policies", options=list(POLICIES))
         self.policies.param.watch(self._set_policies, "value")
         self._policy_title = pane()
+        self._policy_words = pane(glossary_html("Explain the policies", POLICIES))
         self.bar = pane(progress_bar("simulating"), visible=False, sizing_mode="stretch_width")
         self._about, self._table = (
             pane(sizing_mode="stretch_width"),
@@ -230,7 +232,8 @@ class TimeView(Tab):
 
     def _lay_out(self) -> None:
         left = side_column(
-            self.file, self._fields, self._policy_title, self.policies, self.save_scenario,
+            self.file, self._fields, self._policy_title, self.policies, self._policy_words,
+            self.save_scenario,
             width=300,
         )  # fmt: skip
         play, slider, speed = (
@@ -275,9 +278,10 @@ class TimeView(Tab):
         self.policies.param.update(visible=has_control, value=list(setup.policies))
         self._policy_title.object = (
             heading("Policies to compare (none: that of the file)")
-            if (has_control)
+            if has_control
             else status_line("Valves follow a schedule: there is no policy to choose.")
         )
+        self._policy_words.visible = has_control
         self._updating = False
         try:
             require("jax")
@@ -454,7 +458,8 @@ class TimeView(Tab):
                     if head.split(" [")[0] in _COLUMNS]  # fmt: skip
             heads = [result.heads[i].removesuffix(" [-]") for i in keep]
             rows = [[html.escape(cells[i]) for i in keep] for cells in result.policy_rows]
-            self._table.object = html_table(heads, rows) + f'<p class="small note">{_MEASURE}</p>'
+            measure = _DRAWDOWN + (_DIP if "drawdown/D" in heads else "")
+            self._table.object = html_table(heads, rows) + f'<p class="small note">{measure}</p>'
         else:
             self._table.object = ""
         self._show_frames()
