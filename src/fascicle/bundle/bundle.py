@@ -46,12 +46,11 @@ from ..core.validation import (
     check_choice,
     check_count,
     check_finite,
+    check_gauge_pressure,
     check_interval,
     check_plausible,
-    has_units,
     is_concrete,
     match_array_type,
-    warn_pressure_units,
 )
 from ..muscle import Muscle
 from ..muscle.muscle import BACKENDS, batch_shape
@@ -164,9 +163,8 @@ class Bundle(Module):
             if not isinstance(unit, MotorUnit):
                 raise InvalidInputError("motor_units", "must hold MotorUnit objects", unit)
         self.plate_distance = plate_distance(length, [unit.muscle for unit in self.motor_units])
-        self.supply_pressure = (
-            None if supply_pressure is None else _gauge_pressure(supply_pressure, "supply_pressure")
-        )
+        supply, name = supply_pressure, "supply_pressure"
+        self.supply_pressure = None if supply is None else check_gauge_pressure(supply, name)
         self.scheme = scheme_of(scheme)
 
     @property
@@ -321,14 +319,11 @@ class Bundle(Module):
         """The `pressures` [Pa] as floats, refused unless there is one for each unit, 0 to 1 MPa;
         warns of those above a unit's tuning.
         """
-        P, units = _gauge_pressure(pressures), len(self.motor_units)
+        P, units = check_gauge_pressure(pressures, "pressures"), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != units:
-            raise InvalidInputError(
-                "pressures",
-                f"must hold one pressure for each of the {units} motor units on the last axis",
-                P.shape[-1] if P.ndim else 1,
-                shown=f"{P.shape[-1]}" if P.ndim else "a single pressure",
-            )
+            rule = f"must hold one pressure for each of the {units} motor units on the last axis"
+            count, text = (P.shape[-1], None) if P.ndim else (1, "a single pressure")
+            raise InvalidInputError("pressures", rule, count, shown=text)
         for i, unit in enumerate(self.motor_units):
             unit.muscle.tuning.warn_extrapolation(P[..., i])
         return P
@@ -404,16 +399,6 @@ def _stack_units(values: list[Any]) -> Any:
     return xp.stack(xp.broadcast_arrays(*values), axis=-1)
 
 
-def _gauge_pressure(value: Values, name: str = "pressures") -> Batch:
-    """The `value` [Pa] as floats, refused outside 0 to 1 MPa; warns of bare numbers that may be in
-    bar.
-    """
-    checked = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
-    if not has_units(value):
-        warn_pressure_units(checked)
-    return match_array_type(value, checked)
-
-
 def resolve_scheme(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
     """A `scheme` by name or as an object, by default the bundle's own; `ValueError` for an unknown
     name, and for a batch of bundles.
@@ -428,14 +413,11 @@ def resolve_supply_pressure(bundle: Bundle, supply_pressure: Values = None) -> f
     """
     check_single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
+    name, remedy = "supply_pressure", "the bundle has none of its own"
     if supply is None:
-        raise InvalidInputError(
-            "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
-        )
-    P = check_interval(
-        supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True)
-    )
-    return float(check_plausible(P, "supply_pressure"))
+        raise InvalidInputError(name, "must be given in Pa", None, remedy)
+    P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
+    return float(check_plausible(P, name))
 
 
 def check_single(bundle: Any) -> None:

@@ -81,15 +81,10 @@ def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
         compliance = muscle.ends.compliance
         if is_concrete(compliance) and np.any(np.asarray(compliance) > 0):
             largest = float(np.max(np.asarray(compliance)))
-            raise InvalidInputError(
-                "end_compliance",
-                "must be 0 for efficiencies, designs and the least fluid, which take a muscle's"
-                " volume from its strain alone",
-                largest,
-                "leave it out there; simulations and `conjugate_volume` count fluid at its"
-                " pressure",
-                shown=f"{1e6 * largest:g} mm/kN",
-            )
+            rule = "must be 0 for efficiencies, designs and the least fluid: volume is the strain's"
+            text = f"{1e6 * largest:g} mm/kN"
+            remedy = "leave it out; simulations and `conjugate_volume` count fluid at its pressure"
+            raise InvalidInputError("end_compliance", rule, largest, remedy, shown=text)
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:

@@ -96,13 +96,9 @@ def recruit(
     shapes = {"force": np.shape(F), "strain": np.shape(eps)}
     if prefer == "nearest":
         if scheme.independent:
-            raise InvalidInputError(
-                "prefer",
-                f"must be 'efficiency' with scheme {scheme.name!r}",
-                prefer,
-                "its units' pressures are free: there is no list of solutions of which one is the"
-                " nearest",
-            )
+            rule = f"must be 'efficiency' with scheme {scheme.name!r}"
+            remedy = "pressures of its units are free: there is no list of solutions to choose from"
+            raise InvalidInputError("prefer", rule, prefer, remedy)
         if present is None:
             remedy = f"pass a pressure for each of the {units} motor units"
             rule = "must be given in Pa with `prefer` 'nearest'"

@@ -227,13 +227,10 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
         for i, muscle_length in enumerate(lengths[1:] if is_concrete(*lengths) else (), start=2):
             if not np.allclose(muscle_length, lengths[0], rtol=1e-9, atol=0):  # a file's decimals
                 first, largest = (float(np.max(x)) for x in (lengths[0], muscle_length))
-                raise InvalidInputError(
-                    "motor_units",
-                    "must hold muscles of one length, or `length` say how far apart the plates are"
-                    " at rest, in m",
-                    largest,
-                    shown=f"{first:g} m in unit 1 and {largest:g} m in unit {i}",
-                )
+                rule = "must hold muscles of one length"
+                remedy = "or give `length`, the distance between the plates at rest, in m"
+                text = f"{first:g} m in unit 1 and {largest:g} m in unit {i}"
+                raise InvalidInputError("motor_units", rule, largest, remedy, shown=text)
         return None
     L = check_size(length, "length")
     if not is_concrete(L, *lengths):
@@ -264,11 +261,8 @@ def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
     for i, muscle in enumerate(muscles, start=1):
         straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
         if np.any(longest >= straight):
-            raise InvalidInputError(
-                "length",
-                f"and the muscles' must stay below {float(np.min(straight)):g} m, where unit {i}'s"
-                " fibers are straight",
-                float(np.max(longest)),
-                "take lengths that are nearer to each other",
-                shown=f"{float(np.max(longest)):g} m",
-            )
+            end, value = float(np.min(straight)), float(np.max(longest))
+            limit = f"{end:g} m, where unit {i}'s fibers are straight"
+            rule = f"and the muscles' must stay below {limit}"
+            remedy = "take lengths that are nearer to each other"
+            raise InvalidInputError("length", rule, value, remedy, shown=f"{value:g} m")

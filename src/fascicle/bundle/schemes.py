@@ -128,23 +128,17 @@ def scheme_of(
     from ..core.validation import check_choice  # imports NumPy
 
     if isinstance(scheme, type):
-        remedy, description = f"write {scheme.__name__}()", f"the class {scheme.__name__}"
-        raise InvalidInputError(
-            argument, "takes a name or an object", scheme, remedy, shown=description
-        )
+        remedy, text = f"write {scheme.__name__}()", f"the class {scheme.__name__}"
+        raise InvalidInputError(argument, "takes a name or an object", scheme, remedy, shown=text)
     return SCHEMES[check_choice(scheme, SCHEMES, argument)]
 
 
 def serializable_name(scheme: AbstractScheme) -> str:
     """Name that a file has for a `scheme`; `ValueError` for one that isn't registered."""
     if SCHEMES.get(scheme.name) != scheme:
-        raise InvalidInputError(
-            "scheme",
-            f"{scheme.name!r} is a Python object that no file can name",
-            scheme,
-            f"register its class, or take one of {', '.join(sorted(SCHEMES))}",
-            shown="",
-        )
+        rule = f"{scheme.name!r} is a Python object that no file can name"
+        remedy = f"register its class, or take one of {', '.join(sorted(SCHEMES))}"
+        raise InvalidInputError("scheme", rule, scheme, remedy, shown="")
     return scheme.name
 
 

@@ -170,14 +170,8 @@ class States(NamedTuple):
                 by_kind.setdefault(kinds[unit], []).append(unit)
             count = prod(len(units) + 1 for units in by_kind.values()) - 1
             if count > max_sets:
-                raise InvalidInputError(
-                    "scheme",
-                    f"{self.scheme!r} has {count} sets of motor units that may be pressurized; at"
-                    f" most {max_sets} are possible",
-                    count,
-                    "take fewer units",
-                    shown="",
-                )
+                rule = f"{self.scheme!r} has {count} sets of motor units, more than {max_sets}"
+                raise InvalidInputError("scheme", rule, count, "take fewer units", shown="")
             for numbers in product(*(range(len(units) + 1) for units in by_kind.values())):
                 pairs = zip(by_kind.values(), numbers, strict=True)
                 members = sorted(unit for units, number in pairs for unit in units[:number])

@@ -106,9 +106,7 @@ class _AliasFinder:
             sys.modules[name] = importlib.import_module(target)
 
     def _target(self, name: str) -> str:
-        """Present name of an alias, and of a module inside one unless it warns; empty for others.
-        others.
-        """
+        """Present name of an alias, and of a module in one unless it warns; empty for others."""
         for alias, target in self.aliases.items():
             if name == alias or (not self.warns and name.startswith(f"{alias}.")):
                 return target + name.removeprefix(alias)

@@ -276,14 +276,9 @@ Kind = TypeVar("Kind", bound=Module)
 
 def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
     """Indices of the distinct `objects`, and for each object the position of its equal in them."""
-    unique: list[int] = []
-    inverse = []
-    for i, item in enumerate(objects):
-        equal = (k for k, j in enumerate(unique) if item == objects[j])
-        inverse.append(next(equal, len(unique)))
-        if inverse[-1] == len(unique):
-            unique.append(i)
-    return unique, tuple(inverse)
+    positions: dict[Any, int] = {}
+    inverse = tuple(positions.setdefault(item, len(positions)) for item in objects)
+    return [inverse.index(k) for k in range(len(positions))], inverse
 
 
 def to_numpy(tree: Tree) -> Tree:

@@ -71,6 +71,8 @@ def check_interval(
         ends = f"{_number_text(low)}, {_number_text(high)}"
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
         rule = f"must lie in {_append_unit(interval, unit)} {why}".rstrip()
+        if (low, high) == (0, math.inf) and not any(closed):
+            rule = "must be positive and finite"
         text = _append_unit(_number_text(bad), unit)
         raise InvalidInputError(name, rule, bad, remedy, shown=text)
     return x[()]
@@ -78,16 +80,7 @@ def check_interval(
 
 def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Batch:
     """Return `value` as floats, NumPy's, if it is positive and finite; `remedy` says what to do."""
-    value = to_si(value, name, unit)
-    if not is_concrete(value):
-        return traced_floats(value)
-    x = _as_floats(value, name, unit)
-    good = (x > 0) & np.isfinite(x)
-    if not np.all(good):
-        bad = float(x[~good].flat[0])
-        text = _append_unit(_number_text(bad), unit)
-        raise InvalidInputError(name, "must be positive and finite", bad, remedy, shown=text)
-    return x[()]
+    return check_interval(value, 0.0, math.inf, name, unit, remedy=remedy)
 
 
 def check_finite(value: Values, name: str, unit: str) -> Batch:
@@ -266,7 +259,9 @@ _DISK = 2.0
 
 
 def warn_user(message: str) -> None:
-    """Warn with a `message` at the user's line, the first one outside of fascicle."""
+    """Warn with a `message`, unless it is empty, at the user's line: the first outside fascicle."""
+    if not message:
+        return
     frame, levels = sys._getframe(), 1
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "fascicle":
         frame, levels = frame.f_back, levels + 1
@@ -288,6 +283,16 @@ def warn_pressure_units(pressure: Any) -> None:
             f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean"
             f' "{guess}"? (shown once)'
         )
+
+
+def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
+    """Return gauge pressures [Pa] as floats, in the array library of `value`, if they lie in 0 to
+    1 MPa; warn of bare numbers that may be in bar.
+    """
+    pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    if not has_units(value):
+        warn_pressure_units(pressure)
+    return match_array_type(value, pressure)
 
 
 def disable_pressure_unit_warning() -> None:
@@ -337,18 +342,13 @@ def _check_range(value: Values, limits: Range, name: str) -> None:
     """Refuse a `value` that is impossible within `limits`, in their unit, and warn of an unusual
     one.
     """
-    x, unit = np.asarray(value, dtype=float), limits.unit
-    # written so that NaN is refused too
-    good = (x >= limits.least) & (x <= limits.largest)
-    if not np.all(good):
-        rule = f"must lie in {_append_unit(f'[{limits.least:g}, {limits.largest:g}]', unit)}"
-        bad = float(x[~good].flat[0])
-        text = _append_unit(_number_text(bad), unit)
-        raise InvalidInputError(name, rule, bad, "check its unit", shown=text)
-    usual = (x >= limits.low) & (x <= limits.high)
+    unit, least, low, high, largest = limits
+    closed, remedy = (True, True), "check its unit"
+    x = np.asarray(check_interval(value, least, largest, name, unit, "", closed, remedy))
+    usual = (x >= low) & (x <= high)
     if not np.all(usual):
-        interval = _append_unit(f"[{limits.low:g}, {limits.high:g}]", unit)
-        text = _append_unit(_number_text(x[~usual].flat[0]), unit)
+        interval = _append_unit(f"[{_number_text(low)}, {_number_text(high)}]", unit)
+        text = _append_unit(_number_text(x[~usual][0]), unit)
         warn_user(f"`{name}` of {text} is unusual, most lie in {interval}.")
 
 

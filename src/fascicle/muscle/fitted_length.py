@@ -77,8 +77,7 @@ def fitted_length_note(muscle: Any) -> str:
 
 def warn_fitted_length(muscle: Any) -> None:
     """Warn of a muscle that was fitted at another length."""
-    if message := fitted_length_mismatch(muscle):
-        warn_user(message)
+    warn_user(fitted_length_mismatch(muscle))
 
 
 def _fit_info(muscle: Any) -> tuple[float | None, bool]:

@@ -36,15 +36,26 @@ measured loops of muscles are described: Chou and Hannaford (1996).
 """
 
 import abc
+from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, exp, maximum, minimum, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module
+from ..core.module import Module, record
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
+
+
+def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
+    return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
+
+
+def _field(check: Callable, name: str, unit: str, **default: float) -> Any:
+    """Field of a `name` and a `unit`, whose value a `check` converts."""
+    return record(converter=partial(check, name=name, unit=unit), **default)
 
 
 class FrictionStep(NamedTuple):
@@ -109,13 +120,8 @@ class MaxwellSlip(AbstractHysteresis):
     slip_force_slope: Numbers
 
     def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
-        """**Arguments:**
-
-        - `stiffness`: $k_j$ of each spring [N/m].
-        - `slip_force`: $f_j$ at no pressure [N].
-        - `slip_force_slope`: $f_P$, their rise with pressure [m²].
-
-        **Raises:** `ValueError` for invalid numbers, and for different numbers of springs.
+        """Arguments are the fields; a single slope is that of all springs. `ValueError` for invalid
+        numbers, and for different numbers of springs.
         """
         self.stiffness = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
         self.slip_force = np.atleast_1d(_check_nonnegative(slip_force, "slip_force", "N"))
@@ -178,22 +184,9 @@ class Dahl(AbstractHysteresis):
     """
 
     source: ClassVar[str] = "Dahl (1976)"
-    stiffness: Batch
-    slip_force: Batch
-    slip_force_slope: Batch
-
-    def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
-        """**Arguments:**
-
-        - `stiffness`: $k$ [N/m].
-        - `slip_force`: $f$ at no pressure [N].
-        - `slip_force_slope`: $f_P$, its rise with pressure [m²].
-
-        **Raises:** `ValueError` for invalid numbers.
-        """
-        self.stiffness = check_positive(stiffness, "stiffness", "N/m")
-        self.slip_force = check_positive(slip_force, "slip_force", "N")
-        self.slip_force_slope = _check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
+    stiffness: Batch = _field(check_positive, "stiffness", "N/m")
+    slip_force: Batch = _field(check_positive, "slip_force", "N")
+    slip_force_slope: Batch = _field(_check_nonnegative, "slip_force_slope", "N/Pa", default=0.0)
 
     @property
     def count(self) -> int:
@@ -230,16 +223,8 @@ class Coulomb(AbstractHysteresis):
     """
 
     source: ClassVar[str] = "Chou and Hannaford (1996)"
-    width: Batch
-    velocity: Batch
-
-    def __init__(self, width: Values, velocity: Values = 1e-3):
-        """**Arguments:** `width`: $w$ [Pa]; `velocity`: $v_0$ [m/s].
-
-        **Raises:** `ValueError` for invalid numbers.
-        """
-        self.width = _check_nonnegative(width, "width", "Pa")
-        self.velocity = check_positive(velocity, "velocity", "m/s")
+    width: Batch = _field(_check_nonnegative, "width", "Pa")
+    velocity: Batch = _field(check_positive, "velocity", "m/s", default=1e-3)
 
     @property
     def count(self) -> int:
@@ -267,7 +252,3 @@ class Coulomb(AbstractHysteresis):
         """Friction against contraction [N], with the sign of the `velocity` [m/s]."""
         sign = array_namespace(velocity).tanh(velocity / self.velocity)
         return self.width * absolute(by_pressure) * sign
-
-
-def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
-    return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))

@@ -130,8 +130,7 @@ class Tuning(Module):
 
     def warn_extrapolation(self, pressure: Values) -> None:
         """Warn of a `pressure` [Pa] above the table's last row."""
-        if message := self.extrapolation_message(pressure):
-            warn_user(message)
+        warn_user(self.extrapolation_message(pressure))
 
     def c1_at(self, pressure: BatchLike) -> Batch:
         """Force correction $C_1$ [N] at effective `pressure` [Pa]."""

@@ -18,12 +18,11 @@ from ..core.validation import (
     broadcast_shape,
     check_braid_angle,
     check_choice,
+    check_gauge_pressure,
     check_interval,
-    has_units,
     is_concrete,
     match_array_type,
     to_si,
-    warn_pressure_units,
     warn_user,
 )
 from ..units import pretty
@@ -104,12 +103,9 @@ def check_points(*arrays: Batch, muscles: tuple[int, ...] = ()) -> None:
 
 def validate_pressure(value: Values, tuning: Tuning) -> Batch:
     """Return a gauge pressure [Pa] of the domain; warn of one above the range of the `tuning`."""
-    closed = (True, True)
-    pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
-    if not has_units(value):
-        warn_pressure_units(pressure)
+    pressure = check_gauge_pressure(value)
     tuning.warn_extrapolation(pressure)
-    return match_array_type(value, pressure)
+    return pressure
 
 
 def validate_strain(value: Values, braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
@@ -130,8 +126,7 @@ def check_strain(
         value = to_si(value, "strain", "-")
         broadcast_shape(muscles=np.shape(low), strain=np.shape(value))
     strain = check_interval(value, low, high, "strain", "-", why, (False, True))
-    if message := extension_message(strain, low):
-        warn_user(message)
+    warn_user(extension_message(strain, low))
     return match_array_type(value, strain)
 
 
@@ -193,9 +188,8 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
 
 def warn_limitations(muscle: Any) -> None:
     """Warn of a muscle at whose highest pressures or size its tension law does not hold."""
-    for message in (stretched_fibers_message(muscle), published_range_message(muscle)):
-        if message:
-            warn_user(message)
+    warn_user(stretched_fibers_message(muscle))
+    warn_user(published_range_message(muscle))
 
 
 def stretched_fibers_message(muscle: Any) -> str:

@@ -229,7 +229,7 @@ def test_invalid_input_is_refused(build, message):
 
 
 def test_unequal_lengths_need_the_distance_of_the_plates():
-    with pytest.raises(ValueError, match=r"`length` say how far apart the plates are"):
+    with pytest.raises(ValueError, match=r"must hold muscles of one length.*give `length`"):
         fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER))])
 
 

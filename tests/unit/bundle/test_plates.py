@@ -109,7 +109,7 @@ def test_a_file_holds_the_plates_distance(tmp_path):
     again = fs.load(tmp_path / "b.toml")
     assert_allclose(again.ratios, bundle.ratios, rtol=1e-15)
     (tmp_path / "b.toml").write_text(text.replace('length = "127 mm"\n', ""))
-    with pytest.raises(ValueError, match="how far apart the plates are") as error:
+    with pytest.raises(ValueError, match="distance between the plates at rest") as error:
         fs.load(tmp_path / "b.toml")
     assert "b.toml" in str(error.value) and "\n" not in str(error.value)
     fs.save(even, tmp_path / "even.toml")

@@ -138,42 +138,28 @@ class AbstractSarosi(AbstractEmpirical):
 class Sarosi(AbstractSarosi):
     """(S) with the constants published for a Festo DMSP-20-200N as defaults."""
 
-    name: ClassVar[str] = "sarosi"
-    title: ClassVar[str] = "Sárosi, DMSP-20-200"
-    source: ClassVar[str] = "Sárosi (2012), 20 mm, 200 mm long"
-    reference_muscle: ClassVar[str] = "a Festo DMSP-20-200N"
-    reference_diameter: ClassVar[float | None] = 20e-3
-    reference_length: ClassVar[float | None] = 0.2
-    published: ClassVar[tuple[float, ...]] = (
-        -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
-    )  # fmt: skip
+    name, title = "sarosi", "Sárosi, DMSP-20-200"
+    source = "Sárosi (2012), 20 mm, 200 mm long"
+    reference_muscle, reference_diameter, reference_length = "a Festo DMSP-20-200N", 20e-3, 0.2
+    published = -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151
 
 
 class Sarosi10(AbstractSarosi):
     """(S) with constants published in 2012 for a 10 mm Festo DMSP-10, as defaults."""
 
-    name: ClassVar[str] = "sarosi_10"
-    title: ClassVar[str] = "Sárosi, DMSP-10"
-    source: ClassVar[str] = "Sárosi (2012), 10 mm"
-    reference_muscle: ClassVar[str] = "a Festo DMSP-10"
-    reference_diameter: ClassVar[float | None] = 10e-3
-    published: ClassVar[tuple[float, ...]] = (
-        -9.2194029, 203.7012413, -0.34221042, -3.2255991, 109.2038216, -208.372034,
-    )  # fmt: skip
+    name, title, source = "sarosi_10", "Sárosi, DMSP-10", "Sárosi (2012), 10 mm"
+    reference_muscle, reference_diameter = "a Festo DMSP-10", 10e-3
+    published = -9.2194029, 203.7012413, -0.34221042, -3.2255991, 109.2038216, -208.372034
 
 
 class Sarosi20Long(AbstractSarosi):
     """(S) with the constants published for a Festo muscle of 20 mm, 400 mm long as defaults."""
 
-    name: ClassVar[str] = "sarosi_20_400"
-    title: ClassVar[str] = "Sárosi, DMSP-20-400"
-    source: ClassVar[str] = "Sárosi (2017), 20 mm, 400 mm long"
-    reference_muscle: ClassVar[str] = "a Festo muscle of 20 mm, 400 mm long"
-    reference_diameter: ClassVar[float | None] = 20e-3
-    reference_length: ClassVar[float | None] = 0.4
-    published: ClassVar[tuple[float, ...]] = (
-        -4.35573, 281.2237, -0.32866, -9.27035, 302.20107, -263.69185,
-    )  # fmt: skip
+    name, title = "sarosi_20_400", "Sárosi, DMSP-20-400"
+    source = "Sárosi (2017), 20 mm, 400 mm long"
+    reference_muscle = "a Festo muscle of 20 mm, 400 mm long"
+    reference_diameter, reference_length = 20e-3, 0.4
+    published = -4.35573, 281.2237, -0.32866, -9.27035, 302.20107, -263.69185
 
 
 _HIGHEST = 620e3  # Pa, P_m of the published law
@@ -240,27 +226,19 @@ class AbstractBolen(AbstractEmpirical):
 class Bolen(AbstractBolen):
     """(BF) with the constants published for Festo muscles of 10 mm as defaults."""
 
-    name: ClassVar[str] = "bolen"
-    title: ClassVar[str] = "Bolen, 10 mm"
-    reference_muscle: ClassVar[str] = "Festo muscles of 10 mm"
-    reference_diameter: ClassVar[float | None] = 10e-3
+    name, title = "bolen", "Bolen, 10 mm"
+    reference_muscle, reference_diameter = "Festo muscles of 10 mm", 10e-3
     # largest strains: 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
-    published: ClassVar[tuple[float, ...]] = (
-        0.5682, 4.254, 0.5597, 0.17, 0.4895, 1 / 0.03068, 7.5e-3,
-    )  # fmt: skip
+    published = 0.5682, 4.254, 0.5597, 0.17, 0.4895, 1 / 0.03068, 7.5e-3
 
 
 class Bolen20(AbstractBolen):
     """(BF) with the constants published for Festo muscles of 20 mm as defaults."""
 
-    name: ClassVar[str] = "bolen_20"
-    title: ClassVar[str] = "Bolen, 20 mm"
-    reference_muscle: ClassVar[str] = "Festo muscles of 20 mm"
-    reference_diameter: ClassVar[float | None] = 20e-3
+    name, title = "bolen_20", "Bolen, 20 mm"
+    reference_muscle, reference_diameter = "Festo muscles of 20 mm", 20e-3
     # the largest strain is a quarter, as that code takes it
-    published: ClassVar[tuple[float, ...]] = (
-        0.2579, 6.477, 1.321, 0.25, 1.4877, 1 / 0.0248, 7.5e-3,
-    )  # fmt: skip
+    published = 0.2579, 6.477, 1.321, 0.25, 1.4877, 1 / 0.0248, 7.5e-3
 
 
 _STRAIGHT = 0.02  # of ρ²: below it fibers are nearly straight, and the wall's force is constant
@@ -335,22 +313,16 @@ class AbstractMartens(AbstractEmpirical):
 class Martens2017(AbstractMartens):
     """(MB) with the constants published for a Festo DMSP-10-250 as defaults."""
 
-    name: ClassVar[str] = "martens2017"
-    title: ClassVar[str] = "Martens-Boblan, DMSP-10-250"
-    source: ClassVar[str] = "Martens and Boblan (2017), DMSP-10-250"
-    reference_muscle: ClassVar[str] = "a Festo DMSP-10-250"
-    reference_diameter: ClassVar[float | None] = 10e-3
-    reference_length: ClassVar[float | None] = 0.25
-    published: ClassVar[tuple[float, ...]] = (7.4085e07, -6.892e08, 1.837e09, -8.4879e08, -0.1)
+    name, title = "martens2017", "Martens-Boblan, DMSP-10-250"
+    source = "Martens and Boblan (2017), DMSP-10-250"
+    reference_muscle, reference_diameter, reference_length = "a Festo DMSP-10-250", 10e-3, 0.25
+    published = 7.4085e07, -6.892e08, 1.837e09, -8.4879e08, -0.1
 
 
 class Martens201720(AbstractMartens):
     """(MB) with the constants published for a Festo DMSP-20-300 as defaults."""
 
-    name: ClassVar[str] = "martens2017_20"
-    title: ClassVar[str] = "Martens-Boblan, DMSP-20-300"
-    source: ClassVar[str] = "Martens and Boblan (2017), DMSP-20-300"
-    reference_muscle: ClassVar[str] = "a Festo DMSP-20-300"
-    reference_diameter: ClassVar[float | None] = 20e-3
-    reference_length: ClassVar[float | None] = 0.3
-    published: ClassVar[tuple[float, ...]] = (9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08, -0.073)
+    name, title = "martens2017_20", "Martens-Boblan, DMSP-20-300"
+    source = "Martens and Boblan (2017), DMSP-20-300"
+    reference_muscle, reference_diameter, reference_length = "a Festo DMSP-20-300", 20e-3, 0.3
+    published = 9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08, -0.073
