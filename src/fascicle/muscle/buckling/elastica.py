@@ -46,6 +46,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.polynomial.polynomial import polyder, polyval
 
 from ...core import array_namespace as xp
 from ...core.array_namespace import (
@@ -136,13 +137,14 @@ class Elastica(AbstractBuckling):
         onset = guarded(buckles, onset, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
         reachable = logical_and(bend <= fits.largest_bend, buckles)
-        load = fits.load(guarded(reachable, bend, 0.5)) + 0.0 * onset
+        square = (guarded(reachable, bend, 0.5) / fits.largest_bend) ** 2
+        load = polyval(2 * square - 1, fits.load) + 0.0 * onset
         fixed = stop_gradient(load)
         bracket = _first_bracket(
             curve, *(expand_nodes(points.load, fixed) <= fixed for points in curve[1:])
         )
         arc = root(_load_residual, (column, load), bracket.stop, bracket.start, bracket.middle)
-        strain = 1 - (1 - arc) * fits.chord(load)[0]
+        strain = 1 - (1 - arc) * _chord(load)[0]
         return where(
             reachable, xp.maximum(strain, xp.maximum(onset, bracket.largest_strain)), np.inf
         )
@@ -193,7 +195,7 @@ def _state_at_arc(column: Column, arc: Batch) -> _State:
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)
     load_slope = unit * (pull.force - pull.slope * (1 - arc))
-    chord, by_load = _fits().chord(load)
+    chord, by_load = _chord(load)
     chord_slope = by_load * load_slope
     strain, strain_slope = 1 - (1 - arc) * chord, chord - (1 - arc) * chord_slope
     return _State(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
@@ -331,62 +333,47 @@ def _bent_arc(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
     return bent, where(bent, arc, strain)
 
 
-class _Fits:
-    """Polynomials of the elastica in one variable, fitted to $K$ and $E$."""
+class _Fits(NamedTuple):
+    """Polynomials of the elastica in one variable, by rising powers of it scaled to [-1, 1]: chord
+    over arc, its slope and $m$ over the load, the load over the square of the bend.
+    """
 
-    def __init__(self):
-        # beyond both ends, where a search may step
-        low, high = -0.03, _ENDS_MEET + 0.02
-        # Chebyshev's points, many more than the degree needs, so that nothing is aliased
-        m = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(200) + 0.5) / 200)
-        integrals = elliptic(m)
-        K, E = integrals.K, integrals.E
-        load, chord = K * (2 * E - K), 2 * E / K - 1
-        self.largest_bend = float(np.sqrt(_ENDS_MEET) * elliptic(_ENDS_MEET).K)
-        self._chord, self._m, self._load = (
-            tuple(chebyshev.cheb2poly(chebyshev.chebfit(x, y, _DEGREE)).tolist())
-            for x, y in (
-                (_scale_to_unit(load, _EULER), chord),
-                (_scale_to_unit(load, _EULER), m),
-                (_scale_to_unit(m * K**2, self.largest_bend**2), load),
-            )
-        )
-
-    def chord(self, load: Batch) -> tuple[Batch, Batch]:
-        """Chord over arc $c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
-        bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
-        inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
-        chord, slope = _polynomial(self._chord, _scale_to_unit(inside, _EULER))
-        return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
-
-    def parameter(self, load: Batch) -> Batch:
-        """Parameter $m$ [-] at a load $G$ [-]."""
-        return _polynomial(self._m, _scale_to_unit(load, _EULER))[0]
-
-    def load(self, bend: Batch) -> Batch:
-        """Load $G$ [-] at a `bend` $kK$ [-]."""
-        return _polynomial(self._load, _scale_to_unit(bend**2, self.largest_bend**2))[0]
+    chord: np.ndarray
+    chord_slope: np.ndarray
+    parameter: np.ndarray
+    load: np.ndarray
+    largest_bend: float
 
 
-_fits = cache(_Fits)  # fitted at the first use
+@cache  # fitted at the first use
+def _fits() -> _Fits:
+    """Polynomials fitted to $K$ and $E$."""
+    low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
+    # many more points than the degree needs, so that nothing is aliased
+    m = 0.5 * (low + high) + 0.5 * (high - low) * chebyshev.chebpts1(200)
+    K, E = elliptic(m)[:2]
+    largest_bend = float(np.sqrt(_ENDS_MEET) * elliptic(_ENDS_MEET).K)
+    load = K * (2 * E - K)
+    scaled_load, scaled_bend = load * (2 / _EULER) - 1, m * K**2 * (2 / largest_bend**2) - 1
+    chord, parameter, load = (
+        chebyshev.cheb2poly(chebyshev.chebfit(x, y, _DEGREE))
+        for x, y in ((scaled_load, 2 * E / K - 1), (scaled_load, m), (scaled_bend, load))
+    )
+    return _Fits(chord, polyder(chord) * (2 / _EULER), parameter, load, largest_bend)
 
 
-def _scale_to_unit(x: Batch, end: float) -> Batch:
-    """`x` from 0 to `end`, mapped to -1 to 1."""
-    return x * (2 / end) - 1
-
-
-def _polynomial(coefficients: tuple[float, ...], x: Batch) -> tuple[Batch, Batch]:
-    """Polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
-    value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
-    for term in coefficients[-2::-1]:
-        value, slope = value * x + term, slope * x + value
-    return value, slope
+def _chord(load: Batch) -> tuple[Batch, Batch]:
+    """Chord over arc $c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
+    bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
+    inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
+    x = inside * (2 / _EULER) - 1
+    chord, slope = (polyval(x, c) for c in _fits()[:2])
+    return where(bends, chord, 1.0), where(bends, slope, 0.0)
 
 
 def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     """Modulus $k$ and complete integral $K$ [-] of an elastica under a load $G$ [-]."""
-    m = _fits().parameter(guarded(bent, load, _EULER))
+    m = polyval(guarded(bent, load, _EULER) * (2 / _EULER) - 1, _fits().parameter)
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
     curved = logical_and(bent, m > 0)
     k = where(curved, xp.sqrt(guarded(curved, m)), 0.0)
