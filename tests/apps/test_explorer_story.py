@@ -110,6 +110,10 @@ def test_scenes_are_tidy_and_have_no_barriers_that_axe_finds(visit, theme, width
     for number in (1, 2, 3, 4):
         scene(page, number)
         explorer.source(page, "bundle" if number == 4 else "solid")
+        if width < 860:  # the curves are in view with the sentences
+            explorer.wait_for_layout(page)
+            box = page.locator(".bk-Figure").first.bounding_box()
+            assert box["y"] > 0 and box["y"] + box["height"] / 2 < height
         for _ in range(20):  # figures shrink a while after the scene's text has come
             explorer.wait_for_layout(page)
             if not (faults := explorer.untidy(page, width)):

@@ -74,11 +74,22 @@ window.fascicleDismiss = () => {
 window.fascicleStory = (running, ifLost = false) => setTimeout(() => {
   if (ifLost && document.activeElement !== document.body) return;
   const next = running ? find(".story-next") : null;
-  (next ? findButton(next) : findActive())?.focus();
+  (next ? findButton(next) : findActive())?.focus({preventScroll: running});
 }, 50);  // ms: the button is laid out by then
-window.fascicleTop = () => find(".bk-header")?.scrollIntoView({block: "nearest"});
-const height = new ResizeObserver(([story]) =>
-  page.setProperty("--story", `${Math.ceil(story.borderBoxSize[0].blockSize)}px`));
+// a new scene's figure is in view: on a narrow page the tab's content is right below the story; its
+// text, which comes some moments after the press, may change the story's height
+const narrow = matchMedia("(max-width: 860px)");
+let pressed = -Infinity;
+const showFigure = () => {
+  const tabs = find(".bk-header");
+  if (narrow.matches) tabs?.nextElementSibling?.scrollIntoView({block: "start"});
+  else tabs?.scrollIntoView({block: "nearest"});
+};
+window.fascicleTop = () => { pressed = performance.now(); showFigure(); };
+const height = new ResizeObserver(([story]) => {
+  page.setProperty("--story", `${Math.ceil(story.borderBoxSize[0].blockSize)}px`);
+  if (performance.now() - pressed < 5000) showFigure();  // ms: longer than a text takes
+});
 
 let first = true;
 for (const kind of ["pointerdown", "focusin"])

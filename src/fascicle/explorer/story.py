@@ -63,7 +63,7 @@ class Story:
     def start_button(self, label: str, **options: Any) -> Any:
         """A new button with a `label` that starts the story, and dismisses the offer."""
         start = button(label, self.start, **options)
-        start.js_on_click(code="window.fascicleDismiss?.()")
+        start.js_on_click(code="window.fascicleDismiss?.(); window.fascicleTop?.()")
         return start
 
     def start(self) -> None:
