@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from . import dynamics as dynamics
     from . import energetics as energetics
     from . import fluid as fluid
+    from . import laws as laws
     from . import records as records
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
@@ -71,6 +72,7 @@ _HOMES = {
     "example": "files",
     "examples": "files",
     "fluid": "",
+    "laws": "",
     "load": "files",
     "materials": "muscle",
     "post_collapse": "muscle",
@@ -105,6 +107,7 @@ __all__ = [
     "example",
     "examples",
     "fluid",
+    "laws",
     "load",
     "materials",
     "post_collapse",

@@ -118,6 +118,8 @@ LINES = [
     (f"export {SIX}", "--c or --table"),
     (f"export {SIX} --table code --precision half", "double, float"),
     (f"export {SIX} --table code --name 2", "name in C"),
+    (f"export {SIX} --c code --name a_", "name in C"),
+    (f"export {SIX} --c code --name null", "keyword or a standard header of C"),
     (f"export {SIX} --table code --name math", "keyword or a standard header of C"),
     (f"export {SIX} --fmu code", ".fmu"),
     (f"export {SIX} --fmu a.fmu --sample-time '0 s'", "must be positive"),

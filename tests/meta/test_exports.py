@@ -5,8 +5,9 @@ import fascicle
 EXPORTS = [
     "Bundle", "Constant", "InvalidInputError", "MooneyRivlin", "MotorUnit", "Muscle", "Switch",
     "Tuning", "UnitSurface", "buckling", "calibrate", "catalog", "collapse", "control", "design",
-    "dynamics", "ends", "energetics", "example", "examples", "fluid", "load", "materials",
-    "post_collapse", "records", "recruitment", "reversal", "save", "schemes", "tables", "tension",
+    "dynamics", "ends", "energetics", "example", "examples", "fluid", "laws", "load",
+    "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes", "tables",
+    "tension",
 ]  # fmt: skip
 
 

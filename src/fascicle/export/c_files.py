@@ -25,7 +25,7 @@ _HEADERS = """
     syslog tar termios trace ulimit unistd utime utmpx wordexp
     alloca endian features malloc memory values windows fmu
 """
-# of C23 and of C++, which may include a header; and devices of Windows
+# of C23 and of C++, which may include a header; devices of Windows; words of CasADi
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
     const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
@@ -36,14 +36,17 @@ _KEYWORDS = """
     thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using
     virtual void volatile wchar_t while xor xor_eq
     main aux con nul prn
+    hess jac null
 """
 _RESERVED = {*_HEADERS.split(), *_KEYWORDS.split()}
 
 
 def check_name(name: str) -> str:
     """The name, if C allows it."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
-        rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
+    # C++ and CasADi refuse two underscores in succession, as `a_` would have before `_law0`
+    if len(name) > 31 or not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
+        rule = "must be a name in C"
+        remedy = "up to 31 letters, digits and single _ between them, a letter first"
         raise InvalidInputError("name", rule, None, f"{remedy}, got {name[:40]!r}")
     if name.lower() in _RESERVED:  # some file systems ignore case
         rule = "must not be a keyword or a standard header of C"

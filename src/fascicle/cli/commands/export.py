@@ -48,7 +48,7 @@ def run(
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
-    """Write a muscle's or bundle's force as C code, an FMU or a web page.
+    """Write a muscle or bundle as C code, an FMU or a web page.
 
     `--c` writes the force law itself, its derivatives and its free strain; it needs
     `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a

@@ -26,7 +26,7 @@ def run(
     measured: bool = flag("Measured muscles, with ranges and errors of their fits.", "--measured"),
     as_json: bool = options.JSON,
 ) -> None:
-    """List the named examples or measured muscles, or print the file of one."""
+    """List examples or measured muscles, or print the file of one."""
     from ...files import example_text, examples
 
     if name is not None:
