@@ -10,6 +10,7 @@ import inspect
 import re
 import types
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,8 @@ def methods(owner: type) -> Iterator[tuple[str, Callable]]:
         function = (
             found.fget
             if isinstance(found, property)
+            else found.func
+            if isinstance(found, cached_property)
             else inspect.unwrap(getattr(owner, name, found))
         )
         if not inspect.isroutine(function) or (name.startswith("_") and name != "__init__"):
