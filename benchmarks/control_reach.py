@@ -93,7 +93,7 @@ def rows(small: bool = False) -> list[Row]:
         name = f"ramp across 1 + {count} at a strain of {strain:g}, valves {share:.2g} C"
         for policy in ("threshold", "hand_over"):
             one = found[policy]
-            held = policy == "hand_over" and said.found
+            held = policy == "hand_over" and said.exists
             about = f"beforehand: {said}" if policy == "hand_over" else ""
             dip = Row(
                 f"{name}: `{policy}`, drawdown", Measured.of([one.drawdown]), "D",
@@ -102,7 +102,7 @@ def rows(small: bool = False) -> list[Row]:
             made.append(dip)
         air = Row(
             f"{name}: `hand_over`, air", Measured.of([found["hand_over"].more]), "%",
-            "more than `threshold`", AIR[count] if said.found else None, "≤",
+            "more than `threshold`", AIR[count] if said.exists else None, "≤",
         )  # fmt: skip
         made.append(air)
     return made

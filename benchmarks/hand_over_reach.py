@@ -252,7 +252,7 @@ def main(table: str, truths: int) -> None:
                 first = float(control.transition(model.bundles[0], strain).largest_force)
                 demand = make_demand("ramp", duration, first)
                 path = control.Path.of(DT * np.arange(len(demand)), demand, strain)
-                promised = control.crossing(model.bundles[0], path, model).found
+                promised = control.crossing(model.bundles[0], path, model).exists
                 result = study(count, strain, truths, duration=duration, seed=REPORT)
                 dips, plain = result["hand_over"].dip, np.median(result["threshold"].dip)
                 word = "yes" if promised else "no"

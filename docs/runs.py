@@ -37,8 +37,8 @@ def told(name: str, policy: str) -> dict[str, Any]:
     return {
         "error": _short(found.error),
         "efficiency": {unit: _short(found.work / work) for unit, work in spent.items()},
-        "trusted": bool(np.all(found.trusted)),
-        "held": bool(np.all(found.reached == 1)),
+        "trusted": bool(np.all(found.is_valid)),
+        "held": bool(np.all(found.reachable_share == 1)),
     }
 
 

@@ -54,7 +54,7 @@ def test_transitions_agree(buckling, strain):
     assert_allclose(found.onset_pressure, oracle.onset(pair, strain), rtol=1e-9)
     assert_allclose(found.largest_force, oracle.largest_force(pair, strain), rtol=1e-8, atol=1e-8)
     for P in (10e3, 100e3):
-        gain = control.gain(library_pair(pair), P, strain)
+        gain = control.added_force(library_pair(pair), P, strain)
         assert_allclose(gain, oracle.gain(pair, P, strain), rtol=1e-8, atol=1e-8)
 
 
@@ -93,7 +93,7 @@ def test_the_last_start_is_the_criterions_where_the_first_valve_is_fast():
     valves = [control.GasValves(1.0), control.GasValves(1e-3)]
     found = control.crossing(bundle, path, valves, slack=1.0)
     t_c = oracle.gas_time(pair, 0.2, 1e-3)
-    assert_allclose(found.time, t_c, rtol=1e-5)
+    assert_allclose(found.fill_time, t_c, rtol=1e-5)
     assert_allclose(found.end - found.start, t_c, rtol=1e-4)
     # the valve's own course of pressure, not the even one of (X3); at the dip itself both look
     last = oracle.last_start(pair, 0.2, begin, rate, 1e-3)

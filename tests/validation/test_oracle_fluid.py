@@ -29,7 +29,7 @@ def filled(chamber, ports, start, t, opening=1.0):
         enthalpy = chamber.gas.enthalpy(T_s if flow > 0 else T) * flow
         return [*chamber.rates(s, P, flow, enthalpy, 0.0), flow]
 
-    state = np.append(chamber.start(start - ROOM, V), 0.0)
+    state = np.append(chamber.state_at(start - ROOM, V), 0.0)
     # each tolerance far below what is compared; in steps that see the law's kinks
     done = solve_ivp(
         rates, (0, t[-1]), state, t_eval=t, rtol=1e-11, atol=1e-14, max_step=t[-1] / 200
@@ -197,15 +197,15 @@ def test_accumulator(n):
     taken = of.stored_volume(8e5)
     p_0 = 2e5 + ROOM
     assert_allclose(oracle.accumulator_pressure(1e-3, p_0, n, taken), 8e5 + ROOM, rtol=1e-13)
-    of_liquid = oracle.liquid_energies(850.0, 1.4e9, 8e5)[1] * of.start()[0]
+    of_liquid = oracle.liquid_energies(850.0, 1.4e9, 8e5)[1] * of.initial_state()[0]
     expected = oracle.accumulator_energy(1e-3, p_0, n, taken) + of_liquid
-    assert_allclose(of.stored(of.start()), expected, rtol=1e-11)
+    assert_allclose(of.stored_energy(of.initial_state()), expected, rtol=1e-11)
 
 
 def test_accumulator_gives_what_it_took():
     """Oil, too, at its own bulk modulus: energy out is ṁ h(P), and mass comes back as pressure."""
     of = fluid.Accumulator(1e-3, 2e5, 8e5, 1.3)
-    start = of.start()
+    start = of.initial_state()
     assert_allclose(of.pressure_at(start), 8e5, rtol=1e-13)
 
     def rates(_, state):
@@ -215,7 +215,7 @@ def test_accumulator_gives_what_it_took():
 
     done = solve_ivp(rates, (0, 10), [*start, 0.0], rtol=1e-11, atol=1e-12)
     end, given = done.y[:1, -1], done.y[1, -1]
-    assert_allclose(of.stored(start) - of.stored(end), given, rtol=1e-9)
+    assert_allclose(of.stored_energy(start) - of.stored_energy(end), given, rtol=1e-9)
 
 
 def test_hose_and_orifice_share_the_pressure():
@@ -245,11 +245,11 @@ def test_liquid_chamber_keeps_its_energy():
         in_and_out = flow * fluid.OIL.flow_energy(P) - P * rate
         return [*of.rates(m, P, flow, 0.0, rate), in_and_out]
 
-    start = of.start(3e5, 1e-4)
+    start = of.state_at(3e5, 1e-4)
     done = solve_ivp(rates, (0, 2), [*start, 0.0], rtol=1e-11, atol=1e-14, max_step=0.01)
     end, given = done.y[:1, -1], done.y[1, -1]
     P = of.static_pressure(end, volume(2.0)[0])
-    assert_allclose(of.stored(end, P) - of.stored(start, 3e5), given, rtol=1e-7)
+    assert_allclose(of.stored_energy(end, P) - of.stored_energy(start, 3e5), given, rtol=1e-7)
 
 
 @pytest.mark.parametrize("G", [0.0, 0.5])
@@ -264,15 +264,17 @@ def test_first_and_second_law_of_a_wall(G):
         V, rate = volume(t)
         s = state[:2]
         P = of.static_pressure(s, V)
-        heat = of.heat(s, P, 0.0, 0.0, rate)
+        heat = of.heat_flow(s, P, 0.0, 0.0, rate)
         T = of.temperature(s)
         lost = heat * (1 - WARM / T)
         return [*of.rates(s, P, 0.0, 0.0, rate), (P + ROOM) * rate, P * rate, heat, lost]
 
-    start = of.start(2e5, 1e-4)
+    start = of.state_at(2e5, 1e-4)
     done = solve_ivp(rates, (0, 8), [*start, 0, 0, 0, 0], rtol=1e-11, atol=1e-13, max_step=0.02)
     end, (done_work, gauge_work, heat, lost) = done.y[:2, -1], done.y[2:, -1]
     assert_allclose(end[1] - start[1], -done_work - heat, rtol=0, atol=1e-9)  # of 100 J
-    stored = of.stored(end, of.static_pressure(end, volume(8.0)[0])) - of.stored(start, 2e5)
+    stored = of.stored_energy(end, of.static_pressure(end, volume(8.0)[0])) - of.stored_energy(
+        start, 2e5
+    )
     assert_allclose(stored, -gauge_work - lost, rtol=0, atol=1e-9)
     assert (lost > 0) == (G > 0)

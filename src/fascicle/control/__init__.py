@@ -26,14 +26,14 @@ from .metrics import ControlMetrics as ControlMetrics
 from .metrics import Reachability as Reachability
 from .metrics import control_metrics as control_metrics
 from .metrics import controlled_output as controlled_output
-from .metrics import front as front
+from .metrics import pareto_front as pareto_front
 from .metrics import reachability as reachability
 from .policies import POLICIES as POLICIES
 from .policies import PolicyChoice as PolicyChoice
 from .policies import cascade as cascade
 from .policies import select_policy as select_policy
 from .transition import Transition as Transition
-from .transition import gain as gain
+from .transition import added_force as added_force
 from .transition import needed_reserve as needed_reserve
 from .transition import transition as transition
 from .uncertainty import ModelScatter as ModelScatter

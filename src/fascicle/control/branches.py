@@ -26,7 +26,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, wher
 from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Numbers, Values, Whole
-from ..dynamics.muscles import Tables
+from ..dynamics.muscles import MuscleTables
 
 
 # of a force: it can be reached, is less than an empty unit's, more than a full one's, or the unit
@@ -52,7 +52,9 @@ class BranchPressures(NamedTuple):
 
 
 class Branches(Module):
-    """Rising branches of a bundle's motor units, from `Branches.of(bundle, supply)`.
+    """Inverse of the force of a bundle's motor units, on the branch that rises with pressure.
+
+    Made by `Branches.of(bundle, supply)`.
 
     `muscles`: tables of one muscle of each unit; `top`: pressure at which branches end [Pa]. Of
     each different muscle, at its table's strains: `onsets` [Pa], `dips` [N] and `dip_pressures`
@@ -60,7 +62,7 @@ class Branches(Module):
     last axis of arguments and results; forces are those of a single muscle.
     """
 
-    muscles: Tables
+    muscles: MuscleTables
     top: Numbers
     onsets: Numbers
     dips: Numbers
@@ -71,7 +73,7 @@ class Branches(Module):
     def of(
         cls, bundle: Bundle, supply_pressure: Values = None, shape: tuple[int, int] = _SHAPE
     ) -> "Branches":
-        """Branches of a bundle.
+        """Tabulate the rising branches of a bundle's motor units.
 
         **Arguments:**
 
@@ -83,16 +85,18 @@ class Branches(Module):
         """
         supply = resolve_supply_pressure(bundle, supply_pressure)
         muscles = [unit.muscle for unit in bundle.motor_units]
-        return cls.tabulated(Tables.from_muscles(muscles, supply, shape), supply)
+        return cls.tabulated(MuscleTables.from_muscles(muscles, supply, shape), supply)
 
     @classmethod
     def tabulated(cls, muscles: Any, top: float) -> "Branches":
-        """Branches of tabulated `muscles` up to a pressure `top` [Pa]."""
+        """Rising branches of tabulated `muscles` up to a pressure `top` [Pa]."""
         rows = []
         for index in range(max(muscles.indices) + 1):
             unit = int(np.flatnonzero(muscles.indices == index)[0])
             low, high = (float(end[unit]) for end in muscles.strains)
-            rows.append(_branch(muscles, unit, np.linspace(low, high, muscles.columns + 1), top))
+            rows.append(
+                _tabulate_branch(muscles, unit, np.linspace(low, high, muscles.columns + 1), top)
+            )
         return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
@@ -105,7 +109,7 @@ class Branches(Module):
         """Pressure $p_{on}$ [Pa] above which each unit pulls more at `strain` [-] than empty; the
         top if none does.
         """
-        j, w, indices = self._column(strain)
+        j, w, indices = self._table_column(strain)
         onsets = array_namespace(strain).asarray(self.onsets)
         between = (1 - w) * onsets[indices, j] + w * onsets[indices, j + 1]
         any_rising = between > 0
@@ -120,14 +124,14 @@ class Branches(Module):
             guess = minimum(maximum(p - direction, between - reach), between + reach)
             return where(rises, guess, p)
 
-        p = _repeated(step, between, 2)
+        p = _iterate(step, between, 2)
         return minimum(maximum(p, 0.0), self.top)
 
     def dip(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Depth of the dip of one muscle of each unit [N] at a `strain` [-], and its pressure [Pa],
         both interpolated between the table's strains.
         """
-        j, w, indices = self._column(strain)
+        j, w, indices = self._table_column(strain)
         rows = (array_namespace(strain).asarray(row) for row in (self.dips, self.dip_pressures))
         depth, pressure = ((1 - w) * row[indices, j] + w * row[indices, j + 1] for row in rows)
         return depth, pressure
@@ -162,7 +166,7 @@ class Branches(Module):
             direction = maximum(minimum(where(rises, direction, 0.0), size), -size)
             return minimum(maximum(p - direction, onset), self.top)
 
-        p = _repeated(step, self._initial_pressure(phi, strain), _NEWTON)
+        p = _iterate(step, self._initial_pressure(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
         status = xp.where(
             ~gains, HELPLESS,
@@ -170,8 +174,10 @@ class Branches(Module):
         )  # fmt: skip
         return BranchPressures(where(inside, p, ends), status)
 
-    def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
-        """Column of the table at a `strain` [-], the fraction beyond it, and each unit's muscle."""
+    def _table_column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
+        """Index of the table's column below a `strain` [-], the fraction of the way to the next,
+        and the index of each unit's muscle.
+        """
         xp = array_namespace(strain)
         low, high = self.muscles.strains
         columns = self.onsets.shape[-1] - 1
@@ -180,8 +186,10 @@ class Branches(Module):
         return j, x - j, self.muscles.indices
 
     def _initial_pressure(self, fraction: Numbers, strain: Numbers) -> Numbers:
-        """Pressure [Pa] at a `fraction` of the force [-], from the table."""
-        j, w, indices = self._column(strain)
+        """First guess of the pressure [Pa] at a `fraction` of the branch's force [-], from the
+        table.
+        """
+        j, w, indices = self._table_column(strain)
         rows = self.pressures.shape[-1] - 1
         x = sqrt(fraction) * rows
         i = minimum(array_namespace(fraction).floor(x), rows - 1.0).astype(int)
@@ -193,8 +201,8 @@ class Branches(Module):
         return (1 - w) * left + w * right
 
 
-def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
-    """Repeat a `step`; in JAX as a loop, which is compiled once."""
+def _iterate(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
+    """Apply a `step` so many `times`; in JAX by a loop, which is compiled once."""
     if array_namespace(begin) is np:
         for _ in range(times):
             begin = step(begin)
@@ -202,7 +210,9 @@ def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) ->
     return lax.fori_loop(0, times, lambda _, x: step(x), begin)
 
 
-def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple[np.ndarray, ...]:
+def _tabulate_branch(
+    muscles: MuscleTables, unit: int, strain: np.ndarray, top: float
+) -> tuple[np.ndarray, ...]:
     """Onset [Pa], dip [N] and its pressure [Pa] at each strain, and the branch's pressures [Pa]."""
 
     def force(pressure: np.ndarray) -> np.ndarray:

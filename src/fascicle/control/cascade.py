@@ -48,7 +48,7 @@ from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..muscle.hysteresis import AbstractHysteresis
 from .identify import LoopMargins, loop_margins
-from .units import UnitDemand, Units, evaluate_capability
+from .units import ControlledUnits, UnitDemand, evaluate_capability
 
 
 _FILTER = 0.02  # s, of a demand's rate: longer than its steps, shorter than a hand-over
@@ -78,11 +78,11 @@ class Gains(NamedTuple):
     observer_time: Values = None
 
 
-class Memory(NamedTuple):
-    """Memory of a cascade: integrals of its errors [SI], the `disturbance` [SI], the previous
-    `demand` without corrections and its filtered `rate` [SI], the model's `friction` forces [N],
-    the previous `reference` [SI], each bundle's policy, the `queue` of measurements [SI], the
-    present `commands` [-], steps to `wait` until the next ones and steps since the start.
+class CascadeMemory(NamedTuple):
+    """Memory of a cascade between steps: integrals of its errors [SI], the `disturbance` [SI], the
+    previous `demand` without corrections and its filtered `rate` [SI], the model's `friction`
+    forces [N], the previous `reference` [SI], each bundle's policy, the `queue` of measurements
+    [SI], the present `commands` [-], steps to `wait` until the next ones and steps since the start.
     """
 
     integral: Batch
@@ -114,7 +114,7 @@ class Cascade(Module):
     """
 
     plant: Plant
-    units: tuple[Units, ...]
+    units: tuple[ControlledUnits, ...]
     policies: tuple[Any, ...]
     gains: Gains
     highest_pressure: Batch
@@ -159,11 +159,11 @@ class Cascade(Module):
         )
 
     @property
-    def memory(self) -> Memory:
+    def memory(self) -> CascadeMemory:
         """Initial memory."""
         zero, n = jnp.zeros(()), self.plant.units
         policies = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
-        return Memory(
+        return CascadeMemory(
             zero, zero, zero, zero, zero,
             jnp.zeros((n, self.friction.count if self.friction else 0)), zero,
             jax.tree.map(jnp.asarray, policies), jnp.zeros((self.delay, n + 4)), jnp.zeros(n),
@@ -171,37 +171,38 @@ class Cascade(Module):
         )  # fmt: skip
 
     def __call__(
-        self, memory: Memory, measurement: Measurement, reference: Any
-    ) -> tuple[Memory, Numbers]:
+        self, memory: CascadeMemory, measurement: Measurement, reference: Any
+    ) -> tuple[CascadeMemory, Numbers]:
         """Next memory and commands [-], from a `memory`, a `measurement` [SI] and the present
         `reference` [SI].
         """
-        delayed, queue = self._delayed(memory, measurement)
+        delayed, queue = self._delay_measurement(memory, measurement)
         memory = memory._replace(queue=queue)
         if self.every == 1:
-            following, commands = self._act(memory, delayed, reference)
+            following, commands = self._update(memory, delayed, reference)
         else:  # between its samples nothing is computed
             sample = memory._replace(wait=self.every + 0.0 * memory.wait)
             following, commands = lax.cond(
                 memory.wait <= 0,
-                lambda: self._act(sample, delayed, reference),
+                lambda: self._update(sample, delayed, reference),
                 lambda: (memory, memory.commands),
             )
         wait = following.wait - 1
         return following._replace(commands=commands, wait=wait, steps=memory.steps + 1), commands
 
-    def _act(
-        self, memory: Memory, measurement: Measurement, reference: Any
-    ) -> tuple[Memory, Numbers]:
-        """Next memory, but for its timing, and the commands [-], from a measurement that is late
-        already.
+    def _update(
+        self, memory: CascadeMemory, measurement: Measurement, reference: Any
+    ) -> tuple[CascadeMemory, Numbers]:
+        """Next memory and commands [-] of one sample, from a delayed `measurement` [SI].
+
+        The caller sets the timing in the memory.
         """
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
         started = memory.steps > 0
         if self.of == "position":
             error = reference - measurement.position
             before = jnp.where(started, memory.reference, reference)
-            prediction, friction = self._friction(memory, reference, before, measurement)
+            prediction, friction = self._predict_friction(memory, reference, before, measurement)
             force = (
                 -plant.load.force(reference) + prediction
                 + gains.position * error - gains.velocity * measurement.velocity + memory.integral
@@ -213,7 +214,7 @@ class Cascade(Module):
             last, friction = memory.reference, memory.friction
         force_error = force - measurement.force
         strains = plant.strains(measurement.position)
-        disturbance = self._disturbance(memory, measurement, strains)
+        disturbance = self._estimate_disturbance(memory, measurement, strains)
         command = force + gains.force * force_error
         demand = command + memory.force_integral - disturbance
         force_integral = memory.force_integral + gains.force_integral * force_error * dt
@@ -252,7 +253,7 @@ class Cascade(Module):
             winds_up = (is_short & (value > before)) | (is_excess & (value < before))
             return jnp.where(winds_up, before, value)
 
-        commands = self._valves(jnp.concatenate(targets), measurement, strains, speed)
+        commands = self._valve_commands(jnp.concatenate(targets), measurement, strains, speed)
         return memory._replace(
             integral=without_windup(integral, memory.integral),
             force_integral=without_windup(force_integral, memory.force_integral),
@@ -260,20 +261,20 @@ class Cascade(Module):
             friction=friction, reference=last, policies=tuple(policies),
         ), commands  # fmt: skip
 
-    def _valves(
+    def _valve_commands(
         self, target: Numbers, measurement: Measurement, strains: Numbers, speed: Numbers
     ) -> Numbers:
-        """Commands [-], equation (K3)."""
+        """Valve commands [-] that bring pressures to their `target` [Pa], equation (K3)."""
         commands = []
         for side, units in enumerate(self.units):
             indices = self.plant.unit_indices(side)
             P, eps, v = measurement.pressures[indices], strains[indices], speed[indices]
             P_r = minimum(maximum(target[indices], 0.0), self.highest_pressure)
-            m = units.content(P, eps)
-            by_pressure = (units.content(P + _STEP, eps) - m) / _STEP
-            by_strain = (units.content(P, eps + _STRAIN) - m) / _STRAIN
+            m = units.fluid_mass(P, eps)
+            by_pressure = (units.fluid_mass(P + _STEP, eps) - m) / _STEP
+            by_strain = (units.fluid_mass(P, eps + _STRAIN) - m) / _STRAIN
             flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
-            into, out = units.flows(P, measurement.supply_pressure + 0.0 * P)
+            into, out = units.valve_flows(P, measurement.supply_pressure + 0.0 * P)
             opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
             # an idle unit is open to the room: shut, it would be sucked empty as it is shortened,
             # and its refill needn't come from the supply
@@ -281,7 +282,9 @@ class Cascade(Module):
             commands.append(minimum(maximum(opening, -self.flow_limit), self.flow_limit))
         return jnp.concatenate(commands)
 
-    def _disturbance(self, memory: Memory, measurement: Measurement, strains: Numbers) -> Batch:
+    def _estimate_disturbance(
+        self, memory: CascadeMemory, measurement: Measurement, strains: Numbers
+    ) -> Batch:
         """Measured force beyond the model's at the measured pressures [SI], filtered, (K2a)."""
         plant, model = self.plant, 0.0
         arms = plant.lengths * plant.gains
@@ -297,8 +300,8 @@ class Cascade(Module):
         fraction = where(started, fraction, 1.0)  # a filter that begins at zero would kick
         return memory.disturbance + (measurement.force - model - memory.disturbance) * fraction
 
-    def _friction(
-        self, memory: Memory, reference: Batch, before: Batch, measurement: Measurement
+    def _predict_friction(
+        self, memory: CascadeMemory, reference: Batch, before: Batch, measurement: Measurement
     ) -> tuple[Batch, Numbers]:
         """Predicted friction along the reference [SI], and its forces [N]."""
         if self.friction is None:
@@ -313,7 +316,9 @@ class Cascade(Module):
         )
         return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
 
-    def _delayed(self, memory: Memory, measurement: Measurement) -> tuple[Measurement, Numbers]:
+    def _delay_measurement(
+        self, memory: CascadeMemory, measurement: Measurement
+    ) -> tuple[Measurement, Numbers]:
         """Delayed measurement, and the queue of later ones."""
         if not self.delay:
             return measurement, memory.queue

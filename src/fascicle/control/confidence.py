@@ -51,7 +51,7 @@ def crossing_confidence(
     slack: float = SLACK,
     lag: float = 0.0,
 ) -> CrossingConfidence:
-    """How sure a hand-over without a dip is, for muscles that are uncertain.
+    """Share of bundles around a model that have a hand-over without a dip along a path.
 
     **Arguments:**
 
@@ -71,7 +71,9 @@ def crossing_confidence(
     model = crossing(bundle, path, valves, unit, supply, **options)
     draws = draw_bundles(bundle) if draws is None else draws
     crossings = [crossing(b, path, valves, unit, supply, **options) for b in draws]
-    share = float(np.mean([candidate.found or candidate.needed is None for candidate in crossings]))
+    share = float(
+        np.mean([candidate.exists or candidate.deadline is None for candidate in crossings])
+    )
     if model.strain is None:
         return CrossingConfidence(model, share, np.nan)
     base, *states = (transition(b, model.strain, unit, supply) for b in (bundle, *draws))

@@ -23,13 +23,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_interval
 from .branches import Branches
 from .transition import Transition, check_unit, transition, unit_strain
 from .units import SLACK
-from .valves import AbstractValves, for_each
+from .valves import AbstractValves, valves_of_units
 
 
 _SHAPE = (81, 121)  # of tables, for times alone; the dip is that of the law itself
@@ -49,7 +50,7 @@ class Path(NamedTuple):
 
     @classmethod
     def of(cls, time: Values, force: Values, strain: Values) -> "Path":
-        """A path through moments, linear between them.
+        """Path of demand through given times, linear between them.
 
         **Arguments:**
 
@@ -73,33 +74,34 @@ class Path(NamedTuple):
         return cls(t, F, np.broadcast_to(eps, t.shape) + 0.0)
 
 
+@with_former_names
 class Crossing(NamedTuple):
-    """Hand-over to the next unit.
+    """Crossing of a transition: a hand-over to the next unit without a dip.
 
-    `start` and `end` [s]; `time`: $t_c$, (X4), that the next unit alone needs at the end's strain
-    [s]; `strain` [-], `dip` [N] and `onset_pressure` [Pa] at the end; `reserve` at the start [N];
-    `needed`: time from which the units before no longer suffice [s]; `reason` why there is none.
-    Missing values are `None`.
+    `start` and `end` [s]; `fill_time`: $t_c$, (X4), that the next unit alone needs at the end's
+    strain [s]; `strain` [-], `dip` [N] and `onset_pressure` [Pa] at the end; `reserve` at the start
+    [N]; `deadline`: time from which the units before no longer suffice [s]; `reason` why there is
+    none. Missing values are `None`.
     """
 
     start: float | None
     end: float | None
-    time: float | None
+    fill_time: float | None
     strain: float | None
     dip: float | None
     onset_pressure: float | None
     reserve: float | None
-    needed: float | None
+    deadline: float | None
     reason: str
 
     @property
-    def found(self) -> bool:
-        """True if there is a crossing."""
+    def exists(self) -> bool:
+        """True if a hand-over without a dip exists."""
         return self.start is not None
 
     def __str__(self) -> str:
         """The hand-over in a sentence."""
-        if not self.found:
+        if not self.exists:
             return f"none: {self.reason}"
         return (
             f"from {self.start:.4g} s to {self.end:.4g} s at a strain of {self.strain:.4g}:"
@@ -126,7 +128,7 @@ def hand_over_time(
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     onset = transition(bundle, strain, unit, supply).onset_pressure
-    valve = for_each(valves, len(bundle.motor_units))[unit - 1]
+    valve = valves_of_units(valves, len(bundle.motor_units))[unit - 1]
     return _fill_time(bundle, unit, valve, onset, strain)
 
 
@@ -160,7 +162,7 @@ def crossing(
     """
     check_unit(bundle, unit)
     supply = resolve_supply_pressure(bundle, supply_pressure)
-    per_unit = for_each(valves, len(bundle.motor_units))
+    per_unit = valves_of_units(valves, len(bundle.motor_units))
     path = Path.of(*path)
     lag = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
     begin = path.time[0]
@@ -205,7 +207,7 @@ def crossing(
 
 
 class _HandOver:
-    """Hand-overs along a path, with the bundle's tables and transitions on it."""
+    """Search for hand-overs along a path, with the bundle's tables and transitions on it."""
 
     def __init__(
         self,
@@ -252,7 +254,7 @@ class _HandOver:
         return np.where(feasible, t, np.inf)
 
     def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list]:
-        """Feasibility of a step to unit k, and both units' contents and flows."""
+        """Feasibility of a hand-over at a `fraction` of it, and both units' contents and flows."""
         k, P_s, n = self.k, self.supply, self.counts
         F, state = self.demand(time)
         strain = np.interp(time, self.path.time, self.path.strain)

@@ -32,6 +32,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
@@ -48,27 +49,28 @@ _GROWTH_TIME = 1.0  # s, in which an amplitude is reached: several time constant
 _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop", "supply_empty"))
 
 
+@with_former_names
 class FrequencyResponse(NamedTuple):
     """Tracking error, work and flow of a plant that follows sines of its reference.
 
     Amplitudes are on the first axis, frequencies on the second.
 
-    `error`: root mean square over that of the reference [-]; `reached`: fraction of steps whose
-    reference was in reach [-]; useful `work` of a period [J]; flow `drawn` from the supply [kg/s]
-    and the largest pressure of a unit that takes fluid, `top` [Pa], with time on the last axis,
-    `dt` [s] apart, over a `time` [s]; `trusted`: true without a doubtful event.
+    `error`: root mean square over that of the reference [-]; `reachable_share`: fraction of steps
+    whose reference was in reach [-]; useful `work` of a period [J]; `supply_flow` from the supply
+    [kg/s] and `highest_pressure` [Pa] of the units that take fluid, with time on the last axis,
+    `dt` [s] apart, over a `time` [s]; `is_valid`: true without a doubtful event.
     """
 
     amplitudes: Numbers
     frequencies: Numbers
     error: Numbers
-    reached: Numbers
+    reachable_share: Numbers
     work: Numbers
-    drawn: Numbers
-    top: Numbers
+    supply_flow: Numbers
+    highest_pressure: Numbers
     dt: Batch
     time: Batch
-    trusted: Numbers
+    is_valid: Numbers
 
 
 def frequency_response(
@@ -130,7 +132,7 @@ def frequency_response(
     work = per_sine(np.sum(power, axis=-1)) * dt / (span * f)
     runs = (PlantOutputs(*(field[k] for field in outputs)) for k in range(len(batch)))
     can = [
-        np.mean(reachability(controller, run_outputs, reference).can[late])
+        np.mean(reachability(controller, run_outputs, reference).is_reachable[late])
         for run_outputs, reference in zip(runs, batch, strict=True)
     ]
     top = np.max(np.where(outputs.supply > 0, outputs.pressures, 0.0), axis=-1)[:, late]
@@ -171,7 +173,7 @@ def shaft_work(
         for name, value in (("band", band), ("margin", margin))
     )
     periods = response.time * response.frequencies
-    Q = response.drawn / rho
+    Q = response.supply_flow / rho
 
     def per_period(values: Any) -> Numbers:
         return np.sum(values, axis=-1) * response.dt / periods
@@ -179,5 +181,5 @@ def shaft_work(
     return {
         "relief": P_s * np.max(Q, axis=-1) / (eta * response.frequencies),
         "accumulator": (P_s + b / 2) * per_period(Q) / eta,
-        "sensing": per_period(np.minimum(response.top + c, P_s) * Q) / eta,
+        "sensing": per_period(np.minimum(response.highest_pressure + c, P_s) * Q) / eta,
     }

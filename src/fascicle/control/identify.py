@@ -34,7 +34,7 @@ _RATIO = 1.01  # of the chamber's time constant over the lag at least: (K7) has 
 
 
 class StepResponse(NamedTuple):
-    """Step response of valve, chamber and measurement, (K7).
+    """Parameters of a step response of valve, chamber and measurement, (K7).
 
     `delay` $\\theta$ [s], `lag` $\\tau_v$ [s], `fill_time` $T$ [s]; `error`: root mean square of
     the pressure that (K7) misses [Pa].

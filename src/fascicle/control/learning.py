@@ -38,13 +38,13 @@ from ..core.module import unique_indices
 from ..core.types import Numbers, Values, Whole
 from ..core.validation import check_finite
 from ..dynamics import Plant
-from ..dynamics.muscles import MuscleWrapper, Tables
+from ..dynamics.muscles import MuscleTables, MuscleWrapper
 from ..io.atomic import check_overwrite, check_writable, write_text
 from ..io.input_file import read_bytes
 from ..muscle.surface import Surface
 from .branches import Branches
 from .uncertainty import draw_bundles
-from .units import Units
+from .units import ControlledUnits
 
 
 _CELLS = 32  # of pressure, even in √P: of 11 kPa at a dip at 72 kPa
@@ -107,11 +107,12 @@ class Correction(NamedTuple):
 
 
 class CorrectedMuscles(MuscleWrapper):
-    """`muscles` with `forces` added, a `Correction` by `pressures` and `grid_strains` [SI]. Volumes
-    stay those of the model: a force at one strain says little about them.
+    """Muscles whose forces are corrected: `forces` are added, a `Correction` by `pressures` and
+    `grid_strains` [SI]. Volumes stay those of the model: a force at one strain says little about
+    them.
     """
 
-    muscles: Tables
+    muscles: MuscleTables
     pressures: Numbers
     grid_strains: Numbers
     forces: Numbers
@@ -187,7 +188,7 @@ class Learner(NamedTuple):
             rows = rows.reshape(len(rows), n)
             parts.append((slice(first, last), rows.T @ rows / len(rows)))
             first = last
-        covariance = _residual_covariance(_full_force(plant), roots, strains)
+        covariance = _residual_covariance(_blocked_forces(plant), roots, strains)
         for block, expected in parts:
             covariance[block, block] += expected
         return cls(plant, grid, covariance)
@@ -223,21 +224,22 @@ class Learner(NamedTuple):
         before = grid if before is None else before
         arms = np.asarray(plant.lengths * plant.gains) * plant.counts
         P = np.clip(P, 0.0, grid.pressures[-1])
-        weights = _hats(P, grid.pressures), _hats(eps, grid.strains)
-        basis = np.einsum("u,tup,tus->tups", arms, *weights).reshape(len(F), -1)
+        by_pressure = _interpolation_weights(P, grid.pressures)
+        by_strain = _interpolation_weights(eps, grid.strains)
+        basis = np.einsum("u,tup,tus->tups", arms, by_pressure, by_strain).reshape(len(F), -1)
         residual = F - np.asarray(plant.muscles.at(P, eps).force) @ arms
         residual = residual - basis @ before.forces.ravel()
         seen = np.flatnonzero(np.any(basis != 0, axis=0))
         basis, K = basis[:, seen], self.covariance[:, seen]
-        noise = (_NOISE * np.max(np.abs(arms * _full_force(plant)) / plant.counts)) ** 2
+        noise = (_NOISE * np.max(np.abs(arms * _blocked_forces(plant)) / plant.counts)) ** 2
         A = basis.T @ basis @ K[seen] + noise * np.eye(len(seen))
         change = K @ np.linalg.solve(A, basis.T @ residual)
         return grid._replace(forces=before.forces + change.reshape(grid.forces.shape))
 
 
 def correct_units(
-    plant: Plant, units: Sequence[Units], correction: Correction
-) -> tuple[Units, ...]:
+    plant: Plant, units: Sequence[ControlledUnits], correction: Correction
+) -> tuple[ControlledUnits, ...]:
     """The `units` of each bundle of a `plant`, with a `correction` in their tables.
 
     **Raises:** `InvalidInputError` for a correction of another number of units.
@@ -254,8 +256,8 @@ def correct_units(
     return tuple(corrected)
 
 
-def _full_force(plant: Plant) -> Numbers:
-    """Force of one muscle of each unit at the supply's pressure and zero strain [N]."""
+def _blocked_forces(plant: Plant) -> Numbers:
+    """Blocked force of one muscle of each unit at the supply's pressure [N]."""
     zero = np.zeros(plant.units)
     return np.asarray(plant.muscles.at(zero + plant.supply_pressure, zero).force)
 
@@ -273,7 +275,9 @@ def _unit_forces(bundle: Bundle, grid: Correction) -> Numbers:
 
 
 def _residual_covariance(full: Numbers, roots: Numbers, strains: Numbers) -> Numbers:
-    """Covariance [N²] of what draws don't explain, (K10); `full`: largest forces [N]."""
+    """Covariance [N²] of the model errors that draws don't explain, (K10), between the nodes of
+    square `roots` of the relative pressure [-] and `strains` [-]; `full`: blocked forces [N].
+    """
     by_root, by_strain = (
         np.exp(-(np.subtract.outer(x, x) ** 2) / (2 * length**2))
         for x, length in ((roots, _ROOT), (strains, _STRAIN))
@@ -282,7 +286,7 @@ def _residual_covariance(full: Numbers, roots: Numbers, strains: Numbers) -> Num
     return np.kron(np.diag((_REST * full) ** 2), np.kron(by_pressure, by_strain))
 
 
-def _hats(values: Numbers, nodes: Numbers) -> Numbers:
+def _interpolation_weights(values: Numbers, nodes: Numbers) -> Numbers:
     """Weights of `nodes`, on a last axis, for linear interpolation at `values`."""
     x = np.interp(values, nodes, np.arange(len(nodes)))
     return np.maximum(1.0 - np.abs(x[..., None] - np.arange(len(nodes))), 0.0)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
@@ -29,7 +30,7 @@ _EQUAL = 1e-6  # of the larger one: runs that differ by less are as good as each
 
 
 class ControlMetrics(NamedTuple):
-    """Metrics of a controlled run.
+    """Metrics of a controlled run: tracking, dips, and supply.
 
     `drawdown` while the demand rose [SI]; deepest `dip` of a unit at the run's strains [N]; root
     mean square `rms` and `largest_error` of the error [SI]; `lag` with the least error [s];
@@ -53,29 +54,30 @@ class ControlMetrics(NamedTuple):
     short: float
 
 
+@with_former_names
 class Reachability(NamedTuple):
     """Reachability at each step: the reference's `target` for the muscles, and the `lower` and
-    `upper` ends of their range, forces or moments [SI]; `inside`, true if the load can go there.
+    `upper` ends of their range, forces or moments [SI]; `in_stroke`, true if the load can go there.
     """
 
     target: Numbers
     lower: Numbers
     upper: Numbers
-    inside: Marks
+    in_stroke: Marks
 
     @property
-    def can(self) -> Marks:
-        """True if the target could be reached."""
-        return self.inside & (self.short == 0)
+    def is_reachable(self) -> Marks:
+        """True where the target is within the range, and the load can go there."""
+        return self.in_stroke & (self.shortfall == 0)
 
     @property
-    def short(self) -> Numbers:
-        """Distance of the target from the range [SI]; zero inside."""
+    def shortfall(self) -> Numbers:
+        """Force or moment that the target lies outside of the range [SI]; zero inside."""
         return np.maximum(np.maximum(self.target - self.upper, self.lower - self.target), 0.0)
 
 
 def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> ControlMetrics:
-    """Metrics of a run of a controller.
+    """Compute the metrics of a controlled run: tracking, dips, and supply.
 
     **Arguments:**
 
@@ -92,7 +94,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     # the output at a step's end is compared with the demand at its beginning
     y = controlled_output(controller, run)[1:]
     reach = reachability(controller, outputs, target)
-    can, out_of_reach = reach.can, np.flatnonzero(~reach.can)
+    can, out_of_reach = reach.is_reachable, np.flatnonzero(~reach.is_reachable)
     first, last = (
         float(run.time[out_of_reach[end]]) if out_of_reach.size else np.nan for end in (0, -1)
     )
@@ -105,7 +107,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
         dip=dip,
         rms=float(np.sqrt(np.sum(error**2) / max(1, int(can.sum())))),
         largest_error=float(np.max(np.abs(error))),
-        lag=_lag(y, target, can) * float(controller.dt),
+        lag=_lag_steps(y, target, can) * float(controller.dt),
         supply_energy=float(spent[-1] - spent[0]),
         fluid=float(np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * dt),
         recruited=recruited,
@@ -113,7 +115,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
         moments=len(can),
         first=first,
         last=last,
-        short=float(np.max(reach.short)),
+        short=float(np.max(reach.shortfall)),
     )
 
 
@@ -185,7 +187,7 @@ def _dip_and_recruitments(controller: Cascade, run: Trajectory) -> tuple[float, 
     return deepest, switches
 
 
-def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
+def _lag_steps(y: Numbers, target: Numbers, counted: Marks) -> int:
     """Steps by which `y` lags the `target` with the least error; zero for a constant target."""
     if np.ptp(target) == 0 or not counted.any():
         return 0
@@ -198,9 +200,9 @@ def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
     return int(np.argmin(errors))
 
 
-def front(dips: Values, energies: Values) -> Marks:
-    """Pareto front of runs by depth of the dip and energy: true for each run that no other run
-    beats in one of them without being worse in the other.
+def pareto_front(dips: Values, energies: Values) -> Marks:
+    """Mask of the runs on the Pareto front of dip and energy: no other run is better in one of them
+    without being worse in the other.
 
     **Arguments:**
 

@@ -24,7 +24,7 @@ from .learning import Correction, correct_units
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
 from .uncertainty import draw_bundles
-from .units import Units
+from .units import ControlledUnits
 
 
 POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
@@ -94,16 +94,16 @@ def cascade(
             check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
-    period_steps = _steps(period, step, "sample_time")
+    period_steps = _whole_steps(period, step, "sample_time")
     lateness = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
-    delay_steps = _steps(lateness, step, "delay") if lateness else 0
+    delay_steps = _whole_steps(lateness, step, "delay") if lateness else 0
     supply = plant.supply_pressure
     highest = float(check_interval(
         supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
         "Pa", "of the supply", (False, True),
     ))  # fmt: skip
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
-    units = tuple(Units.from_plant(plant, side) for side in range(len(plant.bundles)))
+    units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
     if correction is not None:
         units = correct_units(plant, units, correction)
     if band is None:
@@ -139,7 +139,7 @@ def cascade(
     return controller
 
 
-def _steps(value: Any, dt: float, name: str) -> int:
+def _whole_steps(value: Any, dt: float, name: str) -> int:
     """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
     steps = round(float(value) / dt)
     if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
@@ -193,10 +193,10 @@ def select_policy(
     lag = DAMPED * (valve_lag(plant) + delay)  # of pressures, (K3a)
     crossings = tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
     share = np.nan
-    if any(entry.needed is not None for entry in crossings) and all(map(_is_settled, crossings)):
+    if any(entry.deadline is not None for entry in crossings) and all(map(_is_resolved, crossings)):
         draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
         share = float(np.mean([
-            all(_is_settled(crossing(b, path, plant, unit, supply, lag=lag)) for unit in units)
+            all(_is_resolved(crossing(b, path, plant, unit, supply, lag=lag)) for unit in units)
             for b in draws
         ]))  # fmt: skip
     return PolicyChoice(*_select(plant, path, crossings, share), crossings, share)
@@ -205,11 +205,11 @@ def select_policy(
 def _select(
     plant: Plant, path: Path, crossings: tuple[Crossing, ...], share: float
 ) -> tuple[str, str]:
-    """A policy and the reason for it."""
-    needed = [entry for entry in crossings if entry.needed is not None]
+    """Policy for a plant of one bundle by its `crossings`, and the reason for it."""
+    needed = [entry for entry in crossings if entry.deadline is not None]
     if not needed:
         return "threshold", f"no crossing is needed: {crossings[0].reason}"
-    infeasible = next((entry.reason for entry in needed if not entry.found), "")
+    infeasible = next((entry.reason for entry in needed if not entry.exists), "")
     among = f"of {100 * share:.0f} % of the bundles that the model could be"
     if share < CONFIDENCE:
         infeasible = f"there is a crossing without a dip {among} only"
@@ -226,20 +226,22 @@ def _select(
             why = f"{infeasible}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
             return "fast_cross", why
         return "hand_over", f"{infeasible}; it keeps the dip as small as it can be"
-    wait = max((entry.needed or 0.0) - (entry.end or 0.0) - (entry.time or 0.0) for entry in needed)
+    wait = max(
+        (entry.deadline or 0.0) - (entry.end or 0.0) - (entry.fill_time or 0.0) for entry in needed
+    )
     if wait > 0 and np.ptp(path.strain) > 1e-6:
         why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
     return "hand_over", f"there is a crossing without a dip {among}, {needed[0]}"
 
 
-def _is_settled(entry: Crossing) -> bool:
+def _is_resolved(entry: Crossing) -> bool:
     """True if a crossing is found, or none is needed."""
-    return entry.found or entry.needed is None
+    return entry.exists or entry.deadline is None
 
 
 def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
-    """Demand and strain of quasi-static motion."""
+    """Demand and strain of the quasi-static motion along a `reference` [SI]."""
     steps = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
     time, target = dt * steps, reference[steps]
     low, high = plant.stroke

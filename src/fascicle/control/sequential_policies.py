@@ -37,7 +37,15 @@ from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module
 from ..core.types import Batch, Numbers
 from ..core.validation import check_positive
-from .units import SLACK, UnitCapability, UnitDemand, Units, hand_over_times, select, share_demand
+from .units import (
+    SLACK,
+    ControlledUnits,
+    UnitCapability,
+    UnitDemand,
+    hand_over_times,
+    select_unit,
+    share_demand,
+)
 
 
 _MARGIN = 0.1  # of the dip: a model's error, as of 10 % of its stiffness
@@ -64,29 +72,33 @@ class SequentialState(NamedTuple):
 
 
 class SequentialPolicy(Module):
-    """Sequential policy, by its switches.
+    """Policy that recruits one unit after the other; its switches make the named policies.
 
-    `band` [N] of the demand, by which a unit is vented later; `early`: 1 if it hands over before
-    it must; `lead`: how much earlier, in times of the valve; `wide`: 1 if it opens the valve wide;
-    `parked`: 1 if recruited units stay at their onset; `margin`: of the dip; `slow`: longest
-    hand-over, in times of the valve.
+    `band` [N] of the demand, by which a unit is vented later; `anticipates`: 1 if it hands over
+    before it must; `lead`: how much earlier, in times of the valve; `opens_fully`: 1 if it opens
+    the valve wide up to the onset; `parks`: 1 if recruited units stay at their onset; `margin`: of
+    the dip; `longest` hand-over, in times of the valve.
     """
 
     band: Batch
-    early: Batch
+    anticipates: Batch
     lead: Batch
-    wide: Batch
-    parked: Batch
+    opens_fully: Batch
+    parks: Batch
     margin: Batch
-    slow: Batch
+    longest: Batch
 
-    def begin(self, units: Units) -> SequentialState:
+    def begin(self, units: ControlledUnits) -> SequentialState:
         """Initial memory for `units`."""
         zero = 0.0 * units.counts
         return SequentialState(zero[0] + 1.0, zero[0], zero, zero, zero)
 
     def __call__(
-        self, memory: SequentialState, units: Units, demand: UnitDemand, capability: UnitCapability
+        self,
+        memory: SequentialState,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
     ) -> tuple[SequentialState, Numbers]:
         """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
@@ -99,9 +111,9 @@ class SequentialPolicy(Module):
         last = where(indices == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
         next_ = where(indices == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
         reserve, dip, need = self._reserves(capability, demand, last, next_)
-        next_unit = xp.sum(next_[0] * where(capability.gains, 1.0, 0.0)) > 0
+        next_unit = xp.sum(next_[0] * where(capability.adds_force, 1.0, 0.0)) > 0
         late = reserve[0] < 0
-        in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0] / 2)
+        in_time = (self.anticipates > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0] / 2)
         up = next_unit & (late | in_time)
         down = (k > 1) & (fraction == 0) & (reserve[1] > need[1] + self.band)
         direction = where(up, 1.0, where(down, -1.0, where(fraction > 0, memory.direction, 0.0)))
@@ -122,87 +134,95 @@ class SequentialPolicy(Module):
         falls = down | ((fraction > 0) & (direction < 0))
         times = where(falls, capability.vent, capability.time)
         time = maximum(xp.sum(where(down, next_[1], next_[0]) * times), demand.dt)
-        pace = self._pace(capability, demand, (last[0], next_[0]), reserve[0], fraction, time)
+        pace = self._hand_over_rate(
+            capability, demand, (last[0], next_[0]), reserve[0], fraction, time
+        )
         pace = where(direction > 0, where(rush, 1 / time, pace), 1 / (SLACK * time))
-        speed = where(self.early > 0, hold * pace, 1 / demand.dt)
+        speed = where(self.anticipates > 0, hold * pace, 1 / demand.dt)
         recruited = memory.recruited + direction * speed * demand.dt
         recruited = minimum(maximum(recruited, where(down, k - 1, k)), where(down, k, k + 1))
         recruited = minimum(recruited, float(units.count))
 
         k = xp.floor(recruited + 1e-9)
         ramp = where(indices == k, (recruited - k) * parked, 0.0)
-        low = where((indices > 0) & (indices < k), parked * self.parked, ramp)
+        low = where((indices > 0) & (indices < k), parked * self.parks, ramp)
         high = where(indices < k, top, ramp)
         # in a rush, and as long as a unit is vented, even after its ramp, the unit before makes up
         # for the present pressure, not for the target
         hurried = (demand.pressures < low) & rush
         vented = (indices >= k) & (demand.pressures > low) & (direction <= 0)
         measured = maximum(demand.pressures, 0.0)
-        throttled = where((indices > 0) & (self.early > 0) & (hurried | vented), measured, low)
+        throttled = where(
+            (indices > 0) & (self.anticipates > 0) & (hurried | vented), measured, low
+        )
         target, _ = share_demand(units, capability, demand, low, high, throttled)
         target = where(
-            self.early > 0, _first_below_onset(units, capability, demand, target), target
+            self.anticipates > 0, _first_below_onset(units, capability, demand, target), target
         )
         # wide open to the onset, and no further
         opened = (
-            (self.wide > 0) & (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
+            (self.opens_fully > 0)
+            & (indices > 0)
+            & (indices < k)
+            & (demand.pressures < capability.onset)
         )
         prediction = prediction + (target - prediction) * demand.dt / (demand.dt + demand.lag)
         state = SequentialState(recruited, direction, target, prediction, deficit)
         return state, where(opened, top, target)
 
-    def _pace(
+    def _hand_over_rate(
         self, capability: UnitCapability, demand: UnitDemand,
         pair: tuple[Numbers, Numbers], reserve: Batch, fraction: Batch, time: Batch,
     ) -> Batch:  # fmt: skip
-        """Rate [1/s] of a hand-over at a `fraction` of it, between the `pair` of units, with a
+        """Rate [1/s] of a hand-over between the `pair` of units at a `fraction` of it, with a
         `reserve` [N] and the valve's `time` [s].
 
         It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time.
         """
         last, next_ = pair
-        dip, rise = select(next_, capability.dip), maximum(demand.rate, 1e-9)
-        onset = maximum(select(next_, capability.onset), 1.0)
-        deepest = select(next_, capability.dip_pressure) / onset
+        dip, rise = select_unit(next_, capability.dip), maximum(demand.rate, 1e-9)
+        onset = maximum(select_unit(next_, capability.onset), 1.0)
+        deepest = select_unit(next_, capability.dip_pressure) / onset
         spare = reserve - dip
-        late_force = self.margin * dip + select(last, capability.shortfall)
+        late_force = self.margin * dip + select_unit(last, capability.shortfall)
         spare = maximum(maximum(spare - late_force, spare / 2), 1e-9)
         needed = maximum(
             maximum(deepest - fraction, 0.0) * rise / spare,
             (1 - fraction) * rise / maximum(reserve, 1e-9),
         )
-        return minimum(maximum(needed, 1 / (self.slow * time)), 1 / (SLACK * time))
+        return minimum(maximum(needed, 1 / (self.longest * time)), 1 / (SLACK * time))
 
     def _reserves(
         self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers
     ) -> tuple[Numbers, Numbers, Numbers]:
         """Reserve of the states that end with the `last` unit, dip of the `next_` unit, and the
-        reserve at which a hand-over to it begins [N]; units as ones among zeros, in two rows: for
-        going up, and for going down.
+        reserve at which a hand-over to it begins [N]; units as one-hot rows, the first for going
+        up, the second for going down.
         """
         reserve, dip = (
-            select(last, capability.largest) - demand.force,
-            select(next_, capability.dip),
+            select_unit(last, capability.largest) - demand.force,
+            select_unit(next_, capability.dip),
         )
         rise = maximum(demand.rate, 0.0)
         # a slow ramp begins earlier, but not at a fast demand long before the unit is needed
         deepest, end = (
             (SLACK * time + demand.lag) * rise
-            + minimum((self.slow - SLACK) * time * rise, _EARLIEST * dip)
+            + minimum((self.longest - SLACK) * time * rise, _EARLIEST * dip)
             for time in hand_over_times(capability, last, next_)
         )
         need = maximum(dip * (1 + self.margin) + deepest, end)
-        lead = self.lead * rise * select(next_, capability.time)
-        need = need + select(last, capability.shortfall) + lead
-        return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
+        lead = self.lead * rise * select_unit(next_, capability.time)
+        need = need + select_unit(last, capability.shortfall) + lead
+        return reserve, dip, where((self.anticipates > 0) & (dip > 0), need, 0.0)
 
 
 def _first_below_onset(
-    units: Units, capability: UnitCapability, demand: UnitDemand, target: Numbers
+    units: ControlledUnits, capability: UnitCapability, demand: UnitDemand, target: Numbers
 ) -> Numbers:
-    """The `target` [Pa] with a first unit below its onset that stays where it is needed there.
+    """Target pressures [Pa] with the first unit held below its onset where it is needed there.
 
-    Vented, it would pull more: between the pressure of its dip and its onset force rises, too.
+    `target`: those that would vent it [Pa]. Vented, it would pull more: between the pressure of its
+    dip and its onset force rises, too.
     """
     xp = array_namespace(target)
     empty = xp.sum(units.counts * units.branches.force(target, demand.strains))
@@ -214,12 +234,13 @@ def _first_below_onset(
 
 
 _DEFAULTS = {
-    "early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0, "margin": _MARGIN, "slow": _SLOW,
+    "anticipates": 0.0, "lead": 0.0, "opens_fully": 0.0, "parks": 1.0, "margin": _MARGIN,
+    "longest": _SLOW,
 }  # fmt: skip
 
 
 def _sequential_policy(**options: float) -> Any:
-    """Constructor, from a band, of the sequential policy with some switches other than default."""
+    """Function that makes a sequential policy of a band, with other switches than default."""
 
     def policy_with_band(band: Any) -> SequentialPolicy:
         """Policy that vents a unit when the demand has fallen by a `band` [N]."""
@@ -231,12 +252,12 @@ def _sequential_policy(**options: float) -> Any:
 
 
 def orderly(band: Any = None) -> SequentialPolicy:
-    """The plain inverse; it has no `band` [N]."""
+    """Policy `orderly`, the plain inverse; it has no `band` [N]."""
     del band
     return SequentialPolicy(*np.zeros(7))
 
 
 threshold = _sequential_policy()
-hand_over = _sequential_policy(early=1.0)
-pre_charge = _sequential_policy(early=1.0, lead=1.0)
-fast_cross = _sequential_policy(wide=1.0)
+hand_over = _sequential_policy(anticipates=1.0)
+pre_charge = _sequential_policy(anticipates=1.0, lead=1.0)
+fast_cross = _sequential_policy(opens_fully=1.0)

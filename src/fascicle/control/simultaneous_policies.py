@@ -13,7 +13,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.types import Batch, Numbers
 from ..core.validation import check_positive
-from .units import UnitCapability, UnitDemand, Units, share_demand
+from .units import ControlledUnits, UnitCapability, UnitDemand, share_demand
 
 
 _HALVINGS = 30  # of a common pressure's bracket: to 1e-9 of the supply
@@ -22,24 +22,28 @@ _SAVING = 0.1  # of the fluid, for which another set is worth its change
 
 
 class PolicyState(NamedTuple):
-    """Memory: number of the present state or set."""
+    """Memory of a policy: number of its present recruitment state, or of its set of units."""
 
     number: Batch
 
 
-class Batched(Module):
-    """`batch`: as few units as suffice, all at one pressure, and fewer only when the demand is
-    lower than their force by a `band` [N].
+class BatchPolicy(Module):
+    """Policy `batch`: as few units as suffice, all at one pressure, and fewer only when the demand
+    is lower than their force by a `band` [N].
     """
 
     band: Batch
 
-    def begin(self, units: Units) -> PolicyState:
+    def begin(self, units: ControlledUnits) -> PolicyState:
         """Initial memory for `units`."""
         return PolicyState(1.0 + 0.0 * units.counts[0])
 
     def __call__(
-        self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
+        self,
+        memory: PolicyState,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
     ) -> tuple[PolicyState, Numbers]:
         """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp, n = array_namespace(demand.strains, demand.force), units.counts
@@ -61,12 +65,12 @@ class Batched(Module):
         return PolicyState(k + 0.0), where(on, high, 0.0)
 
 
-class EnergyAware(Module):
-    """`energy_aware`: of all sets of units that suffice, each filled in turn, the one whose
+class EnergyAwarePolicy(Module):
+    """Policy `energy_aware`: of all sets of units that suffice, each filled in turn, the one whose
     chambers contain least; it changes if that saves a tenth, or the present one no longer suffices.
     """
 
-    def begin(self, units: Units) -> PolicyState:
+    def begin(self, units: ControlledUnits) -> PolicyState:
         """Initial memory for `units`."""
         if units.count > _MAX_UNITS:
             raise InvalidInputError(
@@ -75,7 +79,11 @@ class EnergyAware(Module):
         return PolicyState(0.0 * units.counts[0])
 
     def __call__(
-        self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
+        self,
+        memory: PolicyState,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
     ) -> tuple[PolicyState, Numbers]:
         """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
@@ -85,7 +93,7 @@ class EnergyAware(Module):
         )
         low = 0.0 * demand.strains + 0.0 * sets
         pressures = share_demand(units, capability, demand, low, top * sets)[0] * sets
-        content = xp.sum(units.content(pressures, demand.strains), axis=-1)
+        content = xp.sum(units.fluid_mass(pressures, demand.strains), axis=-1)
         full = xp.sum(xp.asarray(sets) * (capability.full - capability.empty), axis=-1)
         highest = full + xp.sum(capability.empty)
         suffices = highest >= demand.force
@@ -97,12 +105,12 @@ class EnergyAware(Module):
         return PolicyState(number + 0.0), pressures[number]
 
 
-def batch(band: Any) -> Batched:
-    """`Batched` with a `band` [N]."""
-    return Batched(check_positive(band, "band", "N"))
+def batch(band: Any) -> BatchPolicy:
+    """Policy `batch` with a `band` [N]."""
+    return BatchPolicy(check_positive(band, "band", "N"))
 
 
-def energy_aware(band: Any) -> EnergyAware:
-    """`EnergyAware`, which has no `band` [N]: its saving decides."""
+def energy_aware(band: Any) -> EnergyAwarePolicy:
+    """Policy `energy_aware`, which has no `band` [N]: its saving decides."""
     del band
-    return EnergyAware()
+    return EnergyAwarePolicy()

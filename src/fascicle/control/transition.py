@@ -22,10 +22,10 @@ $$\rho \ge \max_{p \le p_{on}} \left[-g(p) + \dot F\, t_c\, \frac{p}{p_{on}}\rig
 Bryant (2021); Kim and Bryant (2025) compensate the resisting force by a model, in hardware.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from ..bundle.bundle import Bundle, resolve_supply_pressure
 from ..bundle.pressurized import muscle_strain
@@ -36,15 +36,13 @@ from ..core.validation import HIGHEST_PRESSURE, check_interval
 
 _GRID = 129  # pressures that bracket a dip and its end, even in √p: finer than any fold of a law
 _FRACTIONS = 513  # of an onset, for a rising demand: the grid's error is below 1e-5 of the dip
-_ZOOMS = 8  # of 17 pressures each around the lowest, which may be a kink: to 1e-9 of the supply
-_STEPS = 60  # of a bracket at most: by halves alone they take a pressure to rounding
 _BATCH = 50_000  # points of a law in one call, of some 2 µs each
 
 
 class Transition(NamedTuple):
-    """Transition at each strain: depth of the `dip`, $D$ [N], the next unit's pressure at it,
-    `dip_pressure` [Pa], and at its end, `onset_pressure` [Pa], inf if it has no end up to the
-    supply's, and the `largest_force` of the units before [N].
+    """Transition to the next unit at each strain, (X1): depth of the `dip`, $D$ [N], the next
+    unit's pressure at it, `dip_pressure` [Pa], and at its end, `onset_pressure` [Pa], inf if it has
+    no end up to the supply's, and the `largest_force` of the units before [N].
     """
 
     dip: Batch
@@ -53,7 +51,7 @@ class Transition(NamedTuple):
     largest_force: Batch
 
 
-def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
+def added_force(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
     """Force that a unit adds as it is pressurized, negative below its onset, equation (X1).
 
     **Arguments:**
@@ -69,13 +67,14 @@ def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Bat
     """
     check_unit(bundle, unit, first=1)
     P = check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
-    return _gain(bundle, unit, P, unit_strain(bundle, unit, strain))
+    return _added_force(bundle, unit, P, unit_strain(bundle, unit, strain))
 
 
 def transition(
     bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> Transition:
-    """The dip before a unit, its end, and the largest force without it.
+    """Dip of force as a unit is pressurized, where it ends, and the largest force without that
+    unit.
 
     **Arguments:**
 
@@ -136,7 +135,7 @@ def needed_reserve(
     onset = np.where(gains, state.onset_pressure, supply)
     fraction = np.linspace(0.0, 1.0, _FRACTIONS)
     eps = np.asarray(unit_strain(bundle, unit, strain))[..., None]
-    loss = -_gain(bundle, unit, onset[..., None] * fraction, eps)
+    loss = -_added_force(bundle, unit, onset[..., None] * fraction, eps)
     need = np.max(loss + np.asarray(rise)[..., None] * fraction, axis=-1)
     # between the grid's pressures the dip itself is deeper, often a kink
     dip_fraction = np.where(gains, state.dip_pressure / np.maximum(onset, 1.0), 0.0)
@@ -159,8 +158,8 @@ def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
     return eps if bundle.ratios is None else muscle_strain(bundle.ratios[..., unit - 1], eps)
 
 
-def _gain(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
-    """As `gain`, without checks, of all of the unit's muscles [N]."""
+def _added_force(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
+    """As `added_force`, without checks, of all of the unit's muscles [N]."""
     motor_unit = bundle.motor_units[unit - 1]
     pressurized, empty = (
         motor_unit.muscle.law.at(P) for P in (pressure + 0.0 * strain, 0.0 * strain)
@@ -174,48 +173,23 @@ def _dip(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth [N] and pressure [Pa] of the dip, and the onset [Pa], at each strain."""
 
-    def gains(pressure: np.ndarray) -> np.ndarray:
-        return np.asarray(_gain(bundle, unit, pressure, strain))
+    def added(pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
+        return np.asarray(_added_force(bundle, unit, pressure, strain))
 
-    batch = np.arange(len(strain))
+    batch, end = np.arange(len(strain)), _GRID - 1
     grid = supply * np.linspace(0.0, 1.0, _GRID)[:, None] ** 2 + 0.0 * strain
-    values = gains(grid)
-    last = _GRID - 1 - np.argmax(values[::-1] <= 0, axis=0)
-    helpless = last == _GRID - 1
-    low, high = (grid[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
-    falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
-    onset = _find_root(gains, (low, falls_to), (high, rises_to))
-    onset = np.where(helpless, np.inf, np.where(last == 0, 0.0, onset))
+    values = added(grid, strain)
+    last = end - np.argmax(values[::-1] <= 0, axis=0)
+    bracket = grid[last, batch], grid[np.minimum(last + 1, end), batch]
+    onset = elementwise.find_root(added, bracket, args=(strain,)).x
+    onset = np.where(last == end, np.inf, np.where(last == 0, 0.0, onset))
     k = np.argmin(values, axis=0)
-    for _ in range(_ZOOMS):
-        low, high = (grid[np.clip(k + side, 0, len(grid) - 1), batch] for side in (-1, 1))
-        # the best so far stays among them
-        inner = low + (high - low) * np.linspace(0.0, 1.0, 16)[:, None]
-        grid = np.sort(np.concatenate([inner, grid[k, batch][None]]), axis=0)
-        values = gains(grid)
-        k = np.argmin(values, axis=0)
-    best, depth = grid[k, batch], values[k, batch]
+    inside = np.clip(k, 1, end - 1)
+    lowest = elementwise.find_minimum(
+        added, tuple(grid[inside + side, batch] for side in (-1, 0, 1)), args=(strain,)
+    )
+    deeper = lowest.f_x < values[k, batch]  # not at an end of the grid, nor where it is nan
+    best = np.where(deeper, lowest.x, grid[k, batch])
+    depth = np.where(deeper, lowest.f_x, values[k, batch])
     falls = depth < 0
     return np.where(falls, -depth, 0.0), np.where(falls, best, 0.0), onset
-
-
-def _find_root(
-    function: Callable[[np.ndarray], np.ndarray],
-    low: tuple[np.ndarray, np.ndarray],
-    high: tuple[np.ndarray, np.ndarray],
-) -> np.ndarray:
-    """Roots of a rising `function` between two points, each with its value: false position, of
-    which every third step is a halving.
-    """
-    (a, f_a), (b, f_b) = low, high
-    for step in range(_STEPS):
-        if np.all(b - a <= 1e-13 * b):  # rounding
-            break
-        fraction = np.where(f_b > f_a, -f_a / np.where(f_b > f_a, f_b - f_a, 1.0), 0.5)
-        fraction = 0.5 if step % 3 == 2 else np.clip(fraction, 1e-6, 1 - 1e-6)
-        middle = a + fraction * (b - a)
-        value = function(middle)
-        up = value > 0
-        a, f_a = np.where(up, a, middle), np.where(up, f_a, value)
-        b, f_b = np.where(up, middle, b), np.where(up, value, f_b)
-    return b

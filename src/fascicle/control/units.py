@@ -20,12 +20,12 @@ _LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 %
 _LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
 
 
-class Units(Module):
-    """Motor units of one bundle, as a policy needs them: branches, chambers and valves.
+class ControlledUnits(Module):
+    """Model of one bundle's motor units in a controller: force branches, chambers and valves.
 
     Units are on the last axis. `branches`: from forces to pressures, (K1). `counts`: numbers of
-    muscles [-]. `chamber`, `valve`, `exhaust_valve`: the
-    plant's, of these units. `supply_temperature` [K].
+    muscles [-]. `chamber`, `valve`, `exhaust_valve`: the plant's, of these units.
+    `supply_temperature` [K].
     """
 
     branches: Branches
@@ -36,8 +36,8 @@ class Units(Module):
     supply_temperature: Batch
 
     @classmethod
-    def from_plant(cls, plant: Plant, side: int) -> "Units":
-        """Units of the bundle `side` of a `plant`, counted from 0."""
+    def from_plant(cls, plant: Plant, side: int) -> "ControlledUnits":
+        """Model of the units of the bundle `side` of a `plant`, counted from 0."""
         bundle, top = plant.bundles[side], plant.supply_pressure
         key = "control.units", top
         if key not in bundle.cache:
@@ -49,7 +49,7 @@ class Units(Module):
         )
         return cls(
             bundle.cache[key], plant.counts[indices], chamber, valve, exhaust,
-            np.float64(plant.supply.temperature_at(plant.supply.start())),
+            np.float64(plant.supply.temperature_at(plant.supply.initial_state())),
         )  # fmt: skip
 
     @property
@@ -57,12 +57,12 @@ class Units(Module):
         """Number of units."""
         return len(self.counts)
 
-    def content(self, pressure: Numbers, strain: Numbers) -> Numbers:
+    def fluid_mass(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Mass [kg] in each unit's chamber at a `pressure` [Pa] and `strain` [-]."""
         V = self.counts * self.branches.muscles.at(pressure, strain).volume
-        return self.chamber.start(pressure, V)[..., 0]
+        return self.chamber.state_at(pressure, V)[..., 0]
 
-    def flows(self, pressure: Numbers, supply: Numbers) -> tuple[Numbers, Numbers]:
+    def valve_flows(self, pressure: Numbers, supply: Numbers) -> tuple[Numbers, Numbers]:
         """Flows into and out of each chamber [kg/s] at a `pressure` [Pa] below the `supply` [Pa],
         valves wide open.
         """
@@ -91,9 +91,9 @@ class UnitDemand(NamedTuple):
 
 
 class UnitCapability(NamedTuple):
-    """Capability of units at their strains.
+    """Capability of units at their strains: forces, transition, and times of valves.
 
-    Of each unit: force when `full` and when `empty` [N]; `gains`, true if pressure adds force;
+    Of each unit: force when `full` and when `empty` [N]; `adds_force`, true if pressure adds force;
     `onset` [Pa], `dip` [N] and `dip_pressure` [Pa]; `largest` force of the state that ends with it
     [N]. Of its valve: `time` up to the onset, `vent` from the onset down, `climb` from the present
     pressure to near the supply's [s], with its mean `speed` [Pa/s]. `slope` of the force [N/Pa];
@@ -102,7 +102,7 @@ class UnitCapability(NamedTuple):
 
     full: Numbers
     empty: Numbers
-    gains: Any
+    adds_force: Any
     onset: Numbers
     dip: Numbers
     dip_pressure: Numbers
@@ -115,60 +115,62 @@ class UnitCapability(NamedTuple):
     shortfall: Numbers
 
 
-def evaluate_capability(units: Units, demand: UnitDemand) -> UnitCapability:
-    """Capability of `units` for a `demand`."""
+def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapability:
+    """Forces and times that `units` are capable of at the strains and pressures of a `demand`."""
     xp, eps, n = array_namespace(demand.strains), demand.strains, units.counts
     zero = 0.0 * eps
     top = minimum(demand.supply, units.branches.top) + zero
     empty, full = n * units.branches.force(zero, eps), n * units.branches.force(top, eps)
-    gains = full > empty
-    full = where(gains, full, empty)
+    adds_force = full > empty
+    full = where(adds_force, full, empty)
     depth, dip_pressure = units.branches.dip(eps)
     onset = units.branches.onset(eps)
     largest = xp.cumsum(full, axis=-1) + xp.sum(empty) - xp.cumsum(empty, axis=-1)
     end = minimum(onset, CLOSE * top)
-    flow, _ = units.flows(end, top)
-    shortfall = where(gains, full - n * units.branches.force(CLOSE * top, eps), 0.0)
-    _, out = units.flows(_LATE * end, top)
-    content = maximum(units.content(end, eps) - units.content(zero, eps), 0.0)
+    flow, _ = units.valve_flows(end, top)
+    shortfall = where(adds_force, full - n * units.branches.force(CLOSE * top, eps), 0.0)
+    _, out = units.valve_flows(_LATE * end, top)
+    content = maximum(units.fluid_mass(end, eps) - units.fluid_mass(zero, eps), 0.0)
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
-    climb = _climb(units, demand, CLOSE * top)
+    climb = _climb_time(units, demand, CLOSE * top)
     speed = maximum(CLOSE * top - demand.pressures, 0.0) / maximum(climb, 1e-9)
     level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
     rise = full - shortfall - n * units.branches.force(level, eps)
     slope = maximum(rise / (CLOSE * top - level), _FLAT * absolute(full) / top + 1e-12)
     return UnitCapability(
-        full, empty, gains, onset, n * depth, dip_pressure, largest, time, vent, climb, speed,
+        full, empty, adds_force, onset, n * depth, dip_pressure, largest, time, vent, climb, speed,
         slope, shortfall,
     )  # fmt: skip
 
 
-def _climb(units: Units, demand: UnitDemand, end: Numbers) -> Numbers:
-    """Time [s] of each unit's valve, wide open, from its pressure to an `end` [Pa]."""
+def _climb_time(units: ControlledUnits, demand: UnitDemand, end: Numbers) -> Numbers:
+    """Time [s] in which each unit's pressure rises to an `end` [Pa] with its valve wide open."""
     level = minimum(maximum(demand.pressures, 0.0), end)
     ends = level + _LEGS[:, None] * (end - level)
-    content = units.content(ends, demand.strains)
-    flow, _ = units.flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
+    content = units.fluid_mass(ends, demand.strains)
+    flow, _ = units.valve_flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
     legs = maximum(content[1:] - content[:-1], 0.0) / maximum(flow, 1e-12)
     return array_namespace(legs).sum(legs, axis=0)
 
 
 def share_demand(
-    units: Units,
+    units: ControlledUnits,
     capability: UnitCapability,
     demand: UnitDemand,
     low: Numbers,
     high: Numbers,
     throttled: Numbers | None = None,
 ) -> tuple[Numbers, Whole]:
-    """Pressures [Pa] of `units` that are filled one after the other, and the status of each.
+    """Pressures [Pa] with which `units`, filled one after the other, share a demand; and statuses.
 
     Each unit is filled from a `low` to a `high` pressure [Pa] until together they meet the
     `demand`. `throttled`: present pressures [Pa] of units that have not reached `low`.
     """
     xp, n, branches = array_namespace(demand.strains), units.counts, units.branches
     at_low = n * branches.force(low if throttled is None else throttled, demand.strains)
-    at_high = where(capability.gains, n * branches.force(high, demand.strains), capability.empty)
+    at_high = where(
+        capability.adds_force, n * branches.force(high, demand.strains), capability.empty
+    )
     at_high = maximum(at_high, at_low)
     before = xp.cumsum(at_high, axis=-1) - at_high
     after = xp.sum(at_low, axis=-1, keepdims=True) - xp.cumsum(at_low, axis=-1)
@@ -179,19 +181,20 @@ def share_demand(
 def hand_over_times(
     capability: UnitCapability, before: Numbers, unit: Numbers
 ) -> tuple[Batch, Batch]:
-    """Times [s] of hand-overs to a `unit` from the one `before` it, to the deepest dip and to the
-    end, by the units' `capability` [SI]. Units are given as ones among zeros, several in rows.
+    """Times [s] from the start of a hand-over to its deepest dip and to its end.
+
+    To a `unit` from the one `before` it, both as one-hot rows; `capability` of the units [SI].
 
     At the deepest dip the pressure of the unit before must be as near to the supply's as it ever
     will be: its valve, whose flow vanishes there, has until then, and no longer.
     """
-    t_c = select(unit, capability.time)
-    onset = maximum(select(unit, capability.onset), 1.0)
-    fraction = minimum(select(unit, capability.dip_pressure) / onset, 1.0)
-    deepest = maximum(fraction * t_c, select(before, capability.climb))
+    t_c = select_unit(unit, capability.time)
+    onset = maximum(select_unit(unit, capability.onset), 1.0)
+    fraction = minimum(select_unit(unit, capability.dip_pressure) / onset, 1.0)
+    deepest = maximum(fraction * t_c, select_unit(before, capability.climb))
     return deepest, deepest + (1 - fraction) * t_c
 
 
-def select(index: Numbers, values: Numbers) -> Batch:
-    """Value of the unit that `index` marks by a one among zeros; several units in rows."""
+def select_unit(index: Numbers, values: Numbers) -> Batch:
+    """Value of the unit that a one-hot `index` marks; several rows mark several units."""
     return array_namespace(values).sum(index * values, axis=-1)

@@ -32,7 +32,7 @@ from ..fluid.fields import component_field, positive_field, room_pressure_field,
 
 
 class AbstractValves(Module):
-    """Content of a motor unit's chamber, and flow of the valve that fills it."""
+    """Model of one motor unit's filling: content of its chamber, and flow of its valve."""
 
     @abc.abstractmethod
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
@@ -44,7 +44,7 @@ class AbstractValves(Module):
 
 
 class GasValves(AbstractValves):
-    """Gas at a `mass_flow`, $\\dot m$ [kg/s], that does not depend on the pressure.
+    """Valve for gas at a `mass_flow`, $\\dot m$ [kg/s], that does not depend on the pressure.
 
     `gas`; `room_pressure`, absolute [Pa]; `room_temperature` [K].
     """
@@ -64,7 +64,7 @@ class GasValves(AbstractValves):
 
 
 class OilValves(AbstractValves):
-    """Liquid at a `flow_rate`, $Q$ [m³/s], that does not depend on the pressure."""
+    """Valve for liquid at a `flow_rate`, $Q$ [m³/s], that does not depend on the pressure."""
 
     flow_rate: Batch = positive_field("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
 
@@ -92,7 +92,7 @@ class PlantValves(AbstractValves):
     @classmethod
     def of(cls, plant: Plant) -> tuple["PlantValves", ...]:
         """Valves of each motor unit of a `plant`, in its order."""
-        temperature = float(plant.supply.temperature_at(plant.supply.start()))
+        temperature = float(plant.supply.temperature_at(plant.supply.initial_state()))
         return tuple(
             cls(
                 select_units(plant.chamber, i, plant.units),
@@ -105,7 +105,7 @@ class PlantValves(AbstractValves):
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
         """Mass [kg] at gauge `pressure` [Pa] with a `volume` [m³] in its muscles."""
-        return self.chamber.start(pressure, volume)[..., 0]
+        return self.chamber.state_at(pressure, volume)[..., 0]
 
     def flow(self, pressure: Numbers) -> Batch:
         """Mass flow [kg/s] into it at gauge `pressure` [Pa], wide open."""
@@ -114,8 +114,8 @@ class PlantValves(AbstractValves):
         return self.valve.flow(top, pressure + room, self.supply_temperature, temperature)
 
 
-def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
-    """Valves of each of the `units`, from a plant, one for all, or a list of `valves`."""
+def valves_of_units(valves: Any, units: int) -> tuple[AbstractValves, ...]:
+    """Valves of each of so many `units`; `valves`: a plant, one for all units, or a list."""
     if isinstance(valves, Plant):
         per_unit: tuple[Any, ...] = PlantValves.of(valves)
     elif isinstance(valves, AbstractValves):
@@ -133,7 +133,9 @@ def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
 
 
 def select_units(component: Module, index: Any, units: int) -> Any:
-    """Component of a plant of so many `units`, with the numbers of one `index` or several."""
+    """Copy of a plant's `component` with the numbers of the units of an `index` alone; `units`: the
+    plant's number of units.
+    """
     return jax.tree.map(
         lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, component
     )

@@ -21,6 +21,7 @@ NAMES: Mapping[str, Mapping[str, str]] = {
     "fascicle.control": {
         "Choice": "PolicyChoice", "Reach": "Reachability", "Sines": "FrequencyResponse",
         "Worth": "ControlMetrics", "choose": "select_policy", "done": "controlled_output",
+        "front": "pareto_front", "gain": "added_force",
         "reachable": "reachability", "sines": "frequency_response", "worth": "control_metrics",
     },
     "fascicle.design": {
@@ -31,7 +32,7 @@ NAMES: Mapping[str, Mapping[str, str]] = {
         "rest": "equilibrium_state",
     },
     "fascicle.export": {"on_table": "tabulate_controller", "tabulated": "tabulate"},
-    "fascicle.fluid": {"checked_commands": "validate_commands"},
+    "fascicle.fluid": {"Balance": "StateResidual", "checked_commands": "validate_commands"},
 }  # fmt: skip
 
 # modules in fascicle by their former names in a package
@@ -45,7 +46,7 @@ MODULES: Mapping[str, Mapping[str, str]] = {
         "profiling": "calibrate.intervals",
     },
     "fascicle.design": {
-        "checkpoint": "design.genetic", "examples": "design.task",
+        "checkpoint": "design.genetic", "cycle_run": "design.cycle", "examples": "design.task",
         "judging": "design.evaluation", "packing": "design.designs",
         "pareto": "design.exhaustive_search", "reach": "design.objectives",
         "searching": "design.exhaustive_search", "store": "design.sweep", "study": "design.sweep",
@@ -65,11 +66,22 @@ MODULES: Mapping[str, Mapping[str, str]] = {
 # attributes and methods of a class by their former names
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "AbstractBolen": {"largest_force": "blocked_force"},
-    "AbstractChamber": {"guess": "static_pressure"},
+    "AbstractChamber": {
+        "balance": "state_residual",
+        "guess": "static_pressure",
+        "heat": "heat_flow",
+        "start": "state_at",
+        "stored": "stored_energy",
+    },
     "AbstractEnds": {"stretch": "strain_ratio"},
     "AbstractPostCollapse": {"halves": "bending_force"},
     "AbstractSpool": {"commands": "command_count", "states": "state_count"},
-    "AbstractSupply": {"spent": "drive_energies", "switched": "update_switch"},
+    "AbstractSupply": {
+        "spent": "drive_energies",
+        "start": "initial_state",
+        "stored": "stored_energy",
+        "switched": "update_switch",
+    },
     "Balance": {
         "closes_within": "tolerance",
         "into": "inputs",
@@ -77,12 +89,20 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
         "share": "relative_residual",
         "went": "outputs",
     },
+    "Crossing": {"found": "exists", "needed": "deadline", "time": "fill_time"},
     "Designs": {"alike": "uniform"},
     "ElasticBraid": {"stretch": "fiber_strain"},
     "Event": {"moments": "samples", "words": "message"},
+    "FrequencyResponse": {
+        "drawn": "supply_flow",
+        "reached": "reachable_share",
+        "top": "highest_pressure",
+        "trusted": "is_valid",
+    },
     "Fluid": {"known": "inside"},
     "OrderlyValve": {"middle": "closing_command"},
-    "PressureBand": {"after": "update"},
+    "PressureBand": {"after": "update", "start": "initial_state"},
+    "Reachability": {"can": "is_reachable", "inside": "in_stroke", "short": "shortfall"},
     "PressurizedMuscle": {"collapse": "collapse_strain", "hinge": "hinge_moment"},
     "Remedy": {"contracts": "free_strain"},
     "Scenario": {"controlled": "control", "taking": "with_policy"},

@@ -31,9 +31,9 @@ _DIGITS = 9  # of a margin: two splits of the same muscles have the same up to r
 
 
 class Product(NamedTuple):
-    """Muscle on sale, of one length: its `name`, `price` for one in the catalog's currency, `mass`
-    of one [kg], and the largest pressure [Pa] and contraction [-] that its maker allows; each is
-    `None` if unknown. `source` of the figures.
+    """Product: a muscle on sale, of one length: its `name`, `price` for one in the catalog's
+    currency, `mass` of one [kg], and the largest pressure [Pa] and contraction [-] that its maker
+    allows; each is `None` if unknown. `source` of the figures.
     """
 
     name: str
@@ -44,7 +44,9 @@ class Product(NamedTuple):
     source: str = ""
 
     def exclusion_reason(self, task: Task, length: float) -> str:
-        """Reason why it must not be used for a `task` at its `length` [m]; empty if it may."""
+        """Reason why this product must not be used for a `task` at its `length` [m]; empty if it
+        may.
+        """
         limit, strain = self.largest_pressure, float(task.strain_of(length).max())
         if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
             return (

@@ -132,7 +132,7 @@ def silence_dask() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Context whose new threads and processes don't see Ctrl-C: this process ends them."""
+    """Context in which new threads and processes ignore Ctrl-C: this process ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

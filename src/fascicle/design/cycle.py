@@ -13,24 +13,35 @@ $$t = \int_0^{p^*} \frac{\mathrm{d} V_N}{q(P_s, p)} + \int_{p_{1/20}}^{p^*}
 with the flow $q$ in normal volume. The conductance $C$ that a unit's valve needs, both ways, is
 that with which $t$ is the time given; without a hose $t$ is inversely proportional to it.
 
-**Assumes** air at 20 °C throughout, a constant supply, no inertia (`cycle_run` has both load and
-inertia), valves that open at once.
+**Assumes** air at 20 °C throughout, a constant supply, no inertia, valves that open at once.
+
+`run_cycle` runs a cycle in time, as a check: the units that the load case feeds are joined to the
+supply until a mass that hangs on the bundle is lifted by the demanded stroke, then to the room. The
+mass weighs the demanded force and rests on a stop at no contraction. Its inertia may lift it a
+little earlier or later than the sizing has it.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..bundle import Bundle
+from ..core.array_namespace import maximum, where
 from ..core.errors import InvalidInputError
-from ..core.module import with_fields
-from ..core.types import Bool, Float
+from ..core.module import Module, with_fields
+from ..core.types import Batch, Bool, Float, Numbers
 from ..core.validation import check_interval
+from ..fluid import ConstantSupply, Isothermal
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import REFERENCE_DENSITY, Line, SonicValve
 from ..fluid.valve_catalog import CatalogValve, catalog_valves
 from .designs import Designs
 from .task import Task
 
+
+if TYPE_CHECKING:
+    from ..dynamics import Measurement
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
 USUAL_RATIO = 0.3  # b of a valve: those of the catalog have 0.13 to 0.40
@@ -44,6 +55,11 @@ _HOSE_SHARE = 2.0  # least conductance of a hose over its valve's: then it costs
 WIDEST_BORE = 20e-3  # m; wider hoses are pipes
 _BORES = np.arange(1e-3, WIDEST_BORE + 1e-4, 5e-4)  # m; a tube with the next larger bore is enough
 _HALVINGS = 40  # of an interval of a factor of four: leaves rounding
+_RUN_STEPS = 1000  # of the cycle's time
+_LONGER = 2  # times the cycle's time that is run: a slower design then has a number, too
+_SAG = 0.01  # of the stroke, by which the load at rest presses the stop in
+_DAMPER_DEPTH = 1e-3  # m, of (T2)
+_RELEASED = _LEFT / _STEPS  # of the stroke, when the load counts as released: as in the sizing
 
 
 @dataclass(frozen=True)
@@ -118,8 +134,8 @@ class ValveSizing:
 
 
 class _Contraction:
-    """Pressure and volume of a design's units from rest to each load case, at nodes, from which
-    `times` to fill and to vent follow for any valve (G4).
+    """Contraction of a design from rest to each load case: pressure and volume of its units at
+    nodes, from which `times` to fill and to vent follow for any valve (G4).
 
     `pressure` of all filled units [Pa], nodes first, then cases; `volume` of each unit [m³], nodes,
     cases, units; `supply`: the supply's pressure [Pa].
@@ -289,3 +305,83 @@ def _conductances(
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
         return np.where(filled, high, 0.0), float(bore), float(volume)
     return np.where(filled, np.inf, 0.0), None, 0.0
+
+
+class CycleRun(NamedTuple):
+    """Result of a run: times from the start at which the load is lifted by the demanded stroke, and
+    from which on it is released [s], NaN if it never is; the `highest` position [m], and the
+    demanded `stroke` [m].
+    """
+
+    lifted: float
+    released: float
+    highest: float
+    stroke: float
+
+    def passes(self, time: float) -> bool:
+        """True if it was lifted and released within a `time` [s]."""
+        return self.released <= time  # NaN isn't
+
+
+class _LiftAndRelease(Module):
+    """Controller: supply to the `filled` units until the stroke is reached, then the room."""
+
+    stroke: Batch
+    filled: Numbers
+
+    @property
+    def memory(self) -> Batch:
+        """0 before the stroke is reached, 1 from then on."""
+        return np.float64(0.0)
+
+    def __call__(
+        self, memory: Batch, measurement: "Measurement", reference: Any
+    ) -> tuple[Batch, Numbers]:
+        """Next memory, and a valve command for each unit [-]."""
+        del reference
+        memory = maximum(memory, where(measurement.position >= self.stroke, 1.0, 0.0))
+        return memory, where(memory > 0, -1.0, self.filled)
+
+
+def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:
+    """Times at which a bundle has lifted and released a hanging mass [s], and its highest position
+    [m], from a simulation of one contraction and release.
+
+    **Arguments:**
+
+    - `bundle`: with its supply pressure.
+    - `force`: weight of the mass [N], positive.
+    - `stroke`: contraction at which the release begins [m], positive.
+    - `sizing`: valves and hoses, which must be feasible.
+
+    **Returns:** the times and positions; NaN for a time that isn't reached.
+
+    **Raises:** `ValueError` for a load that the bundle can't hold at rest.
+    """
+    from ..dynamics import HangingMass, Plant, Stop, simulate  # needs JAX
+    from ..dynamics.loads import GRAVITY
+
+    C = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
+    mass, stiffness = force / GRAVITY, force / (_SAG * stroke)
+    # critical where the load sags to, so that it doesn't bounce: the damper acts by depth, (T2)
+    damping = 2 * np.sqrt(stiffness * mass) * (1 + _DAMPER_DEPTH / (_SAG * stroke))
+    stop = Stop(low=0.0, stiffness=stiffness, damping=damping)
+    plant = Plant(
+        bundle,
+        HangingMass(mass, stop=stop),
+        ConstantSupply(bundle.supply_pressure, room_pressure=ATMOSPHERE),
+        Isothermal(dead_volume=sizing.hose_volume, room_pressure=ATMOSPHERE),
+        SonicValve(C, sizing.cycle.b, line=sizing.line),
+    )
+    controller = _LiftAndRelease(np.float64(stroke), np.where(sizing.filled, 1.0, -1.0))
+    reference = np.zeros((_LONGER * _RUN_STEPS, 1))
+    run = simulate(plant, controller, reference, dt=sizing.cycle.time / _RUN_STEPS)
+    position = np.asarray(run.outputs.position)
+    arrivals = np.flatnonzero(position >= stroke)
+    if not arrivals.size:
+        return CycleRun(np.nan, np.nan, float(position.max()), stroke)
+    first = int(arrivals[0])
+    # a load that swings up again isn't released yet
+    down = int(np.flatnonzero(position > _RELEASED * stroke)[-1]) + 1
+    released = float(run.time[down]) if down < len(position) else np.nan
+    return CycleRun(float(run.time[first]), released, float(position.max()), stroke)

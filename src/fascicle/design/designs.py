@@ -61,7 +61,7 @@ _EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}  # closed forms of s
 
 
 def packing_ratio(count: Values) -> Numbers:
-    r"""Radius $\rho_N$ of the circle around equal circles, over theirs [-].
+    r"""Radius $\rho_N$ of the circle around $N$ equal circles, over the radius of one [-].
 
     **Arguments:** `count`: $N$, their number [-], at least 1.
     """
@@ -96,7 +96,9 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
 @with_former_names
 @dataclass(frozen=True, eq=False)
 class Designs:
-    """Designs on the first axis. `kind`: index of their muscles' drawing in `drawings`; `counts`
+    """Many designs of bundles as arrays, designs on the first axis.
+
+    `kind`: index of their muscles' drawing, a muscle to be scaled, in `drawings`; `counts`
     of muscles in each unit, the muscles' `length` [m], and for each unit their outer `radius` [m],
     thickness of the `wall` [m] and braid `angle` [rad].
     """
@@ -196,7 +198,9 @@ def scaled_designs(
     wall_ratio: Float[np.ndarray, " design"],
     angle: Float[np.ndarray, " design"],
 ) -> Designs:
-    """Designs with units' radii `factor` times the `radius` [m], walls `wall_ratio` times that."""
+    """Make designs whose units have radii `factor` times the `radius` [m], walls `wall_ratio` times
+    that.
+    """
     radii = radius[:, None] * factor
     angles = angle[:, None] * np.ones(radii.shape)
     return Designs(drawings, kind, counts, length, radii, wall_ratio[:, None] * radii, angles)
@@ -214,5 +218,5 @@ def pad_rows(
 
 
 def label(counts: Iterable[Any]) -> str:
-    """A composition for a reader: `1+4`; `counts`: muscles in each unit [-], without zeros."""
+    """Text of a composition, such as `1+4`; `counts`: muscles in each unit [-], without zeros."""
     return "+".join(str(int(n)) for n in counts if n)

@@ -85,8 +85,8 @@ def pareto_front(
 def nearest(
     values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
 ) -> int:
-    """Index of the design with the least `relative_shortfall`, of those that keep all other limits
-    if any does; on a tie, of that with the fewest valves.
+    """Index of the design nearest to the task: with the least `relative_shortfall`, of those that
+    keep all other limits if any does; on a tie, of that with the fewest valves.
 
     `values`: objectives of at least one design [SI]; `permitted`: mask of designs of products that
     may be used.
@@ -99,7 +99,7 @@ def nearest(
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """Result of a search.
+    """Result of a search: evaluated designs, their front, and the recommended one.
 
     - `values`: an array for each objective [SI], over all recorded designs.
     - `index`: of these in the space, -1 if sizes lie between those it lists.
@@ -256,7 +256,7 @@ def conclude(
     judged: int | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
-    """Result of a search whose designs have been evaluated: the front and the recommended design.
+    """Find the front and the recommended design among evaluated designs: the result of a search.
 
     `index`: of the designs in the space; `values`: their objectives, by name [SI], with those of
     `recorded_objectives`; `designs`: in the order of `values`, if the space doesn't list them;

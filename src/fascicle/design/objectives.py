@@ -250,7 +250,7 @@ def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
 
 
 class Limit(NamedTuple):
-    """The least and the largest that an objective may be, in its own unit [SI]."""
+    """Limit: the least and the largest that an objective may be, in its own unit [SI]."""
 
     least: float = -np.inf
     most: float = np.inf

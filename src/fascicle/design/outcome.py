@@ -38,8 +38,8 @@ MAX_FED_SETS = 255  # sets of independent units that may be fed: all of eight
 
 
 class Demand(Module):
-    """A task as arrays: `force` [N], `travel`, a strain [-] or `by_stroke` a length [m], `weight`,
-    `supply` [Pa]. Its methods give points on the first axis, then the axes of a length.
+    """Demand of a task as arrays: `force` [N], `travel`, a strain [-] or `by_stroke` a length [m],
+    `weight`, `supply` [Pa]. Its methods give points on the first axis, then the axes of a length.
     """
 
     force: Numbers
@@ -74,7 +74,7 @@ class Demand(Module):
 
 
 class ForceTable(NamedTuple):
-    """Forces of muscles at the task's points, points first, muscles last.
+    """Table of muscles' forces at the task's points, points first, muscles last.
 
     `unfed` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
     or the largest over all of them alone [N], on a further axis, which is first; fluid `volume`
@@ -133,8 +133,8 @@ class Outcome(NamedTuple):
 
 
 class StateChoice(NamedTuple):
-    """Mask of `reached` points, their `shortfall` and `spare` force [N], and the `state` used,
-    counted from 0; that of a point that isn't reached is the last one.
+    """Choice of a recruitment state at each point: mask of `reached` points, their `shortfall` and
+    `spare` force [N], and the `state` used, counted from 0; the last one where none reaches.
     """
 
     reached: Marks
@@ -154,7 +154,9 @@ def recruitment_states(scheme: AbstractScheme, units: int) -> States:
 
 
 def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
-    """Mask of the states that designs have, states first, by a mask of their units, units first."""
+    """Mask of the recruitment states that each design has, states first; designs with fewer units
+    than others have fewer states. `exists`: mask of their units, units first.
+    """
     xp, units = array_namespace(exists), len(exists)
     states = recruitment_states(scheme, units)
     if scheme.independent or not is_prefix_consistent(scheme, units):
@@ -186,7 +188,8 @@ def choose_states(
     low: Numbers | None = None,
     cost: Numbers | None = None,
 ) -> StateChoice:
-    """State used at each point of a demand, with shortfall and force to spare there [N].
+    """Choose the recruitment state at each point of a demand, and its shortfall and spare force
+    [N].
 
     The state is the cheapest that gives the demanded force, or without `cost` the lowest.
 
@@ -260,5 +263,7 @@ def outcome(
 
 
 def with_axes(points: Numbers | Marks, axes: int) -> Any:
-    """The array `points` [any unit], with axes of length 1 appended: `axes` follow the first."""
+    """Array `points` [any unit] with axes of length 1 appended until so many `axes` follow the
+    first.
+    """
     return points.reshape(points.shape + (1,) * (axes + 1 - points.ndim))

@@ -50,7 +50,7 @@ def refine_sizes(
     seed: int = 0,
     may_miss: float = 0.0,
 ) -> tuple[Designs, Float[np.ndarray, " start"]]:
-    """Better sizes for one design's split, by gradient steps from several starts.
+    """Improve the sizes of one design, its split fixed, by gradient steps from several starts.
 
     **Arguments:**
 
@@ -138,7 +138,7 @@ def refine_sizes(
 def _coordinates(
     sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[Array, Array, np.ndarray]:
-    """Least, largest and coordinate of each size in `bounds`, an array each, for all units."""
+    """Least and largest value and first coordinate $z$ of each size in `bounds`, for all units."""
     lows, highs, fractions = [], [], []
     for key, (low, high) in bounds.items():
         check_choice(key, BOUNDED, "bounds")

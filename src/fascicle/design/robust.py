@@ -33,7 +33,7 @@ _INDICES = ("S1", "S1_conf", "ST", "ST_conf")  # SALib's keys
 
 
 class Scales(NamedTuple):
-    """Factors of a draw on the drawing's sizes and on forces, and what it adds to angles [rad]."""
+    """Factors of each draw on the drawing's sizes and forces, and what it adds to angles [rad]."""
 
     length: Float[Array, " draw"]
     radius: Float[Array, " draw"]
@@ -143,7 +143,7 @@ def sensitivities(
     samples: int = 64,
     seed: int = 0,
 ) -> dict[str, dict[str, np.ndarray]]:
-    """Sobol's indices of first and total order of each objective, by SALib.
+    """Sobol's sensitivity indices of each objective, of first and total order, by SALib.
 
     **Arguments:**
 

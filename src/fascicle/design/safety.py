@@ -13,7 +13,7 @@ from math import sqrt
 
 import numpy as np
 
-from ..core.types import Float, Int
+from ..core.types import Int
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .catalog import cheapest_first
@@ -50,7 +50,7 @@ def spread(
     draws: int = 200,
     seed: int = 0,
 ) -> Spread:
-    """Objectives of designs under fabrication scatter, model error and uncertain constants.
+    """Spread of designs' objectives under fabrication scatter, model error and uncertain constants.
 
     **Arguments:**
 
@@ -103,8 +103,7 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
         result = replace(result, cheapest=row)
     else:
         result = replace(result, cheapest=None, nearest=row)
-    number = len(result.reported)
-    draws = _budget(uncertainty, _MOST_REPORTED) // number
+    draws = _budget(uncertainty, _MOST_REPORTED) // len(result.reported)
     draws = max(_FEWER_DRAWS[0], min(uncertainty.draws, draws))
     reported = _spread(result, result.reported, uncertainty, draws)
     return replace(result, safety=Safety(uncertainty, probability, judged, complete, reported))
@@ -116,65 +115,52 @@ def _first_that_holds(
     """Index of the cheapest design that holds, or of the surest; the share of draws in which it
     does [-], the number of judged designs, and whether these were enough.
     """
-    threshold, budget = uncertainty.share, _budget(uncertainty, _MOST_DRAWN)
+    threshold, all_draws = uncertainty.share, uncertainty.draws
+    budget = _budget(uncertainty, _MOST_DRAWN)
     judged, surest = 0, (0, 0.0, -1)  # draws, share of them that are met, index
     for block in _blocks(result):
         if budget <= 0:
             break
-        rows = block
-        positions = judged + 1 + np.arange(len(rows))
+        rows, positions = block, judged + 1 + np.arange(len(block))
         judged += len(rows)
-        for draws in (n for n in _FEWER_DRAWS if n < uncertainty.draws):
-            probabilities = _probability(result, rows, uncertainty, draws)
+        for draws in (n for n in _FEWER_DRAWS if n < all_draws):
+            probabilities = _spread(result, rows, uncertainty, draws, ()).probability
             budget -= draws * len(rows)
             best = int(np.argmax(probabilities))
             surest = max(surest, (draws, float(probabilities[best]), int(rows[best])))
-            keep = probabilities >= threshold - _DEVIATIONS * sqrt(
-                threshold * (1 - threshold) / draws
-            )
+            deviation = sqrt(threshold * (1 - threshold) / draws)
+            keep = probabilities >= threshold - _DEVIATIONS * deviation
             rows, positions = rows[keep], positions[keep]
             if not rows.size:
                 break
         for row, position in zip(rows, positions, strict=True):
-            probability = float(_probability(result, row[None], uncertainty, None)[0])
-            budget -= uncertainty.draws
-            surest = max(surest, (uncertainty.draws, probability, int(row)))
+            probability = _spread(result, row[None], uncertainty, all_draws, ()).probability.item()
+            budget -= all_draws
+            surest = max(surest, (all_draws, probability, int(row)))
             if probability >= threshold:
                 return int(row), probability, int(position), True
     row = surest[2]
-    probability = float(_probability(result, np.array([row]), uncertainty, None)[0])
+    probability = _spread(result, np.array([row]), uncertainty, all_draws, ()).probability.item()
     return row, probability, judged, judged == int(result.allowed.sum())
 
 
 def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
-    """Designs that do the task as drawn, from the cheapest on, some together: one at first, since
+    """Blocks of designs that do the task as drawn, from the cheapest on: one design at first, since
     the cheapest often holds.
     """
     count = 0
     candidates = np.flatnonzero(result.allowed)
     for group in cheapest_first(candidates, result.values, result.all_designs, result.catalog):
-        start = 0
-        while start < len(group):
-            block = group[start : start + min(_TOGETHER, count + 1)]
-            start, count = start + len(block), count + len(block)
+        rest = group
+        while len(rest):
+            block, rest = np.split(rest, [min(_TOGETHER, count + 1)])
+            count += len(block)
             yield block
 
 
 def _budget(uncertainty: Uncertainty, count: int) -> int:
-    """Number of designs in a draw that are evaluated; `count`: by NumPy."""
+    """Number of designs in a draw to evaluate; `count`: if NumPy does it, faster than JAX."""
     return count // (1 if uncertainty.muscles is None else _SLOWER)
-
-
-def _probability(
-    result: SearchResult,
-    rows: Int[np.ndarray, " design"],
-    uncertainty: Uncertainty,
-    draws: int | None,
-) -> Float[np.ndarray, " design"]:
-    """Share of draws in which designs with these `rows` meet the task and limits [-]; `draws`:
-    their number, or `None` for all.
-    """
-    return _spread(result, rows, uncertainty, draws or uncertainty.draws, ()).probability
 
 
 def _spread(

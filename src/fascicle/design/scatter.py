@@ -65,7 +65,7 @@ class Draws(NamedTuple):
 
 
 def sample_draws(scatter: Scatter, draws: int, seed: int = 0) -> Draws:
-    """Draw the fabrication of bundles, and the model's error: for any design the same.
+    """Draw deviations of fabrication and model errors at random; they serve any design.
 
     **Arguments:**
 
@@ -88,7 +88,7 @@ def sample_draws(scatter: Scatter, draws: int, seed: int = 0) -> Draws:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Objectives of designs over draws: `values` [SI] by name, draws last; `met`: mask of the draws
+    """Spread of objectives over draws: `values` [SI] by name, draws last; `met`: mask of the draws
     that reach the task and keep all limits.
     """
 
@@ -123,7 +123,7 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """What is uncertain of a design, and how sure it must be.
+    """Uncertainty of designs: what is drawn at random, and the share of draws that must hold.
 
     - `scatter`: of fabrication, and the model's error.
     - `draws`: number of random draws.
@@ -155,7 +155,7 @@ class Uncertainty:
 
 @dataclass(frozen=True, eq=False)
 class Safety:
-    """Judgement of designs in draws.
+    """Safety of a search's designs: how often they hold the task in random draws.
 
     - `uncertainty`: what was drawn.
     - `probability`: share of the draws in which the recommended design, or the surest one, meets

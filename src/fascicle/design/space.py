@@ -43,7 +43,7 @@ Floats = tuple[float, ...]
 
 
 def compositions(muscles: int, most_units: int | None = None) -> Counts:
-    """All compositions of a number of muscles.
+    """All splits of a number of muscles into motor units in an order of recruitment.
 
     **Arguments:**
 
@@ -71,7 +71,7 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
 
 
 def partitions(muscles: int, most_units: int | None = None) -> Counts:
-    """All partitions of a number of muscles, smallest unit first.
+    """All splits of a number of muscles into motor units without an order, smallest unit first.
 
     **Arguments:**
 
@@ -157,7 +157,7 @@ def _width(muscles: int, most_units: int | None) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """Designs with muscles of one of the `drawings`, by name.
+    """Space of designs to search, on grids, with muscles of one of the `drawings`, by name.
 
     - `muscles`: numbers of them [-].
     - `splits`: "all" compositions, "partitions", or the compositions themselves.
@@ -220,7 +220,7 @@ class Space:
         return math.prod(map(len, self._grid)) * len(self._units_and_scales[0])
 
     def at(self, index: Int[np.ndarray, " design"]) -> Designs:
-        """Designs by their index.
+        """Designs of the space with an index.
 
         **Arguments:** `index`: from 0 to the space's length.
 
@@ -246,8 +246,8 @@ class Space:
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
     ) -> Float[np.ndarray, " design"]:
-        """Radius of a muscle with a unit factor of 1 over the value listed in `radius` [-], by
-        `radius_rule`, for each design.
+        """Factor from the value listed in `radius` to the radius of a muscle with a unit factor of
+        1 [-], by `radius_rule`, for each design.
 
         The listed value is that muscle's own radius ("each", ratio 1), that of one muscle with the
         cross-section of all ("cross_section"), or the diameter of the circle around all
@@ -261,7 +261,7 @@ class Space:
 
     @cached_property
     def _grid(self) -> tuple[tuple, ...]:
-        """Values along each axis, NaN for the drawing's own."""
+        """Values along each axis of the grid, NaN for the drawing's own."""
         axes = (self.length, self.radius, self.wall_ratio, self.braid_angle)
         return (tuple(range(len(self.drawings))), *(axis or (math.nan,) for axis in axes))
 

@@ -110,7 +110,7 @@ class Cases:
 
 
 def cases(designs: Designs, index: int, task: Task) -> Cases:
-    """Load cases of a task for a design.
+    """Compute the load cases of a task for a design.
 
     **Arguments:**
 
@@ -283,7 +283,7 @@ def summarize(
     diameter: float | None = None,
     cycle: Cycle | None = None,
 ) -> Summary:
-    """Summary of a design.
+    """Summarize a design: its load cases, size, mass, price and valves.
 
     **Arguments:**
 

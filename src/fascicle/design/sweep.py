@@ -51,8 +51,9 @@ _WORKER_TIMEOUT = 60.0  # s; a worker that died is up again after a few
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Designs of a `space` to evaluate for a `task`; `names` of the recorded objectives, `senses`
-    and `limits`, which make the front in the end; `block`: number of designs computed together.
+    """Study: designs of a `space` to evaluate for a `task` in blocks; `names` of the recorded
+    objectives, `senses` and `limits`, which make the front in the end; `block`: number of designs
+    computed together.
     """
 
     space: Space
@@ -134,7 +135,7 @@ class Study:
 
 @dataclass(eq=False)
 class Store:
-    """Results of a `study` in a `folder`."""
+    """Store of a `study`'s results in a `folder`, which a stopped sweep resumes from."""
 
     folder: Path
     study: Study
@@ -183,7 +184,7 @@ class Store:
 
     @classmethod
     def begin(cls, folder: Path, study: Study, resume: bool = False) -> "Store":
-        """The store of a new study, or of one to resume; arguments and errors as of `check`."""
+        """Begin the store of a study, new or to resume; arguments and errors as of `check`."""
         cls.check(folder, study, resume)
         folder.mkdir(parents=True, exist_ok=True)
         store, journal = cls(folder, study), folder / JOURNAL
@@ -219,7 +220,7 @@ class Store:
         return digest_values(values)
 
     def all(self) -> Values:
-        """Values [SI] of every design by objective, in memory; NaN where no block is written."""
+        """Read the values [SI] of every design by objective; NaN where no block is written."""
         return {name: np.asarray(array[:]) for name, array in self._arrays.items()}
 
     def finish(self, block: int, digest: str) -> None:
@@ -299,8 +300,8 @@ def _read_json(path: Path) -> dict[str, Any]:
 
 
 class BlockResult(NamedTuple):
-    """A written block: its digest, the time to compute and to write it [s], the largest memory so
-    far [B] of the worker and its process number.
+    """Result of a written block: its digest, the time to compute and to write it [s], the largest
+    memory so far [B] of the worker and its process number.
     """
 
     block: int
@@ -312,7 +313,9 @@ class BlockResult(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Blocks `done` and in `all`; `designs` computed in this run in `seconds` [s]; `last` block."""
+    """Progress of a sweep: blocks `done` and in `all`; `designs` computed in this run in `seconds`
+    [s]; `last` block.
+    """
 
     done: int
     all: int
@@ -337,7 +340,7 @@ def sweep(
     watch: Watch | None = None,
     worker_timeout: float = _WORKER_TIMEOUT,
 ) -> Store:
-    """Compute the missing blocks of a study.
+    """Evaluate a study block by block, on workers if there are any, resuming where it stopped.
 
     **Arguments:**
 

@@ -130,7 +130,7 @@ def _table(
     full: Numbers,
     levels: Numbers,
 ) -> ForceTable:
-    """A table of these forces, with volume, blocked force and sizes."""
+    """Force table of computed forces, with volume, blocked force and sizes of the muscles."""
     zero = 0.0 * muscle.length
     strain = demand.strain(muscle.length) + zero
     radius = bulge = None

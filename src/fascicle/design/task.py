@@ -174,7 +174,7 @@ class Task:
         return float("nan") if self.strain is None else float(self.strain.max())
 
     def take(self, index: Any) -> "Task":
-        """A task of the points with an `index` alone."""
+        """Task of the points with an `index` alone."""
         names = ("force", "strain", "weight", "stroke", "time")
         points = {name: getattr(self, name) for name in names}
         return replace(self, **{n: None if x is None else x[index] for n, x in points.items()})

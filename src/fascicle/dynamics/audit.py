@@ -30,7 +30,7 @@ from ..core.errors import InvalidInputError
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
 from .energy_ledger import LEDGER, STORES
-from .muscles import Exact
+from .muscles import ExactMuscles
 from .outputs import STATUS
 from .plant import Plant
 from .simulate import Trajectory
@@ -99,7 +99,7 @@ class Event(NamedTuple):
 
 
 class Audit(NamedTuple):
-    """Balances and events of a run."""
+    """Check of a run: its balances of energy and mass, and its events."""
 
     balances: tuple[Balance, ...]
     events: tuple[Event, ...]
@@ -129,7 +129,7 @@ class Audit(NamedTuple):
 
 
 def audit(plant: Plant, run: Trajectory) -> Audit:
-    """Balances of a run, (A1) to (A3), and its events.
+    """Check the balances of a run, (A1) to (A3), and list its events.
 
     **Arguments:** `plant`: the plant of the run; `run`: one run, not a batch of them.
 
@@ -147,7 +147,7 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     stores, largest_stores = _changes(STORES, run.outputs.store)
     largest |= {f"Δ{name}": value for name, value in largest_stores.items()}
 
-    law = SMOOTH if isinstance(plant.muscles, Exact) else TABULATED
+    law = SMOOTH if isinstance(plant.muscles, ExactMuscles) else TABULATED
     is_kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
     quantity = "energy" if plant.liquid else "exergy"
     losses = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
@@ -213,7 +213,7 @@ def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
 
 
 def events(run: Trajectory) -> tuple[Event, ...]:
-    """Events of a run, by their first time."""
+    """Events of a run, such as an empty supply, ordered by their first time."""
     status, time, result = np.asarray(run.outputs.status), np.asarray(run.time), []
     for bit, name in enumerate(STATUS):
         times = time[np.flatnonzero(status & (1 << bit))].tolist()
@@ -224,7 +224,7 @@ def events(run: Trajectory) -> tuple[Event, ...]:
 
 
 def _changes(names: tuple[str, ...], rows: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Changes of named quantities over a run, and the largest meanwhile."""
+    """Changes of named quantities from a run's start to its end, and their largest meanwhile."""
     change = np.asarray(rows) - np.asarray(rows)[0]
     largest = np.abs(change).max(axis=0)
     return dict(zip(names, change[-1], strict=True)), dict(zip(names, largest, strict=True))
@@ -256,7 +256,7 @@ def _supply_balance(
 ) -> Balance:
     """Balance of the supply: shaft work in; drawn by the bundle, lost and stored out [J]."""
     reserve = np.asarray(run.outputs.reserve)
-    stored = np.asarray(plant.supply.stored(reserve))
+    stored = np.asarray(plant.supply.stored_energy(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}
     inputs = {"shaft": spent.pop("shaft_work", 0.0)}
     losses = {_LOSSES.get(name, name): x for name, x in spent.items()}

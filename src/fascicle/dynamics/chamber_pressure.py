@@ -35,9 +35,9 @@ from ..core.array_namespace import absolute, array_namespace, maximum
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid import AbstractChamber
-from ..fluid.chamber import Balance
+from ..fluid.chamber import StateResidual
 from ..muscle.surface import Surface
-from .muscles import Volumes
+from .muscles import MuscleVolumes
 from .plant import Plant
 
 
@@ -45,10 +45,10 @@ _FLAT = 1e-2  # of the fluid's own slope: below it a residual says little about 
 
 
 class ChamberEvaluation(NamedTuple):
-    """Chambers of a plant at `pressures` [Pa].
+    """Evaluation of a plant's chambers at `pressures` [Pa]: volumes, and the residual of the state.
 
     `muscles` of each unit; the `volume` they fill [m³] with its slopes by strain [m³] and pressure
-    [m³/Pa]; the residual (F12) as a `balance` [SI]; `volume_sensitivity`,
+    [m³/Pa]; the residual (F12) as a `residual` [SI]; `volume_sensitivity`,
     $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
     """
 
@@ -57,13 +57,13 @@ class ChamberEvaluation(NamedTuple):
     volume: Numbers
     by_strain: Numbers
     by_pressure: Numbers
-    balance: Balance
+    residual: StateResidual
     volume_sensitivity: Numbers
 
     @property
     def slope(self) -> Numbers:
-        """$\\mathrm{d}g/\\mathrm{d}P$ [SI] of a constant state."""
-        return self.balance.by_pressure + self.balance.by_volume * self.by_pressure
+        """Slope of the residual at a constant state, $\\mathrm{d}g/\\mathrm{d}P$ [SI]."""
+        return self.residual.by_pressure + self.residual.by_volume * self.by_pressure
 
     @property
     def is_folded(self) -> BoolBatch:
@@ -71,37 +71,39 @@ class ChamberEvaluation(NamedTuple):
         return self.slope <= 0
 
     @property
-    def rise(self) -> Numbers:
-        """$g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI], the denominator of (T4)."""
-        return self.balance.by_pressure + self.volume_sensitivity * self.by_pressure
+    def pressure_slope(self) -> Numbers:
+        """Slope of the residual by pressure as walls do work, the denominator of (T4):
+        $g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI].
+        """
+        return self.residual.by_pressure + self.volume_sensitivity * self.by_pressure
 
     @property
-    def step(self) -> Numbers:
+    def newton_step(self) -> Numbers:
         """Newton's step [Pa] towards the root."""
-        return -self.balance.value / self._steep(self.slope)
+        return -self.residual.value / self._nonzero_slope(self.slope)
 
     @property
-    def working_step(self) -> Numbers:
-        """Newton's step [Pa] towards the root, with the work of the walls."""
-        return -self.balance.value / self._steep(self.rise)
+    def newton_step_with_work(self) -> Numbers:
+        """Newton's step [Pa] towards the root, by the slope with the work of the walls."""
+        return -self.residual.value / self._nonzero_slope(self.pressure_slope)
 
     @property
     def is_unsolved(self) -> BoolBatch:
         """True where the root is farther away than 1 Pa and 1e-4 of the pressure."""
-        return absolute(self.step) > 1.0 + 1e-4 * absolute(self.pressures)
+        return absolute(self.newton_step) > 1.0 + 1e-4 * absolute(self.pressures)
 
     def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:
-        """$\\dot P$ [Pa/s], equation (T4), of chambers with a `fixed_volume_rate` [SI], at a
-        `strain_rate` [1/s].
+        """Rate of pressure $\\dot P$ [Pa/s], equation (T4), of chambers with a `fixed_volume_rate`
+        [SI], at a `strain_rate` [1/s].
         """
         xp = array_namespace(fixed_volume_rate, strain_rate)
-        flowing = xp.sum(self.balance.by_state * fixed_volume_rate, axis=-1)
+        flowing = xp.sum(self.residual.by_state * fixed_volume_rate, axis=-1)
         push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
-        return -push / self._steep(self.rise)
+        return -push / self._nonzero_slope(self.pressure_slope)
 
-    def _steep(self, slope: Numbers) -> Numbers:
-        """A `slope` of the residual [SI], or the fluid's own where that vanishes."""
-        fluid_slope = self.balance.by_pressure
+    def _nonzero_slope(self, slope: Numbers) -> Numbers:
+        """The `slope` of the residual [SI], replaced by the fluid's own where it vanishes."""
+        fluid_slope = self.residual.by_pressure
         return guarded(absolute(slope) > _FLAT * fluid_slope, slope, fluid_slope)
 
 
@@ -112,19 +114,21 @@ def evaluate_chambers(
     return assemble_chambers(plant, chambers, pressures, *muscle_volumes(plant, strains, pressures))
 
 
-def muscle_volumes(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[Surface, Volumes]:
+def muscle_volumes(
+    plant: Plant, strains: Numbers, pressures: Numbers
+) -> tuple[Surface, MuscleVolumes]:
     """Muscles of a `plant` at `strains` [-] and `pressures` [Pa], one of each unit, and the
     volumes of all of them [m³].
     """
     n, muscles = plant.counts, plant.muscles.at(pressures, strains)
     V, by_strain, by_pressure = plant.muscles.volumes(muscles, strains, plant.lengths)
-    result = muscles, Volumes(n * V, n * by_strain, n * by_pressure)
+    result = muscles, MuscleVolumes(n * V, n * by_strain, n * by_pressure)
     # else XLA computes the table anew for each use: a quarter more to compile, a tenth to run
     return result if array_namespace(V) is np else lax.optimization_barrier(result)
 
 
 def assemble_chambers(
-    plant: Plant, chambers: Numbers, pressures: Numbers, muscles: Surface, volumes: Volumes
+    plant: Plant, chambers: Numbers, pressures: Numbers, muscles: Surface, volumes: MuscleVolumes
 ) -> ChamberEvaluation:
     """Chambers at `pressures` [Pa], with the residual (F12) of their fluid and its slopes.
 
@@ -132,7 +136,7 @@ def assemble_chambers(
     were computed before; `chambers`: states of the fluid in a `plant` [SI].
     """
     V, by_strain, by_pressure = volumes
-    g = plant.chamber.balance(chambers, pressures, V)
+    g = plant.chamber.state_residual(chambers, pressures, V)
     per_volume = g.by_state * plant.chamber.per_volume_rate(chambers, pressures)
     sensitivity = array_namespace(per_volume).sum(per_volume, axis=-1) + g.by_volume
     return ChamberEvaluation(pressures, muscles, V, by_strain, by_pressure, g, sensitivity)
@@ -147,7 +151,7 @@ def solve_pressures(
     lowest = plant.chamber.lowest_pressure
 
     def newton(P: Numbers, _: None) -> tuple[Numbers, None]:
-        step = evaluate_chambers(plant, chambers, strains, P).step
+        step = evaluate_chambers(plant, chambers, strains, P).newton_step
         return maximum(P + step, (P + lowest) / 2), None  # half-way to no fluid at most
 
     if array_namespace(chambers, strains, guess) is np:
@@ -159,9 +163,9 @@ def solve_pressures(
 
 
 class ProjectedChambers(NamedTuple):
-    """Chambers with corrected pressures: states of the `chambers` [SI], `pressures` [Pa], and what
-    the correction adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to the `work` and to
-    its `mismatch`.
+    """Chambers after a correction of their pressures: states of the `chambers` [SI], `pressures`
+    [Pa], and what the correction adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to the
+    `work` and to its `mismatch`.
     """
 
     chambers: Numbers
@@ -173,8 +177,8 @@ class ProjectedChambers(NamedTuple):
 def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
-    """Conserved states $k$ [SI], equation (T6), of states `chambers` [SI] of a `chamber` at
-    `pressures` [Pa], with `volumes` of muscles [m³].
+    """Conserved states $k$ [SI], which no motion of the walls changes, (T6), of states `chambers`
+    [SI] of a `chamber` at `pressures` [Pa], with `volumes` of muscles [m³].
     """
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 
@@ -207,7 +211,7 @@ def project_chambers(
         if i:
             muscles, volumes = muscle_volumes(plant, strains, P)
             s = s_0 + push(s_0, (guess + P) / 2) * (volumes.volume - V_0)[..., None]
-        step = assemble_chambers(plant, s, P, muscles, volumes).working_step
+        step = assemble_chambers(plant, s, P, muscles, volumes).newton_step_with_work
         P, before = maximum(P + step, (P + lowest) / 2), P  # half-way to no fluid at most
     last = P - before
     V = volumes.volume + volumes.by_pressure * last

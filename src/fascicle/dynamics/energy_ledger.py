@@ -51,7 +51,7 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
     load, P, flows = plant.load, evaluation.fluid.pressures, evaluation.flows
     V, v = evaluation.fluid.volume, evaluation.velocity
     V_dot, P_dot = evaluation.volume_rates, evaluation.pressure_rates
-    heat = plant.chamber.heat(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
+    heat = plant.chamber.heat_flow(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
     fluid_powers = (
         *_fluid_powers(plant, flows, heat),
         -V * P_dot,
@@ -128,20 +128,20 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
 
 
 def stored_energies(
-    plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
+    plant: Plant, state: State, friction_memory: FrictionMemory, evaluation: PlantEvaluation
 ) -> Numbers:
-    """Energies [J] named in `STORES` of a `plant` in a `state` [SI], with friction's `anchor` [SI]
-    and the `evaluation` of that state [SI].
+    """Energies [J] named in `STORES` of a `plant` in a `state` [SI], with its
+    `friction_memory` [SI] and the `evaluation` of that state [SI].
     """
     q, v, load = evaluation.position, evaluation.velocity, plant.load
     P, muscles = evaluation.fluid.pressures, evaluation.fluid.muscles
     xp = array_namespace(q, P)
     add, friction_energy = xp.sum, 0.0 * q
     if plant.hysteresis is not None:
-        forces = friction_step(plant, anchor, q, P).spring_forces
+        forces = friction_step(plant, friction_memory, q, P).spring_forces
         friction_energy = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
     parts = (
-        add(plant.chamber.stored(state.chambers, P), axis=-1),
+        add(plant.chamber.stored_energy(state.chambers, P), axis=-1),
         add(plant.counts * (P * muscles.volume - muscles.coenergy), axis=-1),
         0.0 * v if load.prescribed else load.inertia * v**2 / 2,
         load.potential(q),

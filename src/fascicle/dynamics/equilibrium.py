@@ -72,7 +72,7 @@ def equilibrium_state(
         q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.state_count(plant.units)
     spool = np.zeros(spools) if command is None else validate_commands(command) + np.zeros(spools)
-    supply = np.asarray(plant.supply.start(), float)
+    supply = np.asarray(plant.supply.initial_state(), float)
     return State(np.float64(q), np.float64(v), spool, plant.chambers_at(P, q), P, supply)
 
 

@@ -40,7 +40,7 @@ def integrate(
     start: State | None = None,
     tolerance: float = 1e-8,
 ) -> Trajectory:
-    """A run of adaptive steps under a schedule.
+    """Integrate a plant under a schedule of commands by adaptive steps.
 
     **Arguments:**
 
@@ -70,7 +70,7 @@ def integrate(
     tolerance = float(check_positive(tolerance, "tolerance", "-"))
     begin = equilibrium_state(plant) if start is None else start
     size = _scales(plant, begin)
-    row = _row(begin, np.zeros(len(LEDGER)))
+    row = _pack_row(begin, np.zeros(len(LEDGER)))
     row_blocks = [row[None]]
     # a leg for each command: no stage sees the next one
     edges = [*schedule.times[schedule.times < t[-1]], t[-1]]
@@ -84,7 +84,7 @@ def integrate(
         output_times = np.append(extra, output_times)
         command = schedule.at(low)
         arrays = (jnp.asarray(x) for x in (row, command, output_times, size))
-        success, rows = _leg(plant, low, tolerance, *arrays)
+        success, rows = _integrate_command(plant, low, tolerance, *arrays)
         if not bool(success):
             raise InvalidInputError(
                 "tolerance", f"can't be met: the method gave up between {low:g} and {high:g} s",
@@ -105,21 +105,21 @@ def integrate(
 
 
 @jax.jit
-def _leg(
+def _integrate_command(
     plant: Plant, low: Batch, tolerance: Batch, row: Numbers, command: Numbers, times: Numbers,
     size: Numbers,
 ) -> tuple[Any, Numbers]:  # fmt: skip
-    """True if steps under one `command` reached the end, and rows at `times` [s], from `low` [s]
-    on.
+    """Integrate under one `command` from `low` [s] on: true if the end was reached, and rows at
+    `times` [s].
     """
     import diffrax
 
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
-        state, _ = _split_row(plant, y)
+        state, _ = _unpack_row(plant, y)
         state = project_pressures(plant, t, state, _NEWTON)
         evaluation = evaluate_plant(plant, t, state, command, _springless_memory(plant, state))
         rates = time_derivative(plant, state, evaluation, command)
-        return _row(rates, ledger_rates(plant, state, evaluation))
+        return _pack_row(rates, ledger_rates(plant, state, evaluation))
 
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field), diffrax.Tsit5(), low, times[-1], None, row,
@@ -137,24 +137,24 @@ def _observe(
     """Outputs, the ledger with its $P V$ terms since the first row, and states at `times` [s]."""
 
     def observe_row(t: Batch, row: Numbers, c: Numbers) -> tuple:
-        state, ledger = _split_row(plant, row)
+        state, ledger = _unpack_row(plant, row)
         state = project_pressures(plant, t, state, _NEWTON)
-        anchor = _springless_memory(plant, state)
-        evaluation = evaluate_plant(plant, t, state, c, anchor)
-        outputs = observe(plant, state, anchor, evaluation)
+        friction_memory = _springless_memory(plant, state)
+        evaluation = evaluate_plant(plant, t, state, c, friction_memory)
+        outputs = observe(plant, state, friction_memory, evaluation)
         return outputs, ledger, pressure_volume_term(plant, evaluation), state
 
     outputs, ledger, pv_terms, states = jax.vmap(observe_row)(times, rows, commands)
     return outputs, ledger + pv_terms - pv_terms[0], states
 
 
-def _row(state: State, ledger: Numbers) -> Numbers:
-    """All numbers of a `state` [SI] and a `ledger` [SI] in one row."""
+def _pack_row(state: State, ledger: Numbers) -> Numbers:
+    """Row with all numbers of a `state` [SI] and a `ledger` [SI]."""
     xp = array_namespace(*state)
     return xp.concatenate([*(xp.ravel(x) for x in state), ledger])
 
 
-def _split_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
+def _unpack_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     """State and ledger of a `row` [SI]."""
     units = plant.units
     shapes = State((), (), (plant.spool.state_count(units),), (units, plant.chamber.count),
@@ -166,12 +166,12 @@ def _split_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
 
 
 def _springless_memory(plant: Plant, state: State) -> FrictionMemory:
-    """Memory of a friction law that has none, such as Coulomb's: no spring forces [N]."""
+    """Friction memory of a law without springs, such as Coulomb's: no spring forces [N]."""
     return FrictionMemory(jnp.zeros((plant.units, 0)), state.position, state.pressures)
 
 
 def _scales(plant: Plant, state: State) -> Numbers:
-    """Sizes of each number of a `state` [SI], for its absolute tolerance."""
+    """Typical size of each number of a `state` [SI], for its absolute tolerance."""
     low, high = plant.stroke
     top = np.full(plant.units, plant.supply_pressure)
     full = plant.chambers_at(top, 0.0)
@@ -184,4 +184,4 @@ def _scales(plant: Plant, state: State) -> Numbers:
         stroke, stroke, np.ones(plant.spool.state_count(plant.units)), full, top,
         np.maximum(np.abs(state.supply), 1e-12),
     )  # fmt: skip
-    return _row(sizes, ledger)
+    return _pack_row(sizes, ledger)

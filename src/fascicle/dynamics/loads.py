@@ -68,7 +68,7 @@ def _interval_field(
 
 
 class Stop(Module):
-    """Two ends of a stroke, equation (T2), with $s_0$ of a millimeter or milliradian.
+    """Stop with two ends of a stroke, equation (T2), with $s_0$ of a millimeter or milliradian.
 
     `low`, `high`: the ends, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
@@ -195,11 +195,11 @@ class HangingMass(AbstractFreeLoad):
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Its weight [N], negative, at any `position` [m]."""
+        """Weight [N], negative, at any `position` [m]."""
         return -self.mass * self.gravity + 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """$m g q$ [J] at `position` [m]."""
+        """Potential of the weight, $m g q$ [J], at `position` [m]."""
         return self.mass * self.gravity * position
 
 
@@ -287,7 +287,7 @@ class AntagonisticJoint(AbstractFreeLoad):
 
 
 class PrescribedMotion(AbstractLoad):
-    """A dynamometer that moves the plates, $q = q_0 + A \\sin 2\\pi f t$.
+    """Load of a dynamometer, which moves the plates by $q = q_0 + A \\sin 2\\pi f t$.
 
     `mean`: $q_0$ [m]. `amplitude`: $A$ [m]. `frequency`: $f$ [Hz]. An amplitude of zero holds
     the plates.
@@ -317,16 +317,16 @@ class PrescribedMotion(AbstractLoad):
         return 1.0 + 0.0 * self.mean
 
     def force(self, position: Batch) -> Batch:
-        """No force but the motor's [N], at any `position` [m]."""
+        """Zero force [N] at any `position` [m]: the motor prescribes the motion."""
         return 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """No potential [J], at any `position` [m]."""
+        """Zero potential [J] at any `position` [m]."""
         return 0.0 * position
 
     @property
     def damper(self) -> Batch:
-        """No damper [SI]."""
+        """Zero damping [SI]."""
         return 0.0 * self.mean
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:

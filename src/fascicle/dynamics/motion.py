@@ -12,7 +12,7 @@ from .plant import Plant, State
 
 
 class Flows(NamedTuple):
-    """Flows of each unit's fluid between the supply, its chamber and the room, by open valves.
+    """Flows of fluid of each unit through open valves, from the supply and to the room.
 
     `supply_pressure`, `pressures`: gauge [Pa]; `supply_temperature`, `temperatures` [K];
     openings to `supply` and `exhaust` [-]; into each chamber `mass` [kg/s] and `enthalpy` [W];
@@ -65,7 +65,7 @@ class FrictionMemory(NamedTuple):
 
 
 class PlantEvaluation(NamedTuple):
-    """A plant at a time.
+    """Evaluation of a plant at one time: forces, flows and rates.
 
     `position` and `velocity` of the load [SI]; of each unit `strains` [-], `strain_rates` [1/s],
     `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], of the chamber's state and of its
@@ -92,12 +92,12 @@ class PlantEvaluation(NamedTuple):
 
 
 def evaluate_plant(
-    plant: Plant, time: Batch, state: State, command: Numbers, anchor: FrictionMemory
+    plant: Plant, time: Batch, state: State, command: Numbers, friction_memory: FrictionMemory
 ) -> PlantEvaluation:
     """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI].
 
-    Pressures are the state's own, they are not solved for. `command`: to its valves [-]; `anchor`:
-    memory of its friction [SI].
+    Pressures are the state's own, they are not solved for. `command`: to its valves [-];
+    `friction_memory`: of the last step [SI].
     """
     load, chamber = plant.load, plant.chamber
     q, v = load.motion_at(time, state.position, state.velocity)
@@ -114,7 +114,7 @@ def evaluate_plant(
 
     arm = plant.counts * plant.lengths * plant.gains
     pull = array_namespace(fluid.muscles.force).sum(arm * fluid.muscles.force, axis=-1)
-    friction, friction_power = _friction_force(plant, anchor, q, v, fluid)
+    friction, friction_power = _friction_force(plant, friction_memory, q, v, fluid)
     stop_force, stop_damper = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
     outside = load.force(q) - load.damper * v - stop_force
     a = (pull - friction + outside) / load.inertia
@@ -145,27 +145,28 @@ def time_derivative(
 
 def friction_step(
     plant: Plant,
-    anchor: FrictionMemory,
+    friction_memory: FrictionMemory,
     position: Batch,
     pressures: Numbers,
     speed: Numbers = 0.0,
     by_pressure: Numbers = 0.0,
 ) -> FrictionStep:
     """Friction of each muscle of a `plant` at a `position` [SI] and `pressures` [Pa], reached from
-    its `anchor` [SI] without turning, at a `speed` of contraction [m/s] and the muscles'
+    the `friction_memory` [SI] without turning, at a `speed` of contraction [m/s] and the muscles'
     $\\partial F/\\partial P$, `by_pressure` [m²].
     """
     assert plant.hysteresis is not None
     zero = 0.0 * pressures
-    displacement = plant.lengths * plant.gains * (position - anchor.position)[..., None]
+    displacement = plant.lengths * plant.gains * (position - friction_memory.position)[..., None]
     return plant.hysteresis.advance(
-        anchor.spring_forces, displacement, zero + speed, (anchor.pressures, pressures),
+        friction_memory.spring_forces, displacement, zero + speed,
+        (friction_memory.pressures, pressures),
         zero + by_pressure,
     )  # fmt: skip
 
 
 def _friction_force(
-    plant: Plant, anchor: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
+    plant: Plant, friction_memory: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
     """Friction against the load [N or N·m], and heat of friction without memory [W]."""
     if plant.hysteresis is None:
@@ -173,17 +174,17 @@ def _friction_force(
     add, by_pressure = array_namespace(q).sum, fluid.muscles.force_by_pressure
     lever = plant.lengths * plant.gains
     speed = lever * v[..., None]
-    force = friction_step(plant, anchor, q, fluid.pressures, speed, by_pressure).force
+    force = friction_step(plant, friction_memory, q, fluid.pressures, speed, by_pressure).force
     power = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
     return add(plant.counts * lever * force, axis=-1), add(plant.counts * power, axis=-1)
 
 
 def update_friction(
-    plant: Plant, anchor: FrictionMemory, position: Batch, pressures: Numbers
+    plant: Plant, friction_memory: FrictionMemory, position: Batch, pressures: Numbers
 ) -> tuple[FrictionMemory, Batch]:
-    """Memory of friction after a step to a `position` [SI] at `pressures` [Pa] from its `anchor`
-    [SI], and the energy lost meanwhile [J].
+    """Memory of friction after a step to a `position` [SI] at `pressures` [Pa] from the last
+    one's `friction_memory` [SI], and the energy lost meanwhile [J].
     """
-    step = friction_step(plant, anchor, position, pressures)
+    step = friction_step(plant, friction_memory, position, pressures)
     loss = array_namespace(step.loss).sum(plant.counts * step.loss, axis=-1)
     return FrictionMemory(step.spring_forces, position, pressures), loss

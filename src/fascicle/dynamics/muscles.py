@@ -24,7 +24,7 @@ from ..muscle.coenergy import coenergy_at_rest, contraction_work
 from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface, lookup
 
 
-class Volumes(NamedTuple):
+class MuscleVolumes(NamedTuple):
     """A volume [m³], its slopes by strain [m³] and pressure [m³/Pa]."""
 
     volume: Numbers
@@ -33,7 +33,7 @@ class Volumes(NamedTuple):
 
 
 class AbstractMuscles(Module):
-    """One muscle of every unit, units on the last axis.
+    """Muscles of a plant: force and volume of one muscle of every unit, units on the last axis.
 
     `strains`: lowest and highest strain of the tables [-], and `highest_pressure` [Pa], of each
     unit.
@@ -50,16 +50,16 @@ class AbstractMuscles(Module):
         """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.at(pressure, strain).force
 
-    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
         """Volume of fluid in one muscle of each unit, from its `surface` [SI] at a `strain` [-];
         `rest_length` [m].
         """
         del strain
         by_strain = rest_length * surface.force_by_pressure
-        return Volumes(surface.volume, by_strain, surface.volume_by_pressure)
+        return MuscleVolumes(surface.volume, by_strain, surface.volume_by_pressure)
 
 
-class Tables(AbstractMuscles):
+class MuscleTables(AbstractMuscles):
     """Muscles of all units by tables, one table for each different muscle.
 
     `table`: the tables' coefficients stacked, its other numbers one for each unit; `indices`: of
@@ -72,7 +72,7 @@ class Tables(AbstractMuscles):
     @classmethod
     def from_muscles(
         cls, muscles: Sequence[Muscle], highest_pressure: float, shape: tuple[int, int]
-    ) -> "Tables":
+    ) -> "MuscleTables":
         """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes."""
         unique, indices = unique_indices(muscles)
         tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
@@ -101,16 +101,16 @@ class Tables(AbstractMuscles):
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
-        """The table's ends [-], of each unit."""
+        """Least and largest strain of the table [-], of each unit."""
         return self.table.strains
 
     @property
     def highest_pressure(self) -> Numbers:
-        """The table's end [Pa], of each unit."""
+        """Highest pressure of the table [Pa], of each unit."""
         return self.table.highest_pressure
 
 
-class Exact(AbstractMuscles):
+class ExactMuscles(AbstractMuscles):
     """Muscles by their laws, integrated each time: exact to rounding, and a hundred times slower.
 
     `groups`: muscles of the same laws stacked, as of a bundle, with the `indices` of their units.
@@ -124,7 +124,7 @@ class Exact(AbstractMuscles):
     @classmethod
     def from_muscles(
         cls, muscles: Sequence[Muscle], highest_pressure: float, strains: tuple[Numbers, Numbers]
-    ) -> "Exact":
+    ) -> "ExactMuscles":
         """Exact laws of each unit's muscle up to `highest_pressure` [Pa], within `strains` [-]."""
         indices, groups = zip(*stack_muscles(list(muscles)), strict=True)
         return cls(groups, indices, strains, np.full(len(muscles), highest_pressure))
@@ -194,42 +194,44 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
 
 
 class MuscleWrapper(AbstractMuscles):
-    """Other `muscles` with a change, over the same strains and pressures."""
+    """Muscles that change other `muscles`, over the same strains and pressures."""
 
     muscles: AbstractMuscles
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
-        """Strains of its muscles [-]."""
+        """Least and largest strain of its `muscles` [-], of each unit."""
         return self.muscles.strains
 
     @property
     def highest_pressure(self) -> Numbers:
-        """End of its `muscles`' tables or laws [Pa], of each unit."""
+        """Highest pressure of its `muscles` [Pa], of each unit."""
         return self.muscles.highest_pressure
 
 
-class Geometric(MuscleWrapper):
-    """`muscles` with the volume of their straight `braid`, (V), buckled or not; `walls`: volumes of
-    their bladders [m³].
+class GeometricMuscles(MuscleWrapper):
+    """Muscles that change `muscles` to the volume of their straight `braid`, (V), buckled or not;
+    `walls`: volumes of their bladders [m³].
     """
 
     braid: Braid
     walls: Numbers
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-], but for the volume."""
+        """Surface of each at its `pressure` [Pa] and `strain` [-], with the wrapped muscles'
+        volume.
+        """
         return self.muscles.at(pressure, strain)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Force of each muscle [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.muscles.force(pressure, strain)
 
-    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
         """Volume of fluid in one muscle of each unit at its `strain` [-], at any `surface` [SI]
         and `rest_length` [m].
         """
         del rest_length
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
         volume = self.braid.volume(strain) - self.walls
-        return Volumes(volume, self.braid.length * swept, 0.0 * surface.volume)
+        return MuscleVolumes(volume, self.braid.length * swept, 0.0 * surface.volume)

@@ -24,7 +24,7 @@ _NEARLY_EMPTY = 100.0  # Pa above no fluid: a thousandth of an atmosphere
 
 
 class PlantOutputs(NamedTuple):
-    """Outputs of a plant at a time.
+    """Outputs of a plant at a time: what a sensor or a report could show.
 
     `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
     `forces` of all its muscles [N], `volumes` [m³], `masses` [kg], openings to `supply` and
@@ -52,10 +52,10 @@ class PlantOutputs(NamedTuple):
 
 
 def observe(
-    plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
+    plant: Plant, state: State, friction_memory: FrictionMemory, evaluation: PlantEvaluation
 ) -> PlantOutputs:
-    """Outputs of a `plant` in a `state` [SI], from friction's `anchor` and an `evaluation` [SI]."""
-    flows, store = evaluation.flows, stored_energies(plant, state, anchor, evaluation)
+    """Outputs of a `plant` in a `state` [SI], with its `friction_memory` and `evaluation` [SI]."""
+    flows, store = evaluation.flows, stored_energies(plant, state, friction_memory, evaluation)
     return PlantOutputs(
         evaluation.position,
         evaluation.velocity,
@@ -77,7 +77,7 @@ def observe(
 
 
 def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
-    """Bits of `STATUS`."""
+    """Status of each unit's chamber and muscles, as bits of `STATUS`."""
     q, P, eps = evaluation.position, evaluation.fluid.pressures, evaluation.strains
     xp = array_namespace(q, P)
     flags, stop = xp.any, plant.load.stop

@@ -28,7 +28,7 @@ from ..fluid.liquid_chamber import LiquidChamber
 from ..muscle.braid import Braid
 from ..muscle.hysteresis import AbstractHysteresis
 from .loads import AbstractLoad
-from .muscles import AbstractMuscles, Exact, Geometric, Tables
+from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTables
 
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
@@ -37,7 +37,7 @@ VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 
 class State(NamedTuple):
-    """State of a plant.
+    """State of a plant: load, chambers, valves and supply.
 
     `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
     of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or a first guess of them;
@@ -126,14 +126,14 @@ class Plant(Module):
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
         top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
-        unit_laws: AbstractMuscles = Tables.from_muscles(muscles, top, shape)
+        unit_laws: AbstractMuscles = MuscleTables.from_muscles(muscles, top, shape)
         if law == "exact":
-            unit_laws = Exact.from_muscles(muscles, top, unit_laws.strains)
+            unit_laws = ExactMuscles.from_muscles(muscles, top, unit_laws.strains)
         if volume == "geometric":
             sizes = ("length", "outer_radius", "braid_angle")
             braid = Braid(*(np.array([float(getattr(m, x)) for m in muscles]) for x in sizes))
             walls = np.array([float(muscle.bladder.volume) for muscle in muscles])
-            unit_laws = Geometric(unit_laws, braid, walls)
+            unit_laws = GeometricMuscles(unit_laws, braid, walls)
         self.muscles = unit_laws
 
     @property
@@ -143,7 +143,7 @@ class Plant(Module):
 
     @property
     def commands(self) -> int:
-        """Number of commands."""
+        """Number of commands to the valves."""
         return self.spool.command_count(self.units)
 
     @property
@@ -154,7 +154,7 @@ class Plant(Module):
     @property
     def supply_pressure(self) -> float:
         """Gauge pressure [Pa] of its supply at the start."""
-        return float(self.supply.pressure_at(self.supply.start()))
+        return float(self.supply.pressure_at(self.supply.initial_state()))
 
     def unit_indices(self, side: int) -> Whole:
         """Indices of the units of the bundle `side`, counted from 0 [-]."""
@@ -162,16 +162,16 @@ class Plant(Module):
 
     @property
     def gains(self) -> Numbers:
-        """$g_i$, contraction of each unit's muscles per unit of the load's coordinate [SI]."""
+        """Ratio $g_i$ of each unit's contraction to the load's coordinate [SI]."""
         return self._arms(1) / self.lengths
 
     @property
     def offsets(self) -> Numbers:
-        """$\\varepsilon_{0,i}$ of each unit's muscles [-]."""
+        """Strain $\\varepsilon_{0,i}$ [-] of each unit's muscles with the load at zero."""
         return 1 - (self.distances - self._arms(0)) / self.lengths
 
     def _arms(self, index: int) -> Numbers:
-        """Entry `index` of the load's arms, 0 or 1, for each unit [SI]."""
+        """Entry `index`, 0 or 1, of the arm of the bundle that each unit is in [SI]."""
         arms = [self.load.arms[side][index] for side in self.sides]
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 
@@ -190,7 +190,7 @@ class Plant(Module):
             eps = self.strains(np.asarray(position)[..., None])
             P = pressures + 0.0 * eps
             V, _, _ = self.muscles.volumes(self.muscles.at(P, eps), eps, self.lengths)
-            state = self.chamber.start(P, self.counts * np.asarray(V))
+            state = self.chamber.state_at(P, self.counts * np.asarray(V))
         return np.array(np.broadcast_to(state, (*np.shape(P), self.chamber.count)))
 
     def strains(self, position: Batch) -> Numbers:
@@ -206,7 +206,7 @@ class Plant(Module):
 
 
 def _check_fit(plant: Plant) -> None:
-    """Refuse parts that don't go together."""
+    """Refuse a plant whose fluid, chambers, valves and supply don't go together."""
     kinds = {
         "load": AbstractLoad, "supply": AbstractSupply, "chamber": AbstractChamber,
         "valve": SonicValve | Orifice, "exhaust_valve": SonicValve | Orifice,

@@ -47,7 +47,7 @@ class Controller(Protocol):
 
 
 class Schedule:
-    """Commands, each constant until the next of its times.
+    """Schedule of valve commands, each constant until the next of its times.
 
     `times` [s], rising, the first at 0; `commands` [-] in [-1, 1], one row for each of them, one
     column for each command.

@@ -29,7 +29,7 @@ from .chamber_pressure import conserved_state, project_chambers, solve_pressures
 from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
 from .motion import FrictionMemory, evaluate_plant, time_derivative, update_friction
-from .muscles import Tables
+from .muscles import MuscleTables
 from .outputs import STATUS, PlantOutputs, observe
 from .plant import Plant, State
 from .schedule import Controller, Measurement, Schedule
@@ -55,15 +55,15 @@ _CHUNK = 20_000  # steps at once: their cells of the tables take some megabytes
 
 
 class IntegratorState(NamedTuple):
-    """State of a run between its steps, with the sums so far.
+    """State of an integration between two steps: the plant's state, friction, and energy sums.
 
-    `state` of the plant [SI]; memory of its friction, `anchor` [SI]; entries of the `LEDGER`, the
-    mass [kg] and energies [J]; `folded`: true if a chamber's volume fell with pressure by more
-    than its fluid and hose expand.
+    `state` of the plant [SI]; its `friction_memory` [SI]; entries of the `LEDGER`, the mass [kg]
+    and energies [J]; `folded`: true if a chamber's volume fell with pressure by more than its fluid
+    and hose expand.
     """
 
     state: State
-    anchor: FrictionMemory
+    friction_memory: FrictionMemory
     ledger: Numbers
     folded: BoolBatch
 
@@ -74,7 +74,7 @@ def substep(
     """Advance the `progress` [SI] of a `plant` from `time` [s] by a substep of `h` [s], under a
     `command` [-].
     """
-    state, anchor, ledger, folded = progress
+    state, friction_memory, ledger, folded = progress
 
     def stage(carry: tuple, weights: Numbers) -> tuple[tuple, tuple]:
         """One Runge-Kutta stage: its slope, with the weighted sums of slopes and of the ledger's
@@ -83,7 +83,7 @@ def substep(
         slope, total, growth = carry
         delay, weight = weights
         stage_state = add_scaled(state, slope, delay * h)
-        evaluation = evaluate_plant(plant, time + delay * h, stage_state, command, anchor)
+        evaluation = evaluate_plant(plant, time + delay * h, stage_state, command, friction_memory)
         slope = time_derivative(plant, stage_state, evaluation, command)
         growth = growth + weight * h * ledger_rates(plant, stage_state, evaluation)
         total = add_scaled(total, slope._replace(chambers=evaluation.conserved_rates), weight)
@@ -107,9 +107,9 @@ def substep(
     ledger = ledger + growth + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
     folded |= jnp.any(folds)
     if plant.hysteresis is None:
-        return IntegratorState(after, anchor, ledger, folded)
-    anchor, loss = update_friction(plant, anchor, q, after.pressures)
-    return IntegratorState(after, anchor, ledger + loss * _FRICTION, folded)
+        return IntegratorState(after, friction_memory, ledger, folded)
+    friction_memory, loss = update_friction(plant, friction_memory, q, after.pressures)
+    return IntegratorState(after, friction_memory, ledger + loss * _FRICTION, folded)
 
 
 def add_scaled(state: State, rate: State, h: Batch) -> State:
@@ -130,7 +130,7 @@ def project_pressures(plant: Plant, time: Batch, state: State, steps: int) -> St
 
 @with_former_names
 class Trajectory(NamedTuple):
-    """A run, times on the first axis.
+    """Results of a simulated run, times on the first axis.
 
     `time` [s]; `outputs`: the `PlantOutputs` at each time; `commands` from then on [-]; `ledger`:
     energies up to then [J], by the names of `LEDGER`; `substeps` in each step [-]; `step_size`: the
@@ -156,7 +156,7 @@ def simulate(
     start: State | None = None,
     substeps: int | None = None,
 ) -> Trajectory:
-    """A run of fixed steps, with constant commands in each.
+    """Simulate a plant by fixed steps, with constant commands in each.
 
     **Arguments:**
 
@@ -207,7 +207,7 @@ def simulate(
         xp = np
     history = jax.tree.map(lambda rows, row: xp.concatenate([rows, row[None]]), history, last)
     commands = xp.concatenate([commands, commands[-1:]])
-    tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
+    tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), MuscleTables)
     # tables need no compiler, which would take as long again as for the run
     observe_run = _observe_run_numpy if is_concrete_run and tables else _observe_run_jax
     outputs, pv_terms = observe_run(plant, dt, history, commands)
@@ -222,7 +222,7 @@ def simulate(
 
 
 class _OpenLoop(Module):
-    """No controller: references are commands."""
+    """Controller that takes its reference as the commands."""
 
 
 def _prepare_controller(
@@ -262,7 +262,7 @@ def _run(
     state = project_pressures(
         plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON_START
     )
-    anchor = FrictionMemory(spring_forces, state.position, state.pressures)
+    friction_memory = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
 
     def step(carry: tuple, row: tuple) -> tuple[tuple, tuple]:
@@ -272,7 +272,7 @@ def _run(
             command = reference
         else:
             state, no_command = progress.state, jnp.zeros(plant.commands)
-            evaluation = evaluate_plant(plant, time, state, no_command, progress.anchor)
+            evaluation = evaluate_plant(plant, time, state, no_command, progress.friction_memory)
             measurement = Measurement(  # its force is the muscles' pull without friction
                 time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
                 plant.supply.pressure_at(state.supply),
@@ -287,7 +287,10 @@ def _run(
         initial = progress._replace(folded=jnp.zeros_like(progress.folded))
         return (lax.fori_loop(0, substeps, advance, initial), memory), (progress, command)
 
-    initial = IntegratorState(state, anchor, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)), memory
+    initial = (
+        IntegratorState(state, friction_memory, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)),
+        memory,
+    )
     (last, _), (history, commands) = _scan(
         step, initial, (dt * jnp.arange(len(inputs)), inputs), count
     )
@@ -320,8 +323,8 @@ def _observe_step(
     plant: Plant, time: Batch, progress: IntegratorState, command: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
     """Outputs of a plant at a `time` [s], and the `pressure_volume_term` of its ledger [J]."""
-    evaluation = evaluate_plant(plant, time, progress.state, command, progress.anchor)
-    outputs = observe(plant, progress.state, progress.anchor, evaluation)
+    evaluation = evaluate_plant(plant, time, progress.state, command, progress.friction_memory)
+    outputs = observe(plant, progress.state, progress.friction_memory, evaluation)
     folded = progress.folded * (1 << STATUS.index("folded"))
     return outputs._replace(status=outputs.status | folded), pressure_volume_term(plant, evaluation)
 
@@ -330,7 +333,7 @@ def _observe_step(
 def _observe_run_jax(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """As `_observe_step`, of each step of a run, `dt` [s] apart, by JAX."""
+    """Outputs and ledger terms as of `_observe_step`, of all steps of a run, by JAX; `dt` [s]."""
     times = dt * jnp.arange(len(commands))
     return jax.vmap(partial(_observe_step, plant))(times, history, commands)
 
@@ -338,7 +341,7 @@ def _observe_run_jax(
 def _observe_run_numpy(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """As `_observe_step`, of each step of a run, `dt` [s] apart, by NumPy."""
+    """Outputs and ledger terms as of `_observe_step`, of all steps of a run, by NumPy; `dt` [s]."""
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
     chunks = []

@@ -50,7 +50,7 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     guess = top * np.logspace(-6, 0, 61)
     P = np.concatenate([[0.0], guess, (top - guess)[:-1]])[:, None, None]
     room, T_a = chamber.room_pressure, chamber.room_temperature
-    T_s = plant.supply.temperature_at(plant.supply.start())
+    T_s = plant.supply.temperature_at(plant.supply.initial_state())
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     with np.errstate(all="ignore"):  # of branches that aren't taken
         s, fluid = _rest_evaluations(plant, P, positions=7)
@@ -64,7 +64,9 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
                 lambda p: plant.exhaust_valve.flow(p, room, T_a, T_a),
             )
         )
-        fastest = np.max(np.where(fluid.rise > 0, np.maximum(filling, venting) * rise, 0.0))
+        fastest = np.max(
+            np.where(fluid.pressure_slope > 0, np.maximum(filling, venting) * rise, 0.0)
+        )
     spool = getattr(plant.spool, "time_constant", None)
     return {
         "a chamber and its valve": float(fastest),
@@ -86,7 +88,7 @@ def _load_rates(plant: Plant) -> dict[str, float]:
         muscles, rise = fluid.muscles, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
         spring = -n * L * g**2 * (muscles.force_by_strain + muscles.force_by_pressure * rise)
         stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
-        stiff = float(np.nanmax(np.where(fluid.rise > 0, stiff, 0.0)))
+        stiff = float(np.nanmax(np.where(fluid.pressure_slope > 0, stiff, 0.0)))
     if plant.hysteresis is not None and hasattr(plant.hysteresis, "stiffness"):
         stiff += float(np.sum(n * (L * g) ** 2) * np.sum(np.asarray(plant.hysteresis.stiffness)))
     rates = {

@@ -62,7 +62,7 @@ class SimulationResult(NamedTuple):
 
 def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) -> SimulationResult:
     """Run the scenario of a `text` under each of the `policies`, or its own if there are none."""
-    from ..control import front
+    from ..control import pareto_front
     from ..reports import simulation as reports
 
     study, notes = _read(progress, text, name)
@@ -76,7 +76,9 @@ def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) 
     if runs:
         assert study.control is not None
         quantity, metrics = study.control.controller.of, [run.metrics for run in runs.values()]
-        fronts = front([x.drawdown for x in metrics], [x.supply_energy for x in metrics]).tolist()
+        fronts = pareto_front(
+            [x.drawdown for x in metrics], [x.supply_energy for x in metrics]
+        ).tolist()
         heads = reports.policy_heads(study.plant, quantity)
         table_rows = reports.policy_rows(study.plant, quantity, runs, fronts)
         remarks = reports.policy_notes(study, runs)
@@ -88,7 +90,7 @@ def picture(progress: Progress, text: str, name: str, policies: Sequence[str], k
     """Figure of `fascicle simulate`, or of its `--compare` for several `policies`, as a file of a
     `kind` "png" or "svg".
     """
-    from ..control import front
+    from ..control import pareto_front
     from ..plot.theme import to_bytes
     from ..plot.trajectory import PolicyCosts, traces
     from ..plot.trajectory import policies as draw_policies
@@ -105,7 +107,7 @@ def picture(progress: Progress, text: str, name: str, policies: Sequence[str], k
         return to_bytes(traces(variant.plant, run, tracking), kind)
     metrics = [reports.run_metrics(variant.control, run) for variant, run, _ in runs.values()]
     drawdowns, energies = zip(*((x.drawdown, x.supply_energy) for x in metrics), strict=True)
-    costs = PolicyCosts(drawdowns, energies, front(drawdowns, energies).tolist())
+    costs = PolicyCosts(drawdowns, energies, pareto_front(drawdowns, energies).tolist())
     pairs = {label: (run, tracking) for label, (_, run, tracking) in runs.items()}
     return to_bytes(draw_policies(study.plant, pairs, costs), kind)
 

@@ -18,7 +18,7 @@ from ..control.learning import CorrectedMuscles
 from ..control.sequential_policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
-from ..dynamics.muscles import Tables
+from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
@@ -56,7 +56,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
             raise InvalidInputError("controller", rule, None, remedy)
     top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
-    tables: Any = Tables.from_muscles(muscles, top, shape)
+    tables: Any = MuscleTables.from_muscles(muscles, top, shape)
     corrected = controller.units[0].branches.muscles
     if isinstance(corrected, CorrectedMuscles):
         tables = replace(corrected, muscles=tables)
@@ -116,7 +116,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "pressure_time": number(gains.pressure_time),
         "flow_limit": number(controller.flow_limit),
         "band": number(policy.band),
-        "parked": int(float(policy.parked) > 0),
+        "parked": int(float(policy.parks) > 0),
         "room": initializers(chamber.room_pressure),
         "dead": initializers(chamber.dead_volume),
         "dense": initializers(density),
@@ -138,6 +138,10 @@ def single_bundle(plant: Plant) -> Bundle:
 def _c_policy(controller: Cascade) -> str | None:
     """Name of the controller's policy in C; `None` for one that C doesn't have."""
     policy = next(iter(controller.policies))
-    if not isinstance(policy, SequentialPolicy) or float(policy.early) or float(policy.wide):
+    if (
+        not isinstance(policy, SequentialPolicy)
+        or float(policy.anticipates)
+        or float(policy.opens_fully)
+    ):
         return None
-    return "threshold" if float(policy.parked) else "orderly"
+    return "threshold" if float(policy.parks) else "orderly"

@@ -8,7 +8,7 @@ from ..core.lazy import attach_lazy
 from .accumulator import Accumulator as Accumulator
 from .accumulator import PumpedAccumulator as PumpedAccumulator
 from .chamber import AbstractChamber as AbstractChamber
-from .chamber import Balance as Balance
+from .chamber import StateResidual as StateResidual
 from .data_sheets import conductance_from_cv as conductance_from_cv
 from .data_sheets import conductance_from_kv as conductance_from_kv
 from .data_sheets import conductance_from_nominal_flow as conductance_from_nominal_flow

@@ -59,7 +59,7 @@ _STEPS = 4  # of Newton's method: from P/K of some 1e-3 two would do
 
 
 class Accumulator(AbstractSupply):
-    """Liquid that presses on a gas, equations (F18) and (F19).
+    """Supply of liquid from an accumulator, equations (F18) and (F19).
 
     `volume`: $V_0$ of the gas when there is no liquid [m³]. `precharge`: gauge pressure of the gas
     then [Pa]. `pressure`: initial, gauge, above the precharge [Pa]. `exponent`: $n$
@@ -99,7 +99,7 @@ class Accumulator(AbstractSupply):
         """Volume $V_l$ of liquid [m³] at gauge `pressure` [Pa]; negative below the precharge."""
         return -self.volume * expm1(-self._log_ratio(pressure))
 
-    def start(self) -> Numbers:
+    def initial_state(self) -> Numbers:
         """Mass [kg] at the initial pressure."""
         return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
@@ -139,7 +139,7 @@ class Accumulator(AbstractSupply):
         mass = self.liquid.density(pressure) * V_l
         return mass * self.liquid.stored_energy(pressure) + gas - self.room_pressure * V_l
 
-    def stored(self, state: Numbers) -> Batch:
+    def stored_energy(self, state: Numbers) -> Batch:
         """Energy [J] of a `state` [SI], equation (F19)."""
         return self.energy(self.pressure_at(state))
 
@@ -148,13 +148,13 @@ class Accumulator(AbstractSupply):
         return state[..., 0] <= 0
 
     def _log_ratio(self, pressure: BatchLike) -> Batch:
-        """$x$ of (F18) [-] at gauge `pressure` [Pa]."""
+        """Logarithm $x$ of the compression, (F18) [-], at gauge `pressure` [Pa]."""
         p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
         return log(guarded(p > 0, p, p_0) / p_0) / self.exponent
 
 
 class PumpedAccumulator(AbstractSupply):
-    """An accumulator with a pump, equation (F23).
+    """Supply from an accumulator that a pump fills, equation (F23).
 
     `accumulator`: with its initial pressure. `pump`. `band`: pressures between which a fixed pump
     is switched; left out, it always runs. `relief`: a valve to the reservoir, or none.
@@ -183,12 +183,12 @@ class PumpedAccumulator(AbstractSupply):
             rule = "must be for the accumulator's liquid"
             raise InvalidInputError("pump", rule, pumped, shown="another")
 
-    def start(self) -> Numbers:
+    def initial_state(self) -> Numbers:
         """State [SI] at the accumulator's pressure, its pump switched by the band."""
         P = self.accumulator.pressure
-        on = 1.0 if self.band is None else self.band.start(P)
+        on = 1.0 if self.band is None else self.band.initial_state(P)
         none = 0.0 * P
-        return stack_last(self.accumulator.start()[..., 0], on + none, none, none, none)
+        return stack_last(self.accumulator.initial_state()[..., 0], on + none, none, none, none)
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI]."""
@@ -220,9 +220,9 @@ class PumpedAccumulator(AbstractSupply):
         xp = array_namespace(state, on)
         return xp.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
 
-    def stored(self, state: Numbers) -> Batch:
+    def stored_energy(self, state: Numbers) -> Batch:
         """Energy [J] of a `state` [SI] in the accumulator."""
-        return self.accumulator.stored(state)
+        return self.accumulator.stored_energy(state)
 
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
         """Shaft work, losses of the pump and of the relief valve [J] from the start to a `state`

@@ -27,9 +27,9 @@ from .fields import nonnegative_field, room_pressure_field, temperature_field
 _DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)  # usual hoses and fittings hold less than 10 L
 
 
-class Balance(NamedTuple):
-    """Residual of the equation of state: its `value`, and its slopes `by_state` (on the last
-    axis), `by_pressure` and `by_volume`; in J, or in kg for a liquid [SI].
+class StateResidual(NamedTuple):
+    """Residual of a chamber's equation of state (F12): its `value`, and its slopes `by_state` (on
+    the last axis), `by_pressure` and `by_volume`; in J, or in kg for a liquid [SI].
     """
 
     value: Batch
@@ -40,7 +40,7 @@ class Balance(NamedTuple):
 
 @with_former_names
 class AbstractChamber(Module):
-    """Fluid in a volume that moves; its fields here are given by keyword.
+    """Chamber of fluid in a volume that moves; its fields here are given by keyword.
 
     - `dead_volume`: of hose and fittings, in addition to the volume of each method [m³].
     - `room_pressure`: absolute [Pa]. `room_temperature`: of room and wall [K].
@@ -73,7 +73,7 @@ class AbstractChamber(Module):
         """Gauge pressure [Pa] at which there is no gas, or a liquid boils."""
 
     @abc.abstractmethod
-    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
 
     @abc.abstractmethod
@@ -81,7 +81,9 @@ class AbstractChamber(Module):
         """Temperature [K] of a `state` [SI] at gauge `pressure` [Pa]."""
 
     @abc.abstractmethod
-    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
         """Residual of the equation of state (F12) and its slopes [SI] for a `state` [SI] at gauge
         `pressure` [Pa] in a `volume` [m³].
         """
@@ -94,7 +96,7 @@ class AbstractChamber(Module):
     def rates(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Rates of the state variables.
+        """Rates of the state variables with an inflow, as the volume changes.
 
         **Arguments:**
 
@@ -109,16 +111,16 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
-        """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
+        """Slope [SI] of a `state`'s rates [SI] at gauge `pressure` [Pa] by the rate of volume."""
 
     @abc.abstractmethod
-    def heat(
+    def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
         """Heat flow out through the wall [W]; arguments [SI] as of `rates`."""
 
     @abc.abstractmethod
-    def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
+    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
         """Stored energy [J] of a `state` [SI] at gauge `pressure` [Pa]: a gas's exergy, a liquid's
         energy with that of its compliance.
         """

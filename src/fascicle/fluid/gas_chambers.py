@@ -31,13 +31,15 @@ from ..core.array_namespace import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .chamber import AbstractChamber, AbstractMassChamber, Balance, stack_last
+from .chamber import AbstractChamber, AbstractMassChamber, StateResidual, stack_last
 from .fields import component_field, interval_field, nonnegative_field
 from .media import AIR, Gas
 
 
 class AbstractGasChamber(AbstractChamber):
-    """Gas in a volume that moves. `gas`, and the fields of `AbstractChamber`, by keyword."""
+    """Chamber of gas in a volume that moves. `gas`, and the fields of `AbstractChamber`, by
+    keyword.
+    """
 
     _: KW_ONLY
     gas: Gas = component_field("gas", (Gas,), default=AIR)
@@ -53,10 +55,10 @@ class AbstractGasChamber(AbstractChamber):
 
     @property
     def lowest_pressure(self) -> Batch:
-        """Gauge pressure of no gas at all [Pa]."""
+        """Gauge pressure at which there is no gas at all [Pa]."""
         return -self.room_pressure
 
-    def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
+    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
         """Exergy [J] of a `state` [SI] at gauge `pressure` [Pa]."""
         room, T_a = self.room_pressure, self.room_temperature
         T = self.temperature(state, pressure)
@@ -64,7 +66,7 @@ class AbstractGasChamber(AbstractChamber):
 
 
 class AdiabaticWall(AbstractGasChamber):
-    """Gas behind a wall that conducts heat, equation (F13).
+    """Chamber of gas behind a wall that conducts heat, or none by default, equation (F13).
 
     `conductance`: $G$, of the wall [W/K]; left out, zero.
     """
@@ -78,7 +80,7 @@ class AdiabaticWall(AbstractGasChamber):
         "conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0
     )
 
-    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] and internal energy [J] at gauge `pressure` [Pa] and `volume` [m³]."""
         m = self._room_mass(pressure, volume)
         return stack_last(m, m * self.gas.c_v * self.room_temperature)
@@ -91,7 +93,9 @@ class AdiabaticWall(AbstractGasChamber):
         T = U / (guarded(m > 0, m) * self.gas.c_v)
         return where(m > 0, T, self.room_temperature + 0.0 * pressure)
 
-    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
         """Residual $p V - (\\gamma - 1) U$ and its slopes [SI] for a `state` [SI] at gauge
         `pressure` [Pa] in a `volume` [m³].
         """
@@ -99,7 +103,7 @@ class AdiabaticWall(AbstractGasChamber):
         ratio = self.gas.heat_capacity_ratio - 1
         value = p * V - ratio * state[..., 1]
         zero = 0.0 * value
-        return Balance(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
+        return StateResidual(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
 
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
@@ -113,14 +117,14 @@ class AdiabaticWall(AbstractGasChamber):
         [SI] as of `AbstractChamber.rates`.
         """
         work = (pressure + self.room_pressure) * volume_rate
-        return stack_last(mass_in, energy_in - work - self.heat(state))
+        return stack_last(mass_in, energy_in - work - self.heat_flow(state))
 
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
         """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
         p = pressure + self.room_pressure + 0.0 * state[..., 0]
         return stack_last(0.0 * p, -p)
 
-    def heat(
+    def heat_flow(
         self,
         state: Numbers,
         pressure: BatchLike = 0.0,
@@ -134,12 +138,12 @@ class AdiabaticWall(AbstractGasChamber):
 
 
 class Isothermal(AbstractGasChamber, AbstractMassChamber):
-    """Gas as warm as the room, equation (F14)."""
+    """Chamber of gas as warm as the room, equation (F14)."""
 
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "ideal gas at one temperature"
 
-    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
         return stack_last(self._room_mass(pressure, volume))
 
@@ -147,20 +151,22 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
         return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
-    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
         """Residual $p V - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge `pressure`
         [Pa] in a `volume` [m³].
         """
         p, V = pressure + self.room_pressure, volume + self.dead_volume
         value = p * V - self._RT * state[..., 0]
         zero = 0.0 * value
-        return Balance(value, stack_last(-self._RT + zero), V + zero, p + zero)
+        return StateResidual(value, stack_last(-self._RT + zero), V + zero, p + zero)
 
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
         return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
 
-    def heat(
+    def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
         """Heat flow out [W] that keeps $U = m c_v T_a$; arguments [SI] as of `rates`."""
@@ -170,7 +176,7 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
 
 
 class Polytropic(AbstractGasChamber, AbstractMassChamber):
-    """Gas by a fitted exponent, equation (F15): no physics, and refused by an audit.
+    """Chamber of gas by a fitted exponent, equation (F15): no physics, and refused by an audit.
 
     `exponent`: $n$ [-], in [1, 2].
     """
@@ -182,7 +188,7 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic air"
     )
 
-    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], at the temperature of (F15)."""
         ratio = (pressure + self.room_pressure) / self.room_pressure
         return stack_last(self._room_mass(0.0, volume) * ratio ** (1 / self.exponent))
@@ -193,7 +199,9 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         ratio = guarded(p > 0, p, self.room_pressure) / self.room_pressure
         return self.room_temperature * ratio ** (1 - 1 / self.exponent) + 0.0 * state[..., 0]
 
-    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
         """Residual $p_a V (p/p_a)^{1/n} - m R T_a$ and its slopes [SI] for a `state` [SI] at
         gauge `pressure` [Pa] in a `volume` [m³].
         """
@@ -205,7 +213,7 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         slope = where(p > 0, ratio ** (1 / n - 1) / n, 1.0)
         value = reduced * V - self._RT * state[..., 0]
         zero = 0.0 * value
-        return Balance(value, stack_last(-self._RT + zero), V * slope + zero, reduced + zero)
+        return StateResidual(value, stack_last(-self._RT + zero), V * slope + zero, reduced + zero)
 
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
@@ -214,7 +222,7 @@ class Polytropic(AbstractGasChamber, AbstractMassChamber):
         power = where(ratio > 0, guarded(ratio > 0, ratio) ** self.exponent, 0.0)
         return p_a * (power - 1)
 
-    def heat(
+    def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
         """NaN [W], since a fitted exponent defines no heat; arguments [SI] as of `rates`."""

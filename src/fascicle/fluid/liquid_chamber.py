@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .chamber import AbstractMassChamber, Balance, stack_last
+from .chamber import AbstractMassChamber, StateResidual, stack_last
 from .fields import component_field, nonnegative_field
 from .media import OIL, Liquid
 
@@ -22,7 +22,7 @@ _STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 
 
 
 class LiquidChamber(AbstractMassChamber):
-    """Liquid and compliance, equation (F16).
+    """Chamber of liquid with a compliance, equation (F16).
 
     `liquid`. `compliance`: $c$ [m³/Pa]; left out, zero.
     """
@@ -37,10 +37,10 @@ class LiquidChamber(AbstractMassChamber):
 
     @property
     def lowest_pressure(self) -> Batch:
-        """Gauge pressure at which it boils [Pa]."""
+        """Gauge pressure at which the liquid boils [Pa]."""
         return self.liquid.vapor_pressure - self.room_pressure
 
-    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
         V = volume + self.dead_volume + self.compliance * pressure
         return stack_last(self.liquid.density(pressure) * V)
@@ -49,7 +49,9 @@ class LiquidChamber(AbstractMassChamber):
         """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
         return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
-    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
         """Residual $\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge
         `pressure` [Pa] in a `volume` [m³].
         """
@@ -57,7 +59,7 @@ class LiquidChamber(AbstractMassChamber):
         V = volume + self.dead_volume + c * pressure
         value = rho * V - state[..., 0]
         by_pressure = rho * (V / self.liquid.bulk_modulus + c)
-        return Balance(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
+        return StateResidual(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
 
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding
@@ -65,17 +67,17 @@ class LiquidChamber(AbstractMassChamber):
         """
         P = 0.0 * (state[..., 0] + volume)
         for _ in range(_STEPS):
-            residual = self.balance(state, P, volume)
+            residual = self.state_residual(state, P, volume)
             P = P - residual.value / residual.by_pressure
         return P
 
-    def heat(
+    def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
         """Zero [W]: a liquid at one temperature is a spring; arguments [SI] as of `rates`."""
         return 0.0 * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)
 
-    def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
+    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
         """Energy of liquid and compliance [J] in a `state` [SI] at gauge `pressure` [Pa]."""
         liquid_energy = state[..., 0] * self.liquid.stored_energy(pressure)
         return liquid_energy + self.compliance * pressure**2 / 2

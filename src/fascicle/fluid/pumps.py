@@ -50,7 +50,7 @@ def _efficiency(name: str) -> Any:
 
 
 class _Pump(Module):
-    """Equation (F20) of a pump at a used fraction of its displacement."""
+    """Pump at a used fraction of its displacement, equation (F20)."""
 
     source: ClassVar[str] = "Merritt (1967)"
 
@@ -137,7 +137,7 @@ class PressureBand(Module):
             rule = f"must lie above `low`, {float(np.max(self.low)):g} Pa"
             raise InvalidInputError("high", rule, high, "widen the band", f"{high:g} Pa")
 
-    def start(self, pressure: BatchLike) -> Batch:
+    def initial_state(self, pressure: BatchLike) -> Batch:
         """Initial state of the switch [-]: 1 at a gauge `pressure` [Pa] below `high`, else 0."""
         return where(pressure < self.high, 1.0, 0.0)
 

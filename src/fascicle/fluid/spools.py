@@ -50,8 +50,8 @@ class Openings(NamedTuple):
 
 @with_former_names
 class AbstractSpool(Module):
-    """Motion of spools by commands, and openings of ports by spools; `overlap`: closed share of
-    the travel [-], in [0, 1).
+    """Spools of valves: their motion by commands, and the ports they open; `overlap`: closed share
+    of the travel [-], in [0, 1).
     """
 
     overlap: ClassVar[Batch]
@@ -91,11 +91,11 @@ class Direct(AbstractSpool):
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def state_count(self, units: int) -> int:
-        """Zero for any number of `units`."""
+        """Zero spools with a state, for any number of `units`."""
         return 0 * units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Empty rates [1/s], of no `spool` [-], at any `command` [-]."""
+        """Empty rates [1/s]: the `spool` [-] has no state, at any `command` [-]."""
         return 0.0 * command[..., :0] + spool
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
@@ -115,7 +115,7 @@ class Servovalve(AbstractSpool):
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def state_count(self, units: int) -> int:
-        """One for each of the `units`."""
+        """One spool with a state for each of the `units`."""
         return units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:

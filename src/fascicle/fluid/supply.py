@@ -37,7 +37,7 @@ _EMPTY_PRESSURE = 100.0
 
 @with_former_names
 class AbstractSupply(Module):
-    """A supply with a state: `names`, `units` and `count` of its variables."""
+    """Supply of fluid with a state: `names`, `units` and `count` of its variables."""
 
     names: ClassVar[tuple[str, ...]]
     units: ClassVar[tuple[str, ...]]
@@ -48,7 +48,7 @@ class AbstractSupply(Module):
         return len(self.names)
 
     @abc.abstractmethod
-    def start(self) -> Numbers:
+    def initial_state(self) -> Numbers:
         """Initial state [SI]."""
 
     @abc.abstractmethod
@@ -77,7 +77,7 @@ class AbstractSupply(Module):
         return {}
 
     @abc.abstractmethod
-    def stored(self, state: Numbers) -> Batch:
+    def stored_energy(self, state: Numbers) -> Batch:
         """Stored energy [J] of a `state` [SI]: exergy of a gas, energy of a liquid."""
 
     @abc.abstractmethod
@@ -124,8 +124,8 @@ class ConstantSupply(AbstractSupply):
         """
         return cls(gauge_from(absolute, room_pressure), room_pressure=room_pressure)
 
-    def start(self) -> Numbers:
-        """Initial state [SI] of no variables."""
+    def initial_state(self) -> Numbers:
+        """Empty initial state [SI]: it has no variables."""
         return np.zeros((*np.shape(self.pressure), 0))
 
     def pressure_at(self, state: Numbers) -> Batch:
@@ -143,7 +143,7 @@ class ConstantSupply(AbstractSupply):
         del mass_in, energy_in
         return 0.0 * state
 
-    def stored(self, state: Numbers) -> Batch:
+    def stored_energy(self, state: Numbers) -> Batch:
         """Zero [J] in any `state` [SI]: only the flow out of it is counted."""
         del state
         return 0.0 * self.pressure
@@ -155,7 +155,7 @@ class ConstantSupply(AbstractSupply):
 
 
 class Tank(AbstractSupply):
-    """Gas in a constant volume, equation (F17).
+    """Supply from a tank of gas, equation (F17).
 
     `chamber`: of gas, with the tank's wall and room. `volume` [m³]. `pressure`: initial, gauge, as
     warm as the room [Pa].
@@ -179,9 +179,9 @@ class Tank(AbstractSupply):
         """Units of the chamber's state variables."""
         return self.chamber.units
 
-    def start(self) -> Numbers:
+    def initial_state(self) -> Numbers:
         """State of the chamber [SI] at the initial pressure."""
-        return self.chamber.start(self.pressure, self.volume)
+        return self.chamber.state_at(self.pressure, self.volume)
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI]."""
@@ -197,9 +197,9 @@ class Tank(AbstractSupply):
         """
         return self.chamber.rates(state, self.pressure_at(state), mass_in, energy_in, 0.0)
 
-    def stored(self, state: Numbers) -> Batch:
+    def stored_energy(self, state: Numbers) -> Batch:
         """Exergy [J] of a `state` [SI]."""
-        return self.chamber.stored(state, self.pressure_at(state))
+        return self.chamber.stored_energy(state, self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
         """True if a `state` [SI] is within 100 Pa of the room's pressure."""

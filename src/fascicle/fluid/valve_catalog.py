@@ -15,7 +15,9 @@ _SMC = "SMC, catalog CAT.ES11-90B (2009), flow-rate characteristics, body ported
 
 
 class CatalogValve(NamedTuple):
-    """A valve by `name`: `supply` and `exhaust` with their $C$ and $b$; `source` of the figures."""
+    """Valve of the catalog by its `name`: `supply` and `exhaust` with their $C$ and $b$; `source`
+    of the figures.
+    """
 
     name: str
     supply: SonicValve
@@ -26,7 +28,7 @@ class CatalogValve(NamedTuple):
 def _valve(
     name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
 ) -> CatalogValve:
-    """A valve from printed figures: C [L/(s·bar)] and b [-] of both ways."""
+    """Valve of the catalog from printed figures: C [L/(s·bar)] and b [-] of both ways."""
     supply_valve, exhaust_valve = (
         SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust)
     )

@@ -4,13 +4,12 @@ fluid and cost; or, if no design does the task, the nearest one, its misses, and
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.errors import missing_extra
 from ..design.catalog import describe_cheapest
-from ..design.cycle import WIDEST_BORE, ValveSizing
+from ..design.cycle import WIDEST_BORE, CycleRun, ValveSizing, run_cycle
 from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction, other_limits
@@ -19,9 +18,6 @@ from ..design.scatter import Safety
 from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
 from ..units import DIMENSIONS, figures, pretty
 
-
-if TYPE_CHECKING:  # needs JAX
-    from ..design.cycle_run import CycleRun
 
 HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "to spare", "")
 REACHED, MISSED = "reached", "MISSED"
@@ -337,19 +333,18 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
     force, stroke = float(task.force[sizing.case]), float(task.stroke_of(length)[sizing.case])
     if not force * stroke > 0:
         return replace(summary, run=f"run in time: left out, case {sizing.case + 1} does no work")
+    design = result.all_designs(np.array([index]))
     try:
-        from ..design.cycle_run import run_cycle  # loads JAX
-    except ModuleNotFoundError as error:
+        run = run_cycle(design.bundle(0, task), force, stroke, sizing)
+    except ModuleNotFoundError as error:  # JAX is
         missing = missing_extra(error)
         if missing is None:
             raise
         return replace(summary, run=f"run in time: left out, {missing}")
-    design = result.all_designs(np.array([index]))
-    run = run_cycle(design.bundle(0, task), force, stroke, sizing)
     return replace(summary, run=f"run in time: {_run_text(run, sizing)}")
 
 
-def _run_text(run: "CycleRun", sizing: ValveSizing) -> str:
+def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
     """Result of a run in words."""
     time = sizing.cycle.time
     if np.isnan(run.lifted):

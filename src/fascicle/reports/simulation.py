@@ -90,7 +90,7 @@ def run_demand(scenario: "Scenario", run: "Trajectory") -> Tracking | None:
     if (controlled := scenario.control) is None:
         return None
     controller, reference = controlled.controller, controlled.reference
-    can = reachability(controller, run.outputs, reference).can
+    can = reachability(controller, run.outputs, reference).is_reachable
     return Tracking(controller.of, reference, controlled_output(controller, run), can)
 
 

@@ -374,9 +374,9 @@ def policy_table(
 
     **Returns:** the table, with the front of drawdown against supply energy.
     """
-    from ..control import front
+    from ..control import pareto_front
 
-    best = front([x.drawdown for x in metrics], [x.supply_energy for x in metrics])
+    best = pareto_front([x.drawdown for x in metrics], [x.supply_energy for x in metrics])
     about = "true if no other policy has a smaller drawdown at no more energy, or the reverse"
     return build_table(
         ("policy", "policy", list(controllers), "-", "order of recruitment in time"),
@@ -394,7 +394,7 @@ def _tracking_variables(controller: "Cascade", run: "Trajectory", reference: Any
     reach = reachability(controller, run.outputs, reference)
     demand, reachable, lacking = (
         np.append(values, values[-1])
-        for values in (np.asarray(reference, float), reach.can, reach.short)
+        for values in (np.asarray(reference, float), reach.is_reachable, reach.shortfall)
     )
     output = controlled_output(controller, run)
     return [

@@ -96,8 +96,8 @@ def _residual(theta: tuple[Any, ...], contractions: Numbers) -> tuple[Numbers, N
         fluid = evaluate_chambers(plant, chambers, eps, P)
         surface = fluid.muscles
         # a closed chamber's pressure falls as its muscle contracts
-        stiffness = where(fluid.is_folded, fluid.balance.by_pressure, fluid.slope)
-        by_strain = -fluid.balance.by_volume * fluid.by_strain / stiffness
+        stiffness = where(fluid.is_folded, fluid.residual.by_pressure, fluid.slope)
+        by_strain = -fluid.residual.by_volume * fluid.by_strain / stiffness
         slope = surface.force_by_strain + surface.force_by_pressure * by_strain
     pull = series.sum_units(plant.counts * surface.force)
     slope = series.sum_units(plant.counts * slope / plant.lengths)

@@ -256,8 +256,8 @@ class Drive(Module):
         eps = bundle_strains(self.plant, x)
         V = self.plant.counts * self.plant.muscles.at(P, eps).volume
         spool = np.zeros(self.plant.spool.state_count(self.units))
-        chambers = np.asarray(self.plant.chamber.start(P, V))
-        supply = np.asarray(self.plant.supply.start(), float)
+        chambers = np.asarray(self.plant.chamber.state_at(P, V))
+        supply = np.asarray(self.plant.supply.initial_state(), float)
         status = table_status(self.plant.muscles, P, eps)
         inside = np.array(not status.any())
         return Fluid(chambers, P, spool, supply, inside, x, status, np.array(0.0))

@@ -33,18 +33,18 @@ def ramp(bundle, strain, begin=0.1, end=3.0):
 def test_fast_valves_allow_a_crossing_and_slow_ones_none(pair, five, unit_2, strain):
     bundle = pair if unit_2 == 1 else five
     result = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-9, 1, unit_2))
-    assert result.found and 0 <= result.start < result.end <= result.needed
-    assert result.end - result.start >= result.time > 0
+    assert result.exists and 0 <= result.start < result.end <= result.deadline
+    assert result.end - result.start >= result.fill_time > 0
     assert result.reserve > result.dip
     rate = (3.0 - 0.1) * float(control.transition(bundle, strain).largest_force) / 4
     assert result.reserve >= control.needed_reserve(bundle, strain, rate, 0.0)
     slow = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-10, 1, unit_2))
-    assert not slow.found and "too slow" in str(slow)
-    assert slow.start is slow.end is slow.time is None
+    assert not slow.exists and "too slow" in str(slow)
+    assert slow.start is slow.end is slow.fill_time is None
 
 
 def test_a_third_of_the_conductance_is_too_little_for_four(five):
-    assert not control.crossing(five, ramp(five, 0.2), of_conductance(1e-9 / 3, 1, 4)).found
+    assert not control.crossing(five, ramp(five, 0.2), of_conductance(1e-9 / 3, 1, 4)).exists
 
 
 def test_slower_valves_begin_earlier(pair):
@@ -58,7 +58,7 @@ def test_slower_valves_begin_earlier(pair):
 
 def test_no_crossing_near_the_end_of_the_stroke(five):
     result = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
-    assert not result.found
+    assert not result.exists
     # 0.9 of 8.37 N against 34.66 N
     assert "can spare 7.531 N at most where the dip is 34.66 N deep" in result.reason
     assert "dips by 27.13 N at least" in result.reason
@@ -67,7 +67,7 @@ def test_no_crossing_near_the_end_of_the_stroke(five):
 def test_a_path_crosses_at_its_last_feasible_strain(five):
     path = Path.of([0, 2, 3], [5, 5, 20], [0.15, 0.24, 0.24])
     result = control.crossing(five, path, of_conductance(1e-8, 1, 4))
-    assert result.found and result.end < 2 < result.needed
+    assert result.exists and result.end < 2 < result.deadline
     there = control.transition(five, result.strain)
     left = float(there.largest_force - there.dip) - 5
     # on its way there the strain rises, too: nothing is left, where at 0.24 it would be -31 N
@@ -78,25 +78,25 @@ def test_a_path_crosses_at_its_last_feasible_strain(five):
 def test_no_crossing_is_needed_or_the_path_starts_out_of_reach(pair):
     valves = GasValves(1e-3)
     idle = control.crossing(pair, Path.of([0, 1], [1.0, 10.0], 0.2), valves)
-    assert not idle.found and idle.needed is None and "28.06 N are left" in idle.reason
+    assert not idle.exists and idle.deadline is None and "28.06 N are left" in idle.reason
     late = control.crossing(pair, Path.of([0, 1], [50.0, 60.0], 0.2), valves)
-    assert not late.found and late.needed == 0 and "11.94 N are missing" in late.reason
+    assert not late.exists and late.deadline == 0 and "11.94 N are missing" in late.reason
     helpless = control.crossing(pair, Path.of([0, 1], [-12.0, 60.0], 0.31), valves)
-    assert not helpless.found
+    assert not helpless.exists
 
 
 def test_without_a_dip_the_crossing_is_as_late_as_possible(pair):
     path = Path.of([0, 1], [50.0, 250.0], 0.0)
     result = control.crossing(pair, path, GasValves(1e-3))
-    assert result.dip == 0 and result.onset_pressure == 0 and result.time == 0
-    assert_allclose(result.start, result.needed, rtol=0, atol=1e-3)
+    assert result.dip == 0 and result.onset_pressure == 0 and result.fill_time == 0
+    assert_allclose(result.start, result.deadline, rtol=0, atol=1e-3)
 
 
 def test_valves_of_oil_and_of_a_plant(pair):
     path = ramp(pair, 0.2)
     oil = control.crossing(pair, path, OilValves(2e-5))
     # V* of 8.3 mL more at the onset
-    assert oil.found and 0.3 < oil.time < 0.5
+    assert oil.exists and 0.3 < oil.fill_time < 0.5
     plant = dynamics.Plant(
         pair, dynamics.PrescribedMotion(0.2 * 0.127), fluid.ConstantSupply(SUPPLY),
         fluid.Isothermal(dead_volume=np.array([0.0, 20e-6])), fluid.SonicValve(1e-9, 0.3),
@@ -104,7 +104,7 @@ def test_valves_of_oil_and_of_a_plant(pair):
     result = control.crossing(pair, path, plant)
     bare = control.crossing(pair, path, of_conductance(1e-9, 1, 1))
     # a hose of 20 mL on unit 2 takes its gas, too: p_on V/(R T) of it
-    flow = result.time - bare.time
+    flow = result.fill_time - bare.fill_time
     assert flow > 0.02 and result.start < bare.start
 
 
@@ -113,8 +113,8 @@ def test_crossing_to_the_third_unit(muscle):
     path = Path.of([0, 4], [4.0, 110.0], 0.2)
     second = control.crossing(three, path, GasValves(1e-3), unit=2)
     third = control.crossing(three, path, GasValves(1e-3), unit=3)
-    assert second.found and third.found and second.end < third.start
-    assert second.needed < third.needed
+    assert second.exists and third.exists and second.end < third.start
+    assert second.deadline < third.deadline
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_late_pressures_end_a_crossing_earlier(pair):
     prompt, late = (control.crossing(pair, path, valves, lag=lag) for lag in (0.0, 0.1))
     # a ramp: all of it as much earlier
     assert_allclose([late.start, late.end], [prompt.start - 0.1, prompt.end - 0.1], atol=1e-3)
-    assert not control.crossing(pair, path, valves, lag=3.0).found
+    assert not control.crossing(pair, path, valves, lag=3.0).exists
     with pytest.raises(InvalidInputError):
         control.crossing(pair, path, valves, lag=-1.0)
 
@@ -157,8 +157,8 @@ def test_confidence_in_a_crossing_is_a_share_of_the_draws(five):
     path, valves = ramp(five, 0.2), of_conductance(1e-9, 1, 4)
     draws = control.draw_bundles(five, 4, seed=1)
     result = control.crossing_confidence(five, path, valves, draws=draws)
-    found = [control.crossing(drawn, path, valves).found for drawn in draws]
-    assert result.crossing.found and result.share == np.mean(found)
+    found = [control.crossing(drawn, path, valves).exists for drawn in draws]
+    assert result.crossing.exists and result.share == np.mean(found)
     assert result.sure == (result.share >= 0.95)
     model = control.crossing_confidence(five, path, valves, draws=[five])
     assert model.share == 1.0 and model.sure and model.margin == 0.0

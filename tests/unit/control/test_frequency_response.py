@@ -44,24 +44,24 @@ def test_a_batch_equals_single_runs(scenario, result):
     error = np.sqrt(np.mean(late**2)) / (A[1] / np.sqrt(2))
     assert_allclose(result.error[1, 1], error, rtol=1e-6)
     drawn = np.maximum(one.outputs.drawn, 0).sum(-1)[1000:1500]
-    assert_allclose(result.drawn[1, 1], drawn, rtol=0, atol=1e-6 * drawn.max())
+    assert_allclose(result.supply_flow[1, 1], drawn, rtol=0, atol=1e-6 * drawn.max())
     pull = np.asarray(one.outputs.forces).sum(-1)  # plates move as the load does
     power = np.maximum(pull * one.outputs.velocity, 0)[1000:1500]
     assert_allclose(result.work[1, 1], power.sum() * 1e-3 / 2, rtol=1e-6)
 
 
 def test_larger_amplitudes_draw_more_and_compile_nothing(scenario, result, caplog):
-    assert result.error.shape == (2, 2) and result.trusted.all()
-    assert np.all(result.reached[0] == 1)
+    assert result.error.shape == (2, 2) and result.is_valid.all()
+    assert np.all(result.reachable_share[0] == 1)
     # oil of one muscle suffices for the small one, five are filled for the large one
-    assert result.drawn[1, 0].sum() > 3 * result.drawn[0, 0].sum()
+    assert result.supply_flow[1, 0].sum() > 3 * result.supply_flow[0, 0].sum()
     plant, controller = scenario.plant, scenario.control.controller
     with jax.log_compiles(), caplog.at_level("WARNING"):
         other = control.frequency_response(
             plant, controller, MEAN, [1e-3, 5e-3], F, scenario.start, TIME
         )
     assert not [record for record in caplog.records if "ompil" in record.getMessage()]
-    assert np.all(other.drawn.sum(-1) < result.drawn.sum(-1))
+    assert np.all(other.supply_flow.sum(-1) < result.supply_flow.sum(-1))
 
 
 def test_power_units_equal_a_hand_calculation():
@@ -79,7 +79,9 @@ def test_power_units_equal_a_hand_calculation():
     assert_allclose(work["sensing"], 150e3 * 1e-4 / 0.5)
     assert tuple(work) == control.POWER_UNITS
     # never more than the supply's
-    near = control.shaft_work(result._replace(top=top + 290e3 * (top > 0)), 400e3, 850.0, 0.5)
+    near = control.shaft_work(
+        result._replace(highest_pressure=top + 290e3 * (top > 0)), 400e3, 850.0, 0.5
+    )
     assert_allclose(near["sensing"], 400e3 * 1e-4 / 0.5)
 
 

@@ -60,14 +60,14 @@ def dip(plant, demand, policy="hand_over", **options):
 def test_a_predicted_hand_over_has_no_dip(pair, ramp, conductance, duration):
     plant, demand = plant_of(pair, conductance), ramp(duration)
     chosen = control.select_policy(plant, demand, DT, "force", draws=[pair])
-    assert chosen.crossings[0].found and chosen.policy in ("hand_over", "pre_charge")
+    assert chosen.crossings[0].exists and chosen.policy in ("hand_over", "pre_charge")
     assert dip(plant, demand, chosen.policy) < HELD
 
 
 def test_slow_valves_have_no_predicted_hand_over(pair, ramp):
     plant, demand = plant_of(pair), ramp(0.35)
     chosen = control.select_policy(plant, demand, DT, "force")
-    assert not chosen.crossings[0].found and "too slow" in chosen.why
+    assert not chosen.crossings[0].exists and "too slow" in chosen.why
     assert dip(plant, demand) > HELD
 
 

@@ -21,7 +21,7 @@ def test_strains_of_any_shape(pair):
         one = control.transition(pair, strain[i])
         assert_allclose([field[i] for field in result], list(one), rtol=1e-12)
     assert np.ndim(control.transition(pair, 0.2).dip) == 0
-    rows = control.gain(pair, np.linspace(0, 4e5, 5)[:, None], [0.1, 0.2])
+    rows = control.added_force(pair, np.linspace(0, 4e5, 5)[:, None], [0.1, 0.2])
     assert rows.shape == (5, 2)
     assert_array_equal(rows[0], 0.0)
 
@@ -41,10 +41,10 @@ def test_a_unit_past_its_largest_free_strain_only_resists(pair):
 
 def test_the_slope_vanishes_at_the_dip_and_the_gain_at_the_onset(five):
     result = control.transition(five, 0.18)
-    around = control.gain(five, result.dip_pressure + np.array([-2e3, 0.0, 2e3]), 0.18)
+    around = control.added_force(five, result.dip_pressure + np.array([-2e3, 0.0, 2e3]), 0.18)
     assert around[1] == pytest.approx(-result.dip, rel=1e-12)
     assert around[0] > around[1] < around[2]
-    beside = control.gain(five, result.onset_pressure * np.array([1 - 1e-9, 1 + 1e-6]), 0.18)
+    beside = control.added_force(five, result.onset_pressure * np.array([1 - 1e-9, 1 + 1e-6]), 0.18)
     assert beside[0] <= 1e-9 < beside[1]
     onset = fs.reversal.onset_pressure(five, 0.18)
     assert_allclose(result.onset_pressure, onset, rtol=1e-9)
@@ -90,7 +90,7 @@ def test_needed_reserve_grows_with_rate_and_time(pair):
         (lambda b: control.transition(b, 0.2, unit=True), "unit"),
         (lambda b: control.transition(b, np.nan), "strain"),
         (lambda b: control.transition(b, 0.9), "strain"),
-        (lambda b: control.gain(b, -1.0, 0.2), "pressure"),
+        (lambda b: control.added_force(b, -1.0, 0.2), "pressure"),
         (lambda b: control.needed_reserve(b, 0.2, 1.0, -1.0), "time"),
         (lambda b: control.needed_reserve(b, 0.2, np.inf, 1.0), "force_rate"),
         (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "supply_pressure"),

@@ -7,8 +7,7 @@ from numpy.testing import assert_allclose
 from fascicle.core.errors import InvalidInputError
 from fascicle.design import Designs, Task
 from fascicle.design.catalog import Catalog
-from fascicle.design.cycle import ATMOSPHERE, Cycle
-from fascicle.design.cycle_run import run_cycle
+from fascicle.design.cycle import ATMOSPHERE, Cycle, run_cycle
 from fascicle.design.summary import summarize
 from fascicle.fluid.valve_catalog import catalog_valves
 

@@ -19,19 +19,19 @@ ROOM = 101325.0
 
 
 def test_gas_behind_a_wall_conserves_enthalpy():
-    s = WALL.start(2e5, 1e-5)
+    s = WALL.state_at(2e5, 1e-5)
     assert_allclose(conserved_state(WALL, s, np.array(2e5), np.array(1e-5)), [s[0], s[1] + 3.01325])
 
 
 def test_chambers_without_a_wall_conserve_their_state():
     for one in (fluid.Isothermal(dead_volume=3e-6), fluid.LiquidChamber(dead_volume=3e-6)):
-        s = one.start(2e5, 1e-5)
+        s = one.state_at(2e5, 1e-5)
         assert_allclose(conserved_state(one, s, np.array(2e5), np.array(1e-5)), s, rtol=0)
 
 
 def test_conserved_rates_are_derivatives_of_the_conserved_state():
     # along a path on which pressure and volume both change, gas flows in and heat out
-    s, P, V = WALL.start(2e5, 1e-5), np.array(2e5), np.array(1e-5)
+    s, P, V = WALL.state_at(2e5, 1e-5), np.array(2e5), np.array(1e-5)
     P_dot, V_dot, flow, energy = np.array(3e6), np.array(2e-4), 1e-4, 40.0
     rate = WALL.rates(s, P, flow, energy, V_dot)
     still = WALL.rates(s, P, flow, energy, 0.0)
@@ -54,7 +54,7 @@ def test_corrected_pressures_include_the_work_of_the_wall(lift, off):
     there = evaluate_chambers(lift, s, eps, near).volume
     result = project_chambers(lift, conserved_state(lift.chamber, s, near, there), eps, near, 6)
     end = evaluate_chambers(lift, result.chambers, eps, result.pressures)
-    assert np.all(np.abs(end.step) < 1e-9 * P)
+    assert np.all(np.abs(end.newton_step) < 1e-9 * P)
     assert np.all(np.sign(near - result.pressures) == np.sign(off) * np.ones(2)) or off == 0
     # the first law: energy that the gas lost is what its wall did on the way from `there`
     work = ((near + result.pressures) / 2 + ROOM) * (end.volume - there)

@@ -15,10 +15,10 @@ from fascicle.dynamics.step_size import estimate_substeps
 
 
 def _at(plant, state, command):
-    anchor = FrictionMemory(np.zeros((plant.units, 0)), state.position, state.pressures)
+    memory = FrictionMemory(np.zeros((plant.units, 0)), state.position, state.pressures)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        now = evaluate_plant(plant, np.float64(0.0), state, command, anchor)
-        return time_derivative(plant, state, now, command), observe(plant, state, anchor, now)
+        now = evaluate_plant(plant, np.float64(0.0), state, command, memory)
+        return time_derivative(plant, state, now, command), observe(plant, state, memory, now)
 
 
 @pytest.mark.parametrize("pressures", [1.5e5, [1e5, 3e5], [4.1e5, 0.0]])

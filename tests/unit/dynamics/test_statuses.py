@@ -142,7 +142,7 @@ def test_an_accumulator_runs_empty(single):
     assert result["supply_empty"].trusted
     empty = run.time > result["supply_empty"].first
     drawn = np.trapezoid(run.outputs.drawn[:, 0], run.time)
-    had = supply.start()[0]
+    had = supply.initial_state()[0]
     # up to a step's flow
     assert_allclose(drawn, had, rtol=0.02)
     assert np.all(run.outputs.drawn[empty] <= 0)

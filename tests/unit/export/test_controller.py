@@ -94,7 +94,7 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
             NUMBER(strain), NUMBER(rate), command,
         )  # fmt: skip
         assert code == 0
-        m, flows = units.content(P, strain + 0 * P), units.flows(P, supply + 0 * P)
+        m, flows = units.fluid_mass(P, strain + 0 * P), units.valve_flows(P, supply + 0 * P)
         flow = np.maximum(np.where(expected > 0, *flows), 1e-9)
         rounding = ROUNDING * m * (SUPPLY / (1e3 * 3e-3) + abs(rate) / 1e-4) / flow
         error = np.abs(np.array(command) - expected)

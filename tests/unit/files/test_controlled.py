@@ -68,7 +68,7 @@ def test_shipped_controlled_scenarios_are_complete():
     for name in ("ramp_1_4", "raise_1_4"):
         one = loads_scenario(example_text(name))
         chosen = one.with_policy("auto").control
-        assert chosen.choice.crossings[0].found, chosen.choice.why
+        assert chosen.choice.crossings[0].exists, chosen.choice.why
     single = loads_scenario(example_text("raise_1x5")).with_policy("auto")
     assert single.control.policy == "orderly"
 

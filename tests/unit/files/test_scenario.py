@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import fluid
-from fascicle.dynamics.muscles import Exact
+from fascicle.dynamics.muscles import ExactMuscles
 from fascicle.files import example_text, loads_scenario, scenarios
 from fascicle.files.scenario import scenario_from_dict
 
@@ -86,7 +86,7 @@ def test_room_reaches_every_part():
     tank = ('kind = "constant"', 'kind = "tank"\nvolume = "5 L"')
     for edits in ([warm], [warm, tank]):
         plant = loads_scenario(edited(GAS, *edits)).plant
-        state = plant.supply.start()
+        state = plant.supply.initial_state()
         assert_allclose(plant.supply.temperature_at(state), 303.15)
         assert_allclose(plant.supply.pressure_at(state), 413.7e3)
         assert plant.chamber.room_pressure == 90e3
@@ -271,8 +271,8 @@ def test_runs_that_are_too_large_are_refused():
 def test_exact_law_runs_at_rest(monkeypatch):
     plant = loads_scenario(edited(GAS, ('dt = "1 ms"', 'dt = "1 ms"\nvolume = "geometric"'))).plant
     units = [unit.muscle for unit in plant.bundles[0].motor_units]
-    exact = Exact.from_muscles(units, 5e5, plant.muscles.strains)
+    exact = ExactMuscles.from_muscles(units, 5e5, plant.muscles.strains)
     P, strain = np.array([[1e5, 2e5], [0.0, 4e5]]), np.array([0.05, 0.1])
     of_units = [[m.force(p, e) for m, p, e in zip(units, row, strain, strict=True)] for row in P]
-    monkeypatch.setattr(Exact, "at", None)  # whose integral takes a hundred times as long
+    monkeypatch.setattr(ExactMuscles, "at", None)  # whose integral takes a hundred times as long
     assert_allclose(exact.force(P, strain), of_units, rtol=1e-12)

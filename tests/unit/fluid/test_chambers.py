@@ -19,14 +19,14 @@ PRESSURES = np.array([-5e4, 0.0, 1e3, 4e5])
 
 @every
 def test_state_has_names_and_units(of):
-    assert len(of.names) == len(of.units) == of.count == of.start(1e5, V).shape[-1]
-    assert of.start(PRESSURES[:, None], np.array([V, 2 * V])).shape == (4, 2, of.count)
+    assert len(of.names) == len(of.units) == of.count == of.state_at(1e5, V).shape[-1]
+    assert of.state_at(PRESSURES[:, None], np.array([V, 2 * V])).shape == (4, 2, of.count)
 
 
 @every
 def test_start_is_in_balance_and_found_again(of):
-    state = of.start(PRESSURES, V)
-    at = of.balance(state, PRESSURES, V)
+    state = of.state_at(PRESSURES, V)
+    at = of.state_residual(state, PRESSURES, V)
     # of p V, 10 to 50 J, or of 0.1 kg
     assert_allclose(at.value, 0, atol=1e-13)
     assert_allclose(of.static_pressure(state, V), PRESSURES, rtol=1e-12, atol=1e-6)
@@ -42,12 +42,12 @@ def test_one_is_a_fit():
 @every
 def test_slopes_of_the_balance(of):
     for P in PRESSURES:
-        state = of.start(P, V) * 1.01
+        state = of.state_at(P, V) * 1.01
 
         def value(s, P, V, of=of):
-            return of.balance(s, P, V).value
+            return of.state_residual(s, P, V).value
 
-        at = of.balance(state, P, V)
+        at = of.state_residual(state, P, V)
         by_state, by_pressure, by_volume = jax.grad(value, (0, 1, 2))(state, P, V)
         assert_allclose(at.by_state, by_state, rtol=1e-12)
         assert_allclose(at.by_pressure, by_pressure, rtol=1e-12)
@@ -58,7 +58,7 @@ def test_slopes_of_the_balance(of):
 
 @every
 def test_rates_are_affine_in_the_volumes(of):
-    state, P = of.start(3e5, V), 3e5
+    state, P = of.state_at(3e5, V), 3e5
     slope = of.per_volume_rate(state, P)
     still = of.rates(state, P, 1e-3, 300.0, 0.0)
     assert slope.shape == still.shape == state.shape
@@ -70,29 +70,29 @@ def test_rates_are_affine_in_the_volumes(of):
 
 def test_temperature_and_heat():
     of = fluid.AdiabaticWall(0.5)
-    state = of.start(3e5, V) * np.array([1.0, 1.1])
+    state = of.state_at(3e5, V) * np.array([1.0, 1.1])
     assert_allclose(of.temperature(state), 1.1 * WARM, rtol=1e-13)
-    assert_allclose(of.heat(state), 0.05 * WARM, rtol=1e-12)
+    assert_allclose(of.heat_flow(state), 0.05 * WARM, rtol=1e-12)
     assert_allclose(of.rates(state, 3e5, 0.0, 0.0, 0.0), [0, -0.05 * WARM], rtol=1e-12)
     # compressed at one temperature, all work leaves as heat
     held = fluid.Isothermal()
     work = (3e5 + ROOM) * 1e-5
-    assert_allclose(held.heat(held.start(3e5, V), 3e5, 0.0, 0.0, -1e-5), work, rtol=1e-13)
+    assert_allclose(held.heat_flow(held.state_at(3e5, V), 3e5, 0.0, 0.0, -1e-5), work, rtol=1e-13)
     # what comes in and is as warm already leaves R T of flow work
     flow = 1e-3
-    heat = held.heat(held.start(3e5, V), 3e5, flow, fluid.AIR.enthalpy(WARM) * flow, 0.0)
+    heat = held.heat_flow(held.state_at(3e5, V), 3e5, flow, fluid.AIR.enthalpy(WARM) * flow, 0.0)
     assert_allclose(heat, flow * fluid.AIR.specific_gas_constant * WARM, rtol=1e-12)
 
 
 def test_a_fit_knows_no_heat():
     of = fluid.Polytropic(1.2)
-    assert np.isnan(of.heat(of.start(3e5, V), 3e5, 0.0, 0.0, 0.0))
+    assert np.isnan(of.heat_flow(of.state_at(3e5, V), 3e5, 0.0, 0.0, 0.0))
 
 
 def test_polytropic_goes_from_isothermal_to_adiabatic():
     one, held = fluid.Polytropic(1.0), fluid.Isothermal()
-    state = held.start(PRESSURES, V)
-    assert_allclose(one.start(PRESSURES, V), state, rtol=1e-14)
+    state = held.state_at(PRESSURES, V)
+    assert_allclose(one.state_at(PRESSURES, V), state, rtol=1e-14)
     assert_allclose(
         one.static_pressure(state, 0.5 * V),
         held.static_pressure(state, 0.5 * V),
@@ -100,7 +100,7 @@ def test_polytropic_goes_from_isothermal_to_adiabatic():
         atol=1e-9,
     )
     fast = fluid.Polytropic(1.4)
-    state = fast.start(0.0, V)
+    state = fast.state_at(0.0, V)
     # p V^n of a mass that stays
     p = fast.static_pressure(state, 0.5 * V) + ROOM
     assert_allclose(p, ROOM * 2**1.4, rtol=1e-13)
@@ -109,22 +109,22 @@ def test_polytropic_goes_from_isothermal_to_adiabatic():
 
 def test_stored_is_zero_as_the_room_is():
     for of in CHAMBERS:
-        assert_allclose(of.stored(of.start(0.0, V), 0.0), 0, atol=1e-13)
-        assert of.stored(of.start(4e5, V), 4e5) > 0
+        assert_allclose(of.stored_energy(of.state_at(0.0, V), 0.0), 0, atol=1e-13)
+        assert of.stored_energy(of.state_at(4e5, V), 4e5) > 0
         if of.physical:
-            assert of.stored(of.start(-5e4, V), -5e4) > 0  # a vacuum is worth something
+            assert of.stored_energy(of.state_at(-5e4, V), -5e4) > 0  # a vacuum is worth something
 
 
 @every
 @pytest.mark.parametrize("pressure", [-ROOM, 0.0, 4e5])
 def test_everything_is_finite_with_its_slopes(of, pressure):
     """As empty as can be, too, and without any mass."""
-    state = of.start(max(pressure, -0.999 * float(of.room_pressure)), V)
+    state = of.state_at(max(pressure, -0.999 * float(of.room_pressure)), V)
     for s in (state, 0.0 * state):
 
         def all_of_it(s, P, V, of=of):
-            out = [of.static_pressure(s, V), of.temperature(s, P), of.stored(s, P),
-                   *of.balance(s, P, V), *of.rates(s, P, 1e-4, 30.0, 1e-5),
+            out = [of.static_pressure(s, V), of.temperature(s, P), of.stored_energy(s, P),
+                   *of.state_residual(s, P, V), *of.rates(s, P, 1e-4, 30.0, 1e-5),
                    of.per_volume_rate(s, P)]  # fmt: skip
             return sum(np.sum(x) if isinstance(x, np.ndarray) else x.sum() for x in out)
 
@@ -136,11 +136,11 @@ def test_everything_is_finite_with_its_slopes(of, pressure):
 
 @every
 def test_numpy_and_jax_agree(of):
-    state = of.start(PRESSURES, V)
+    state = of.state_at(PRESSURES, V)
     assert type(state) is np.ndarray
     for name, arguments in (
-        ("balance", (state, PRESSURES, V)), ("static_pressure", (state, V)),
-        ("stored", (state, PRESSURES)), ("temperature", (state, PRESSURES)),
+        ("state_residual", (state, PRESSURES, V)), ("static_pressure", (state, V)),
+        ("stored_energy", (state, PRESSURES)), ("temperature", (state, PRESSURES)),
         ("rates", (state, PRESSURES, 1e-4, 30.0, 1e-5)),
     ):  # fmt: skip
         plain = getattr(of, name)(*arguments)

@@ -23,7 +23,7 @@ def _ran(supply, drawn, end=2.0):
     def rates(_, state):
         return supply.rates(state, -drawn, 0.0)
 
-    return solve_ivp(rates, (0, end), supply.start(), "DOP853", rtol=1e-11, atol=1e-14).y.T
+    return solve_ivp(rates, (0, end), supply.initial_state(), "DOP853", rtol=1e-11, atol=1e-14).y.T
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_what_the_shaft_does_is_stored_given_or_lost(supply, drawn):
         (0, 2.0), [*begin, 0.0], "DOP853", rtol=1e-11, atol=1e-14,
     ).y[-1, -1]  # fmt: skip
     left = spent["shaft_work"] - spent["pump_lost"] - spent["relief_lost"] - given
-    stored = supply.stored(end) - supply.stored(begin)
+    stored = supply.stored_energy(end) - supply.stored_energy(begin)
     # of the shaft's work: what the integration leaves
     assert_allclose(left, stored, rtol=0, atol=1e-8 * spent["shaft_work"])
     assert spent["shaft_work"] > 0 and spent["pump_lost"] > 0
@@ -58,13 +58,13 @@ def test_a_variable_pump_stops_at_its_setting():
 
 def test_the_band_switches_a_fixed_pump():
     supply = fluid.PumpedAccumulator(STORE, FIXED, BAND)
-    state = supply.start()
+    state = supply.initial_state()
     assert state[1] == 1
     full = fluid.PumpedAccumulator(fluid.Accumulator(1e-3, 3e5, 5.6e5), FIXED, BAND)
-    off = supply.update_switch(np.array([full.start()[0], 1.0, 1.0, 2.0, 3.0]))
-    assert off.tolist() == [full.start()[0], 0.0, 1.0, 2.0, 3.0]
+    off = supply.update_switch(np.array([full.initial_state()[0], 1.0, 1.0, 2.0, 3.0]))
+    assert off.tolist() == [full.initial_state()[0], 0.0, 1.0, 2.0, 3.0]
     assert supply.rates(off, -1e-3, 0.0).tolist() == [-1e-3, 0.0, 0.0, 0.0, 0.0]
-    between = fluid.Accumulator(1e-3, 3e5, 5e5).start()[0]
+    between = fluid.Accumulator(1e-3, 3e5, 5e5).initial_state()[0]
     for on in (0.0, 1.0):  # what it was
         assert supply.update_switch(np.array([between, on, 0.0, 0.0, 0.0]))[1] == on
     assert fluid.PumpedAccumulator(STORE, FIXED).update_switch(state) is state
@@ -72,9 +72,9 @@ def test_the_band_switches_a_fixed_pump():
 
 def test_it_is_batched_and_differentiated():
     supply = fluid.PumpedAccumulator(STORE, FIXED, BAND, RELIEF)
-    states = np.stack([supply.start(), supply.start()])
+    states = np.stack([supply.initial_state(), supply.initial_state()])
     many = jax.vmap(lambda s: supply.rates(supply.update_switch(s), -1e-3, 0.0))(states)
-    assert_allclose(many[1], supply.rates(supply.start(), -1e-3, 0.0), rtol=1e-12)
+    assert_allclose(many[1], supply.rates(supply.initial_state(), -1e-3, 0.0), rtol=1e-12)
     slopes = jax.grad(lambda s: supply.rates(s, 0.0, 0.0)[2])(states[0])
     assert np.all(np.isfinite(slopes))
 

@@ -42,7 +42,7 @@ def test_pressure_band_keeps_what_it_was():
     P = np.array([3e5, 4e5, 5e5, 6e5, 7e5])
     assert_allclose(of.update(0.0, P), [1, 1, 0, 0, 0], atol=0)
     assert_allclose(of.update(1.0, P), [1, 1, 1, 0, 0], atol=0)
-    assert_allclose(of.start(P), [1, 1, 1, 0, 0], atol=0)
+    assert_allclose(of.initial_state(P), [1, 1, 1, 0, 0], atol=0)
     assert_allclose(jax.jit(of.update)(1.0, P), of.update(1.0, P), atol=0)
 
 

@@ -18,7 +18,7 @@ every = pytest.mark.parametrize("of", SUPPLIES, ids=lambda of: type(of).__name__
 
 @every
 def test_starts_at_its_pressure(of):
-    state = of.start()
+    state = of.initial_state()
     assert state.shape == (of.count,) and len(of.names) == len(of.units) == of.count
     assert_allclose(of.pressure_at(state), 6e5, rtol=1e-12)
     assert_allclose(of.temperature_at(state), WARM, rtol=1e-14)
@@ -27,14 +27,14 @@ def test_starts_at_its_pressure(of):
 
 @every
 def test_what_is_drawn_is_missing(of):
-    state = of.start()
+    state = of.initial_state()
     rates = of.rates(state, -1e-3, -1e-3 * fluid.AIR.enthalpy(WARM))
     assert rates.shape == state.shape
     if of.count:
         assert rates[0] == -1e-3
         later = of.pressure_at(state + 0.1 * rates)
         assert later < 6e5
-        assert of.stored(state) > of.stored(state + 0.1 * rates)
+        assert of.stored_energy(state) > of.stored_energy(state + 0.1 * rates)
 
 
 def test_a_constant_supply_may_be_told_absolute():
@@ -45,7 +45,7 @@ def test_a_constant_supply_may_be_told_absolute():
 
 def test_a_tank_empties_to_the_room():
     of = fluid.Tank(fluid.Isothermal(), 1e-2, 6e5)
-    left = of.chamber.start(0.0, 1e-2)
+    left = of.chamber.state_at(0.0, 1e-2)
     assert of.empty(left) and not of.empty(1.001 * left)
 
 
@@ -55,7 +55,7 @@ def test_an_accumulator_is_a_gas_spring(n):
     taken = of.stored_volume(6e5)
     assert_allclose((6e5 + ROOM) * (1e-3 - taken) ** n, (2e5 + ROOM) * 1e-3**n, rtol=1e-13)
     # dE/dm is what a kilogram brings along
-    slope = jax.grad(lambda m: of.stored(m[None]))(of.start()[0])
+    slope = jax.grad(lambda m: of.stored_energy(m[None]))(of.initial_state()[0])
     assert_allclose(slope, of.liquid.flow_energy(6e5), rtol=1e-11)
     assert of.empty(np.zeros(1)) and of.pressure_at(np.zeros(1)) == pytest.approx(2e5, rel=1e-14)
 
@@ -67,7 +67,7 @@ def test_an_accumulator_over_its_ends_is_finite(n, share):
     mass = jnp.array([share * 1e-3 * 850.0])
 
     def all_of_it(of, mass):
-        return of.pressure_at(mass) + of.stored(mass)
+        return of.pressure_at(mass) + of.stored_energy(mass)
 
     slopes = jax.grad(all_of_it, (0, 1))(of, mass)
     assert all(np.all(np.isfinite(x)) for x in jax.tree.leaves(slopes))
@@ -75,8 +75,8 @@ def test_an_accumulator_over_its_ends_is_finite(n, share):
 
 @every
 def test_numpy_and_jax_agree(of):
-    state = of.start()
-    for name in ("pressure_at", "stored", "temperature_at"):
+    state = of.initial_state()
+    for name in ("pressure_at", "stored_energy", "temperature_at"):
         plain = getattr(of, name)(state)
         assert_allclose(plain, jax.jit(getattr(of, name))(state), rtol=1e-11)
         many = jnp.stack([state, 0.9 * state])

@@ -82,12 +82,12 @@ def test_valves_and_the_run_are_a_line():
 def test_run_is_left_out_without_jax(monkeypatch):
     class NoJax:
         def find_spec(self, name, *_):
-            if name == "fascicle.design.cycle_run":
+            if name == "fascicle.dynamics":
                 raise ModuleNotFoundError("No module named 'jax'", name="jax")
 
     result, _ = summarize(100.0, 0.08)
     result = replace(result, cycle=Cycle(1.0, 30.0))
-    monkeypatch.delitem(sys.modules, "fascicle.design.cycle_run", raising=False)
+    monkeypatch.delitem(sys.modules, "fascicle.dynamics", raising=False)
     monkeypatch.setattr(sys, "meta_path", [NoJax(), *sys.meta_path])
     assert "left out" in run_cycle_of(result, summarize_search(result)).run
     assert "fascicle[jax]" in run_cycle_of(result, summarize_search(result)).run
