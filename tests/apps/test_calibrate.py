@@ -244,7 +244,7 @@ def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
 @pytest.mark.slow
 def test_the_readmes_calibration_finds_the_angle_that_was_built(fascicle, tmp_path):
     readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    lines = re.findall(r"`\.venv/bin/fascicle ((?:record|calibrate) [^`]*)` \|", readme)
+    lines = re.findall(r"`fascicle ((?:record|calibrate) [^`]*)` \|", readme)
     assert len(lines) == 2
     for line in lines:
         code, out, _ = fascicle(*line.split())
