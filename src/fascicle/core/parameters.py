@@ -105,10 +105,6 @@ class Constant:
         default = {} if self.default is None else {"default": self.default}
         return record(converter=self.validate, constant=self, **default)
 
-    def plain_field(self) -> Any:
-        """Field that the class itself validates, with the constant in its metadata."""
-        return record(constant=self)
-
 
 @dataclass(frozen=True)
 class Switch:

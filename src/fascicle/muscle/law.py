@@ -120,16 +120,16 @@ class LawRegistry(Mapping[str, type[Law]]):
 
         return get_class, list_attributes
 
-    def choose(self, value: Any, argument: str) -> Law:
-        """Law from an object or a name; `InvalidInputError` of the `argument` for other values."""
+    def choose(self, value: Law | str) -> Law:
+        """Law from an object or a name; `InvalidInputError` for other values."""
         if isinstance(value, self._kind):
             return value
         if isinstance(value, str):
             if value not in self:
-                check_choice(value, self, argument)
+                check_choice(value, self, self._argument)
             return self[value]()
         rule = f"must be one of {', '.join(sorted(self))} or an object of {self._kind.__name__}"
-        raise InvalidInputError(argument, rule, value)
+        raise InvalidInputError(self._argument, rule, value)
 
     def _modules(self) -> list[str]:
         return sorted(module.name for module in pkgutil.iter_modules(self._path))

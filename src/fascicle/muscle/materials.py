@@ -22,7 +22,6 @@ from typing import ClassVar, NamedTuple
 
 from ..core.parameters import POSITIVE, Constant
 from ..core.types import Batch, BatchLike, Values
-from ..core.validation import check_interval
 from .law import Declared
 
 
@@ -53,35 +52,32 @@ class AbstractMaterial(Declared):
 
 LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, of latex: Klute and Hannaford (2000)
 
-_C10 = Constant(
-    "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
-    "constant C10 of the bladder's rubber", "Klute and Hannaford (2000)",
-)  # fmt: skip
-_C01 = Constant(
-    # many rubbers have next to none
-    "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
-    "constant C01 of the bladder's rubber", "Klute and Hannaford (2000)",
-)  # fmt: skip
 _E = Constant(
     # gels have 10 Pa, no bladder is stiffer than a hard plastic, 10 GPa; the softest silicones
     # have 20 kPa, polyethylene film 500 MPa
     "youngs_modulus", "E", "pressure", (10.0, 5e3, 1e9, 1e10), POSITIVE, None,
     "Young's modulus of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
 )  # fmt: skip
-# no fit moves it: that of rubber is known
-_NU = Constant(
-    "poisson_ratio", r"\nu", "number", (0.0, 0.0, 0.5, 0.5), None, 0.5,
-    "Poisson's ratio of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
-)  # fmt: skip
 
 
 class MooneyRivlin(AbstractMaterial):
     """The two-constant rubber of equation (W)."""
 
-    c10: Batch = _C10.plain_field()
-    c01: Batch = _C01.plain_field()
-    youngs_modulus: Batch = _E.plain_field()
-    poisson_ratio: Batch = _NU.plain_field()
+    c10: Batch = Constant(
+        "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
+        "constant C10 of the bladder's rubber", "Klute and Hannaford (2000)",
+    ).field()  # fmt: skip
+    c01: Batch = Constant(
+        # many rubbers have next to none
+        "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
+        "constant C01 of the bladder's rubber", "Klute and Hannaford (2000)",
+    ).field()  # fmt: skip
+    youngs_modulus: Batch = _E.field()
+    # no fit moves it: that of rubber is known
+    poisson_ratio: Batch = Constant(
+        "poisson_ratio", r"\nu", "number", (0.0, 0.0, 0.5, 0.5), None, 0.5,
+        "Poisson's ratio of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
+    ).field()  # fmt: skip
 
     def __init__(
         self, c10: Values, c01: Values, youngs_modulus: Values = None, poisson_ratio: Values = 0.5
@@ -95,14 +91,9 @@ class MooneyRivlin(AbstractMaterial):
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
         """
-        self.c10 = _C10.validate(c10)
-        self.c01 = _C01.validate(c01)
+        self.c10, self.c01, self.poisson_ratio = c10, c01, poisson_ratio
         modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
-        self.youngs_modulus = _E.validate(modulus)
-        low, high = _NU.bounds[0], _NU.bounds[-1]
-        self.poisson_ratio = check_interval(
-            poisson_ratio, low, high, _NU.name, "-", closed=(True, True)
-        )
+        self.youngs_modulus = modulus
 
     @classmethod
     def from_youngs_modulus(

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from ..core.array_namespace import as_jax, is_jax_array, is_numpy, map_in_chunks
-from ..core.errors import InvalidInputError, require
+from ..core.errors import require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, static
+from ..core.module import Module, evaluate, record, static
 from ..core.types import Batch, Values
 from ..core.validation import check_choice, check_size, warn_slenderness
 from ..repr_table import with_table_repr
@@ -42,6 +42,7 @@ from .validation import (
     check_points,
     check_wall_thickness,
     choose_material,
+    choose_tuning,
     strain_domain,
     validate_braid_angle,
     validate_point,
@@ -122,51 +123,26 @@ class AtPressure(Module):
 class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
 
-    length: Batch
-    outer_radius: Batch
-    wall_thickness: Batch
-    braid_angle: Batch
-    material: AbstractMaterial
-    tension: AbstractTension
-    buckling: AbstractBuckling
-    collapse: AbstractCollapse
-    post_collapse: AbstractPostCollapse
-    transition_rate: Batch
-    tuning: Tuning
-    ends: AbstractEnds
+    length: Batch = record(converter=partial(check_size, name="length"))
+    outer_radius: Batch = record(converter=partial(check_size, name="outer_radius"))
+    wall_thickness: Batch = record(converter=partial(check_size, name="wall_thickness"))
+    braid_angle: Batch = record(converter=validate_braid_angle)
+    material: AbstractMaterial = record(default=LATEX, converter=choose_material)
+    tension: AbstractTension = record(default="klute_hannaford", converter=TENSION_LAWS.choose)
+    buckling: AbstractBuckling = record(default="kim2021", converter=BUCKLING_LAWS.choose)
+    collapse: AbstractCollapse = record(default="kim2021", converter=COLLAPSE_LAWS.choose)
+    post_collapse: AbstractPostCollapse = record(
+        default="derived", converter=POST_COLLAPSE_LAWS.choose
+    )
+    transition_rate: Batch = record(
+        default=25.0, converter=partial(check_size, name="transition_rate")
+    )
+    tuning: Tuning = record(default=None, converter=choose_tuning)
+    ends: AbstractEnds = record(default="rigid", converter=ENDS_LAWS.choose)
 
-    def __init__(
-        self,
-        length: Values,
-        outer_radius: Values,
-        wall_thickness: Values,
-        braid_angle: Values,
-        material: str | AbstractMaterial = LATEX,
-        tension: str | AbstractTension = "klute_hannaford",
-        buckling: str | AbstractBuckling = "kim2021",
-        collapse: str | AbstractCollapse = "kim2021",
-        post_collapse: str | AbstractPostCollapse = "derived",
-        transition_rate: Values = 25.0,
-        tuning: Tuning | None = None,
-        ends: str | AbstractEnds = "rigid",
-    ):
-        """**Arguments:** those of `from_dimensions`."""
-        self.length = check_size(length, "length")
-        self.outer_radius = check_size(outer_radius, "outer_radius")
-        self.wall_thickness = check_size(wall_thickness, "wall_thickness")
-        self.braid_angle = validate_braid_angle(braid_angle)
+    def __check_init__(self):
         check_wall_thickness(self.wall_thickness, self.outer_radius)
         warn_slenderness(self.length, self.outer_radius)
-        self.material = choose_material(material)
-        self.tension = TENSION_LAWS.choose(tension, "tension")
-        self.buckling = BUCKLING_LAWS.choose(buckling, "buckling")
-        self.collapse = COLLAPSE_LAWS.choose(collapse, "collapse")
-        self.post_collapse = POST_COLLAPSE_LAWS.choose(post_collapse, "post_collapse")
-        self.transition_rate = check_size(transition_rate, "transition_rate")
-        if not isinstance(tuning, Tuning | None):
-            raise InvalidInputError("tuning", "must be a Tuning or None", tuning)
-        self.tuning = Tuning() if tuning is None else tuning
-        self.ends = ENDS_LAWS.choose(ends, "ends")
         check_active_length(self.ends, self.length)
         warn_limitations(self)
 

@@ -41,7 +41,7 @@ _NOMINAL = 0.1  # relative: sizes in catalogs are no closer to what calipers mea
 _LARGEST_RATIO = 1.5  # of the bladder's strain to the muscle's: a third of the length inactive
 
 
-def choose_material(value: Any) -> AbstractMaterial:
+def choose_material(value: AbstractMaterial | str) -> AbstractMaterial:
     """Material given as an object or by name; `InvalidInputError` for others."""
     if isinstance(value, AbstractMaterial):
         return value
@@ -49,6 +49,13 @@ def choose_material(value: Any) -> AbstractMaterial:
         return MATERIALS[check_choice(value, MATERIALS, "material")]
     rule = f"must be one of {', '.join(sorted(MATERIALS))} or an object of AbstractMaterial"
     raise InvalidInputError("material", rule, value)
+
+
+def choose_tuning(value: Tuning | None) -> Tuning:
+    """Tuning given as an object, or none; `InvalidInputError` for others."""
+    if not isinstance(value, Tuning | None):
+        raise InvalidInputError("tuning", "must be a Tuning or None", value)
+    return Tuning() if value is None else value
 
 
 def lowest_strain(braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
