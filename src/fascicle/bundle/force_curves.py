@@ -159,10 +159,10 @@ class StateCurves:
         """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
         total = np.zeros((2, len(strain), self.states))
         counts = np.stack([self.vented, self.full])
-        nodes = np.array([[0], [-1]]) + np.zeros(len(strain), int)
+        ends = np.array([[0], [-1]])
         for j, muscle in enumerate(self.muscles):
             if counts[..., j].any():
-                forces = self._without_pushing(*muscle.force_at_nodes(nodes, strain))
+                forces = self._without_pushing(*muscle.force_at_nodes(ends, strain))
                 total += np.stack(forces).swapaxes(1, 2) @ counts[..., j]
         return total[0], total[1]
 

@@ -225,8 +225,6 @@ class Range(NamedTuple):
 
 LENGTH = Range("m", 1e-4, 3e-3, 10.0, 100.0)  # a hair's width; a building's height
 RADIUS = Range("m", 1e-5, 2e-4, 0.15, 1.0)  # of a single fiber; of a car tire and more
-# a braid locks where its fibers touch, at 10 deg or more; the law's own end is at 54.7356 deg
-_ANGLE = Range("deg", 1.0, 8.0, 52.0, math.inf)
 _FACTOR = Range("-", 1e-6, 0.01, 100.0, 1e6)  # on a modulus: from foam to glass is 1e6
 
 RANGES: Mapping[str, Range] = MappingProxyType({
@@ -252,10 +250,6 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
 _WARNED_ONCE: set[str] = set()  # kinds of warnings that aren't repeated
-_BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
-# length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
-# pass through such sizes, and every law is finite there
-_DISK = 2.0
 
 
 def warn_user(message: str) -> None:
@@ -268,20 +262,24 @@ def warn_user(message: str) -> None:
     warnings.warn(message, stacklevel=levels)
 
 
+def warn_once(kind: str, message: str) -> None:
+    """Warn with a `message`, unless a warning of its `kind` was given before."""
+    if kind not in _WARNED_ONCE:
+        _WARNED_ONCE.add(kind)
+        warn_user(f"{message} (shown once)")
+
+
 def warn_pressure_units(pressure: Any) -> None:
     """Warn, once, of a `pressure` [Pa] so low that it may be in bar or kPa without a unit.
 
     Zeros, and ranges that begin so low, don't warn.
     """
-    if "low pressure" in _WARNED_ONCE or not is_concrete(pressure) or not np.size(pressure):
-        return
-    highest = float(np.max(np.asarray(pressure)))
+    highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0
     if 0 < highest < FAINT_PRESSURE:
-        _WARNED_ONCE.add("low pressure")
         guess = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
-        warn_user(
-            f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean"
-            f' "{guess}"? (shown once)'
+        warn_once(
+            "low pressure",
+            f'Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean "{guess}"?',
         )
 
 
@@ -313,11 +311,19 @@ def check_signed(value: Values, name: str) -> Batch:
 
 
 def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
-    """Return a number or array [SI] if it is in `limits`, or else in the range of its `name`."""
-    limits = RANGES[name] if limits is None else limits
-    usual = isinstance(value, float) and limits.low <= value <= limits.high
-    if not usual and is_concrete(value):
-        _check_range(value, limits, name)
+    """Return a number or array [SI] if it is in `limits`, or else in the range of its `name`, in
+    their unit; warn of an unusual one.
+    """
+    unit, least, low, high, largest = RANGES[name] if limits is None else limits
+    if (isinstance(value, float) and low <= value <= high) or not is_concrete(value):
+        return value
+    closed, remedy = (True, True), "check its unit"
+    x = np.asarray(check_interval(value, least, largest, name, unit, "", closed, remedy))
+    usual = (x >= low) & (x <= high)
+    if not np.all(usual):
+        interval = _append_unit(f"[{_number_text(low)}, {_number_text(high)}]", unit)
+        text = _append_unit(_number_text(x[~usual][0]), unit)
+        warn_user(f"`{name}` of {text} is unusual, most lie in {interval}.")
     return value
 
 
@@ -330,56 +336,3 @@ def check_count(value: Values, name: str) -> None:
         rule = "must be a whole number of at least 1"
         raise InvalidInputError(name, rule, value, shown=reprlib.repr(value))
     check_plausible(n, name)
-
-
-def check_braid_angle(braid_angle: Batch) -> None:
-    """Refuse an impossible `braid_angle` [rad], warn of an unusual one, in degrees."""
-    if is_concrete(braid_angle):
-        _check_range(np.degrees(np.asarray(braid_angle)), _ANGLE, "braid_angle")
-
-
-def _check_range(value: Values, limits: Range, name: str) -> None:
-    """Refuse a `value` that is impossible within `limits`, in their unit, and warn of an unusual
-    one.
-    """
-    unit, least, low, high, largest = limits
-    closed, remedy = (True, True), "check its unit"
-    x = np.asarray(check_interval(value, least, largest, name, unit, "", closed, remedy))
-    usual = (x >= low) & (x <= high)
-    if not np.all(usual):
-        interval = _append_unit(f"[{_number_text(low)}, {_number_text(high)}]", unit)
-        text = _append_unit(_number_text(x[~usual][0]), unit)
-        warn_user(f"`{name}` of {text} is unusual, most lie in {interval}.")
-
-
-def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a muscle, by `length` and `outer_radius` [m], shorter than it is wide, and, once, of
-    one too short for beam theory.
-    """
-    if message := proportions_message(length, outer_radius):
-        if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
-            warn_user(message)
-        elif "slenderness" not in _WARNED_ONCE:
-            _WARNED_ONCE.add("slenderness")
-            warn_user(f"{message} (shown once)")
-
-
-def proportions_message(length: Batch, outer_radius: Batch) -> str:
-    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m], else an empty
-    text.
-    """
-    if not is_concrete(length, outer_radius):
-        return ""
-    lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))
-    worst = np.argmin(lengths / radii)
-    L0, r0 = lengths.flat[worst], radii.flat[worst]
-    if not L0 / r0 < _BEAM:
-        return ""
-    effect = (
-        "a muscle shorter than it is wide is unusual, and the laws ignore end effects."
-        " Check both units."
-        if L0 / r0 < _DISK
-        else f"below {_BEAM:g}, beam theory does not apply; results past the free strain are"
-        " unreliable."
-    )
-    return f"`length` {L0:g} m is {L0 / r0:.3g} times `outer_radius` {r0:g} m: {effect}"

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..bundle.pressurized import muscle_strain
-from ..core.validation import proportions_message
 from ..muscle import Muscle
 from ..muscle.fitted_length import fitted_length_mismatch
 from ..muscle.tension import TENSION_LAWS
 from ..muscle.validation import (
     extension_message,
     lowest_strain,
+    proportions_message,
     published_range_message,
     strain_domain,
 )

@@ -21,7 +21,7 @@ from ..core.errors import require
 from ..core.lazy import import_late
 from ..core.module import Module, evaluate, record, static
 from ..core.types import Batch, Values
-from ..core.validation import check_choice, check_size, warn_slenderness
+from ..core.validation import check_choice, check_size
 from ..repr_table import with_table_repr
 from .bladder import Bladder
 from .braid import Braid
@@ -49,6 +49,7 @@ from .validation import (
     validate_pressure,
     validate_strain,
     warn_limitations,
+    warn_slenderness,
 )
 
 

@@ -15,14 +15,16 @@ from ..core.validation import (
     HIGHEST_PRESSURE,
     LARGEST_STRAIN,
     NEUTRAL_ANGLE,
+    Range,
     broadcast_shape,
-    check_braid_angle,
     check_choice,
     check_gauge_pressure,
     check_interval,
+    check_plausible,
     is_concrete,
     match_array_type,
     to_si,
+    warn_once,
     warn_user,
 )
 from ..units import pretty
@@ -38,6 +40,12 @@ _STRAIGHT_MARGIN = 1e-9
 # a stretched muscle is rarely measured past this; a sign error is: published tests begin at rest
 EXTENSION_WARNED = 0.02
 _NOMINAL = 0.1  # relative: sizes in catalogs are no closer to what calipers measure
+_BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
+# length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
+# pass through such sizes, and every law is finite there
+_DISK = 2.0
+# a braid locks where its fibers touch, at 10 deg or more; the law's own end is at 54.7356 deg
+_ANGLE = Range("deg", 1.0, 8.0, 52.0, math.inf)
 _LARGEST_RATIO = 1.5  # of the bladder's strain to the muscle's: a third of the length inactive
 
 
@@ -177,7 +185,7 @@ def validate_braid_angle(value: Values) -> Batch:
         remedy = f'numbers are in rad, write "{number:g} deg"' if math.pi / 2 < number < top else ""
         rule = f"must lie in (0, {top:.4f}) deg to contract"
         raise InvalidInputError("braid_angle", rule, bad, remedy, shown=f"{bad:g} deg") from None
-    check_braid_angle(angle)
+    check_plausible(np.degrees(angle) if is_concrete(angle) else angle, "braid_angle", _ANGLE)
     return angle
 
 
@@ -191,6 +199,38 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
         bad, text = float(t0.flat[worst]), f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m"
         rule = "must be less than `outer_radius`"
         raise InvalidInputError("wall_thickness", rule, bad, shown=text)
+
+
+def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
+    """Warn of a muscle, by `length` and `outer_radius` [m], shorter than it is wide, and, once, of
+    one too short for beam theory.
+    """
+    if message := proportions_message(length, outer_radius):
+        if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
+            warn_user(message)
+        else:
+            warn_once("slenderness", message)
+
+
+def proportions_message(length: Batch, outer_radius: Batch) -> str:
+    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m], else an empty
+    text.
+    """
+    if not is_concrete(length, outer_radius):
+        return ""
+    lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))
+    worst = np.argmin(lengths / radii)
+    L0, r0 = lengths.flat[worst], radii.flat[worst]
+    if not L0 / r0 < _BEAM:
+        return ""
+    effect = (
+        "a muscle shorter than it is wide is unusual, and the laws ignore end effects."
+        " Check both units."
+        if L0 / r0 < _DISK
+        else f"below {_BEAM:g}, beam theory does not apply; results past the free strain are"
+        " unreliable."
+    )
+    return f"`length` {L0:g} m is {L0 / r0:.3g} times `outer_radius` {r0:g} m: {effect}"
 
 
 def warn_limitations(muscle: Any) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.core.validation import proportions_message
 from fascicle.muscle.laws import LAWS
+from fascicle.muscle.validation import proportions_message
 
 
 MUSCLE = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, math.radians(25))
