@@ -119,12 +119,12 @@ class CorrectedMuscles(MuscleWrapper):
 
     @property
     def indices(self) -> Whole:
-        """Index of each unit's muscle: each has its own."""
+        """Index of each unit's muscle: none is shared, as corrections differ."""
         return np.arange(self.forces.shape[0])
 
     @property
     def columns(self) -> int:
-        """Number of cells in strain."""
+        """Number of the tables' cells along strain."""
         return self.muscles.columns
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
@@ -154,7 +154,7 @@ class CorrectedMuscles(MuscleWrapper):
 
 
 class Learner(NamedTuple):
-    """Learner of a plant's correction, from `Learner.of(plant)`.
+    """Learner of the correction of a plant's muscle forces from its runs; `Learner.of(plant)`.
 
     `plant`: the controller's model. `grid`: the correction that has learned nothing.
     `covariance`: of all its nodes, (K10) [N²].
@@ -166,7 +166,7 @@ class Learner(NamedTuple):
 
     @classmethod
     def of(cls, plant: Plant, draws: Sequence[Sequence[Bundle]] | None = None) -> "Learner":
-        """Learner of a plant.
+        """Prepare a learner: the covariance of the model errors of a plant's muscles.
 
         **Arguments:**
 
@@ -196,7 +196,7 @@ class Learner(NamedTuple):
     def learn(
         self, force: Values, pressures: Values, strains: Values, before: Correction | None = None
     ) -> Correction:
-        """Learn from a run.
+        """Improve a correction by the forces that were measured in a run.
 
         **Arguments:**
 

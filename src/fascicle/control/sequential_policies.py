@@ -89,7 +89,7 @@ class SequentialPolicy(Module):
     longest: Batch
 
     def begin(self, units: ControlledUnits) -> SequentialState:
-        """Initial memory for `units`."""
+        """Initial memory of the policy for `units`."""
         zero = 0.0 * units.counts
         return SequentialState(zero[0] + 1.0, zero[0], zero, zero, zero)
 

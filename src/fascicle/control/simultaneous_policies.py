@@ -35,7 +35,7 @@ class BatchPolicy(Module):
     band: Batch
 
     def begin(self, units: ControlledUnits) -> PolicyState:
-        """Initial memory for `units`."""
+        """Initial memory of the policy for `units`."""
         return PolicyState(1.0 + 0.0 * units.counts[0])
 
     def __call__(
@@ -71,7 +71,7 @@ class EnergyAwarePolicy(Module):
     """
 
     def begin(self, units: ControlledUnits) -> PolicyState:
-        """Initial memory for `units`."""
+        """Initial memory of the policy for `units`."""
         if units.count > _MAX_UNITS:
             raise InvalidInputError(
                 "policy", f"energy_aware takes at most {_MAX_UNITS} units", units.count

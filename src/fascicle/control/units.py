@@ -75,7 +75,7 @@ class ControlledUnits(Module):
 
 
 class UnitDemand(NamedTuple):
-    """Present demand on the units of a bundle.
+    """Demand on the units of a bundle in one step of a controller.
 
     `force` [N] and its `rate` [N/s]; `strains` of the units [-] and their `pressures` [Pa], which
     follow the `supply`'s [Pa] after a `lag` [s]; `dt` since the last demand [s].

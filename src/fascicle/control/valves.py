@@ -108,7 +108,7 @@ class PlantValves(AbstractValves):
         return self.chamber.state_at(pressure, volume)[..., 0]
 
     def flow(self, pressure: Numbers) -> Batch:
-        """Mass flow [kg/s] into it at gauge `pressure` [Pa], wide open."""
+        """Mass flow [kg/s] into the unit at gauge `pressure` [Pa], valve wide open."""
         room, temperature = self.chamber.room_pressure, self.chamber.room_temperature
         top = self.supply_pressure + room
         return self.valve.flow(top, pressure + room, self.supply_temperature, temperature)

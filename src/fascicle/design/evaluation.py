@@ -26,7 +26,6 @@ from .tables import (
     UNIFORM,
     Resolution,
     every_level_table,
-    force_curves,
     largest_force_table,
 )
 from .task import Task
@@ -123,9 +122,7 @@ def design_outcome(
     exists, states = counts > 0, recruitment_states(demand.scheme, len(counts))
     top = depth = overlap = None
     if "curves" in needs:
-        law = sizes.muscle(drawing).law
-        free = law.tension.free_strain(demand.supply + 0.0 * sizes.length)
-        top = where(exists, free, 0.0).max()
+        top = where(exists, _free_strain(drawing, sizes, demand), 0.0).max()
     table, curves = every_level_table(drawing, sizes, demand, needs, resolution, top)
     table, curves = table.scale_forces(force_factor), curves * force_factor
     if top is not None:
@@ -182,7 +179,7 @@ def _batches(
                 (twins,) = np.nonzero(index[:, 0] == muscle)
                 counts = designs.counts[members[twins]].T
                 depth[twins], overlap[twins] = _curve_objectives(
-                    drawing, sizes.take(muscle), counts, demand, resolution
+                    drawing, sizes.take([muscle]), counts, demand, resolution
                 )
         for start in range(0, len(members), step):
             cut = slice(start, start + step)
@@ -203,7 +200,8 @@ def _curve_objectives(
     resolution: Resolution,
 ) -> tuple[Float[np.ndarray, " design"], Float[np.ndarray, " design"]]:
     """Reversal depth [-] and overlap width [N] of designs of one muscle."""
-    curves, top = force_curves(drawing, sizes, float(demand.supply), resolution)
+    top = float(_free_strain(drawing, sizes, demand)[0])
+    curves = every_level_table(drawing, sizes, demand, (), resolution, top)[1][..., 0]
     states, width = recruitment_states(demand.scheme, len(counts)), np.empty(counts.shape[1])
     exists = existing_states(demand.scheme, counts > 0)
     ends = np.stack([curves.min(axis=0), curves.max(axis=0)])[..., None, None]
@@ -214,3 +212,9 @@ def _curve_objectives(
             counts[cut], curves[..., None, None], ends, states, exists[cut]
         )
     return uniform_reversal_depths(counts, curves, top, states), width
+
+
+def _free_strain(drawing: Muscle, sizes: Sizes, demand: Demand) -> Numbers:
+    """Free strain [-] of muscles of `sizes` at the demand's supply pressure."""
+    law = sizes.muscle(drawing).law
+    return law.tension.free_strain(demand.supply + 0.0 * sizes.length)

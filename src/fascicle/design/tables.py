@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, stack, where
-from ..core.types import Float, Numbers
+from ..core.types import Numbers
 from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, PressurizedMuscle
@@ -99,26 +99,6 @@ def every_level_table(
         vented = muscle.law.at(zero) if "size" in needs else None
         table = _table(muscle, demand, needs, vented, levels[0], levels[-1], levels)
     return table, force[:, points:]
-
-
-def force_curves(
-    drawing: Muscle, sizes: Sizes, supply: float, resolution: Resolution
-) -> tuple[Float[np.ndarray, "level strain"], float]:
-    """Forces [N] of one muscle at every level, from rest to the free strain at the `supply`
-    pressure [Pa]; and that strain [-].
-    """
-    law, pressure = sizes.muscle(drawing).law, resolution.level * supply
-    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        pressurized = law.at(pressure)
-        free = pressurized.column.free_strain
-        strain = np.linspace(0.0, float(free[-1]), resolution.strains)
-        # the tension law alone, where it is enough, takes a tenth of the time
-        force = law.tension.force(pressure[:, None], strain)
-        level, index = np.nonzero(strain > free[:, None])
-        collapse = np.broadcast_to(pressurized.collapse_strain, free.shape)[level]
-        pushes = law.at(pressure[level], free[level], collapse)
-        force[level, index] = pushes.force(strain[index])[0]
-    return force, float(free[-1])
 
 
 def _table(

@@ -75,7 +75,7 @@ from .fields import ROOM_TEMPERATURE, component_field, interval_field, positive_
 
 
 class Line(Module):
-    """A hose behind a valve: conductance for a gas, (F6), and resistances for a liquid, (F7).
+    """Hose behind a valve: conductance for a gas, (F6), and resistances for a liquid, (F7).
 
     `length`, `diameter`: $L$, and $d$ inside [m]. `viscosity`: $\\mu$ of a liquid in it [Pa·s];
     left out, that of a hydraulic oil. `friction_factor`: Darcy's $f$ where it is turbulent [-].
@@ -112,7 +112,7 @@ class Line(Module):
 
 
 class Orifice(Module):
-    """An orifice for liquids, with a hose behind it: equation (F8).
+    """Orifice for liquid with a hose behind it, equation (F8).
 
     `area`: $A$, wide open [m²]. `density`: $\\rho$ of the liquid [kg/m³].
     `discharge_coefficient`: $C_d$ [-], in (0, 1]; left out, that of a sharp edge.
@@ -169,7 +169,7 @@ _DATA_SHEET = "take it from the valve's data sheet"
 
 
 class SonicValve(Module):
-    """A gas valve: equation (F4), with a hose behind it (F5).
+    """Valve for gas, equation (F4), with a hose behind it (F5).
 
     `C`: sonic conductance [m³/(s·Pa)], wide open; 1 L/(s·bar) is 1e-8. `b`: critical pressure ratio
     [-]. `m`: subsonic index [-]. `line`: a hose behind it, or none. `reference_density`:

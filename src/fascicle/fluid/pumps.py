@@ -101,7 +101,7 @@ class FixedPump(_Pump):
 
 
 class VariablePump(_Pump):
-    """A pump that swivels back as the pressure comes up to its setting: (F20) with (F21).
+    """Pump that swivels back as the pressure comes up to its setting: (F20) with (F21).
 
     `displacement`: $D$ of a turn, at most [m³]. `speed`: $N$, turns a second [1/s]. `pressure`:
     gauge, at which its flow vanishes [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.

@@ -146,14 +146,14 @@ class OrderlyValve(AbstractSpool):
             raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
 
     def command_count(self, units: int) -> int:
-        """One for all of the `units`, whose number must be that of the ports."""
+        """One spool for all of the `units`, whose number must be that of the ports."""
         if units != self.units:
             rule = f"must be the bundle's number of motor units, {units}"
             raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
         return 1
 
     def state_count(self, units: int) -> int:
-        """One for all of the `units`, whose number must be that of the ports."""
+        """One spool for all of the `units`, whose number must be that of the ports."""
         return self.command_count(units)
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:

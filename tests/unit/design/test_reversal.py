@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fascicle.design import Task
 from fascicle.design.designs import Sizes
-from fascicle.design.outcome import existing_states, recruitment_states
+from fascicle.design.outcome import Demand, existing_states, recruitment_states
 from fascicle.design.reversal import (
     chord_zero,
     first_push,
@@ -16,7 +17,7 @@ from fascicle.design.reversal import (
     uniform_reversal_depths,
 )
 from fascicle.design.space import compositions
-from fascicle.design.tables import Resolution, force_curves
+from fascicle.design.tables import Resolution, every_level_table
 from fascicle.schemes import Batch, Orderly
 
 
@@ -31,13 +32,15 @@ def sizes(request, muscle):
 
 @pytest.fixture
 def curves(muscle, sizes):
-    return force_curves(muscle, sizes, SUPPLY, COARSE)
+    top = float(sizes.muscle(muscle).free_strain(SUPPLY))
+    demand = Demand.from_task(Task.of(1.0, 0.01, SUPPLY))
+    one = Sizes(*(np.array([size]) for size in sizes))
+    return every_level_table(muscle, one, demand, (), COARSE, top)[1][..., 0], top
 
 
 def test_curves_are_those_of_the_muscle(muscle, sizes, curves):
     force, top = curves
     twin = sizes.muscle(muscle)
-    assert top == pytest.approx(float(twin.free_strain(SUPPLY)), rel=1e-14)
     expected = twin.force(COARSE.level[:, None] * SUPPLY, top * np.linspace(0, 1, 65))
     assert_allclose(force, expected, rtol=1e-12, atol=1e-9)
 

@@ -54,6 +54,22 @@ def test_blocks_equal_a_single_evaluation(study, undisturbed):
     assert undisturbed.finished() == set(range(6))
 
 
+def test_searches_and_sweeps_load_no_jax(tmp_path):
+    """So that a first design, and each worker, starts fast."""
+    code = """
+import sys, pathlib, fascicle as fs
+from fascicle.design import Space, Study, Task, Uncertainty, evolve, judge_safety, search
+from fascicle.design.sweep import sweep
+space = Space({"m": fs.example("kim2021_figure_6")}, (2, 3))
+task = Task.of([60.0], [0.1], 413.7e3)
+judge_safety(search(space, task), Uncertainty(draws=20))
+evolve(space, task, {"valves": "min"}, population=4, generations=1)
+sweep(Study.of(space, task, {"valves": "min"}), pathlib.Path(sys.argv[1]))
+assert "jax" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "sweep")], check=True)
+
+
 def test_stopped_at_any_block_and_resumed(study, undisturbed, tmp_path):
     class Stopped(Exception):  # noqa: N818 as Ctrl-C is
         pass
