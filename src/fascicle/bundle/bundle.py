@@ -26,7 +26,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace, is_numpy, jax_backend, where
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late, late_method
-from ..core.module import Module, evaluate, replace_checked, static, unique_indices
+from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
 from ..core.types import (
     AnyArray,
     Batch,
@@ -49,7 +49,6 @@ from ..core.validation import (
     check_gauge_pressure,
     check_interval,
     check_plausible,
-    is_concrete,
     match_array_type,
 )
 from ..muscle import Muscle
@@ -77,17 +76,16 @@ from .schemes import AbstractScheme, scheme_of
 
 @with_table_repr(unit_table, unit_line)
 class MotorUnit(Module):
-    """`count` equal muscles at one pressure, the smallest part that is activated."""
+    """Equal muscles at one pressure, the smallest part that is activated: a `muscle` and the
+    `count` of them [-], a whole number ≥ 1.
+    """
 
     muscle: Muscle
-    count: IntBatch
+    count: IntBatch = record(default=1, converter=partial(check_count, name="count"))
 
-    def __init__(self, muscle: Muscle, count: Values = 1):
-        """**Arguments:** `muscle`; `count`: number of muscles [-], a whole number ≥ 1."""
-        if not isinstance(muscle, Muscle):
-            raise InvalidInputError("muscle", "must be a Muscle", muscle)
-        check_count(count, "count")
-        self.muscle, self.count = muscle, np.asarray(count)[()] if is_concrete(count) else count
+    def __check_init__(self):
+        if not isinstance(self.muscle, Muscle):
+            raise InvalidInputError("muscle", "must be a Muscle", self.muscle)
 
 
 @with_table_repr(solutions_table)

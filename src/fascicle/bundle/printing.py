@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..muscle.laws import LAWS, is_written_out
-from ..muscle.printing import law_text, material_text, muscle_table, tuning_text
+from ..muscle.printing import SIZES, law_text, material_text, muscle_table, tuning_text
 from ..repr_table import ReprTable, format_number, format_range, title_with_shape
 from ..units import exact, pretty
 
@@ -16,12 +16,6 @@ _ROUNDING = 1e-9  # of a force: the free strain's own is zero but for that
 _MAX_NAMES = 8  # demands that a line names
 # texts of a recruitment's status 0, 1 and 2
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
-_SIZES = {  # columns of a bundle's table, and their dimensions
-    "length": "length",
-    "outer_radius": "length",
-    "wall_thickness": "length",
-    "braid_angle": "angle",
-}
 _format_pressure = partial(pretty, dimension="pressure")
 
 
@@ -49,12 +43,12 @@ def bundle_table(bundle: Any) -> ReprTable:
             _format_count(unit),
             *(
                 format_range(getattr(unit.muscle, size), partial(pretty, dimension=dimension))
-                for size, dimension in _SIZES.items()
+                for size, dimension in SIZES.items()
             ),
         ]
         for number, unit in enumerate(units, start=1)
     ]
-    heads = ("motor unit", "muscles", *(size.replace("_", " ") for size in _SIZES))
+    heads = ("motor unit", "muscles", *(size.replace("_", " ") for size in SIZES))
     title = f"Bundle of {len(units)} motor unit{'s' * (len(units) > 1)}"
     return ReprTable(title, facts, heads, rows)
 

@@ -34,7 +34,7 @@ import numpy as np
 from ..units import DIMENSIONS, parse, sample
 from .array_namespace import FLOATS, NUMPY_SCALARS, as_jax, imported_jax, is_jax_array
 from .errors import InvalidInputError
-from .types import Batch, Values
+from .types import Batch, IntBatch, Values
 
 
 HIGHEST_PRESSURE = 1e6  # Pa, gauge: muscles on sale go up to 0.8 MPa
@@ -327,12 +327,15 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     return value
 
 
-def check_count(value: Values, name: str) -> None:
-    """Refuse a `value` of this `name` that is no whole number of 1 or more, or too many."""
+def check_count(value: Values, name: str) -> IntBatch:
+    """Return a `value` of this `name` as integers, refused unless they are whole numbers of 1 or
+    more, and not too many.
+    """
     if not is_concrete(value):
-        return
+        return value
     n = np.asarray(value)
     if n.dtype.kind not in "iu" or np.any(n < 1):
         rule = "must be a whole number of at least 1"
         raise InvalidInputError(name, rule, value, shown=reprlib.repr(value))
     check_plausible(n, name)
+    return n[()]

@@ -15,17 +15,17 @@ from .laws import LAWS, is_written_out
 from .materials import MATERIALS
 
 
-_SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
-_SIZES |= {"braid_angle": "angle"}
-_TOP = (
-    400e3  # Pa, highest pressure of the table without a tuning: what soft muscles are driven with
-)
+# sizes of a muscle, and their dimensions
+SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
+SIZES |= {"braid_angle": "angle"}
+# Pa, highest pressure of the table without a tuning: what soft muscles are driven with
+_TOP = 400e3
 _ROWS = 5  # pressures of the table: as many as fit beside the code
 
 
 def muscle_table(muscle: Any) -> ReprTable:
     """Table of a muscle: sizes, laws, and blocked force, free and collapse strain by pressure."""
-    facts = [(_spaced(name), _range_text(muscle, name, d)) for name, d in _SIZES.items()]
+    facts = [(_spaced(name), _range_text(muscle, name, d)) for name, d in SIZES.items()]
     facts.append(("material", material_text(muscle.material)))
     for kind in LAWS:
         law = getattr(muscle, kind)
@@ -59,7 +59,7 @@ def muscle_line(muscle: Any) -> str:
     """Python expression that constructs a single muscle; the fields of rows of muscles."""
     if not muscle.is_single:
         return repr_fields(muscle)
-    arguments = [f"{name}={exact(float(getattr(muscle, name)), d)!r}" for name, d in _SIZES.items()]
+    arguments = [f"{name}={exact(float(getattr(muscle, name)), d)!r}" for name, d in SIZES.items()]
     material = _material_name(muscle.material)
     arguments.append(f"material={repr(material) if material else repr(muscle.material)}")
     for kind, laws in LAWS.items():
