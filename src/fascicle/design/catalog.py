@@ -64,9 +64,9 @@ class Product(NamedTuple):
 
 @dataclass(frozen=True)
 class Catalog:
-    """Products and prices. `products`, by the name of their drawing; prices in a `currency`: of a
-    `valve` and of a `muscle` of products without a price [-], of `air` for each normal m³ and of
-    `energy` for each J; `density` of the bladder [kg/m³].
+    """Catalog of products and prices. `products`, by the name of their drawing; prices in a
+    `currency`: of a `valve` and of a `muscle` of products without a price [-], of `air` for each
+    normal m³ and of `energy` for each J; `density` of the bladder [kg/m³].
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)

@@ -64,7 +64,7 @@ _RELEASED = _LEFT / _STEPS  # of the stroke, when the load counts as released: a
 
 @dataclass(frozen=True)
 class Cycle:
-    """Contractions and releases of a bundle.
+    """Cycle of contraction and release that a bundle must do in a time.
 
     - `time`: of one contraction and release [s].
     - `per_minute`: their number in a minute [-].

@@ -300,8 +300,8 @@ def drawing_sizes(drawing: Muscle) -> Floats:
 def _combine_factors(
     counts: Counts, factors: Floats
 ) -> tuple[Counts, Float[np.ndarray, "shape unit"]]:
-    """Muscles in each unit and radius factor of each unit [-], a row for every combination of a
-    split and a factor for each of its units, repeats of equal units included.
+    """Combine splits with radius factors: muscles and factor [-] of each unit, a row for every
+    split with every choice of a factor for each of its units, repeats of equal units included.
     """
     if len(factors) == 1:
         return counts, np.full(counts.shape, factors[0])

@@ -16,21 +16,17 @@ and likewise at the low end, so that the integrator needs no search for events.
 """
 
 import abc
-from typing import Any, ClassVar
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
 from ..core.array_namespace import cos, maximum, sin, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, record
-from ..core.types import Batch, BoolBatch, Values
-from ..core.validation import (
-    Range,
-    check_interval,
-    check_plausible,
-    check_positive,
-    is_concrete,
-)
+from ..core.module import Module
+from ..core.types import Batch, BoolBatch
+from ..core.validation import Range, is_concrete
+from ..fluid.fields import interval_field, nonnegative_field, positive_field
 
 
 GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
@@ -38,33 +34,11 @@ GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
 # outside the inner limits a warning asks for the unit; outside the outer ones a value is refused
 _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
-_OPEN, _FROM_ZERO, _CLOSED = (False, False), (True, False), (True, True)
 # m or rad: a damper that acts in full at once would be a jump of force, which no step resolves
 _DAMPER_DEPTH = 1e-3
 
-
-def _positive_field(name: str, unit: str) -> Any:
-    """Field of a positive number in a `unit`."""
-
-    def checked(value: Values) -> Batch:
-        return check_positive(value, name, unit)
-
-    return record(converter=checked)
-
-
-def _interval_field(
-    name: str,
-    unit: str,
-    low: float = 0.0,
-    default: float = 0.0,
-    closed: tuple[bool, bool] = _FROM_ZERO,
-) -> Any:
-    """Field of a number in a `unit`, from `low` on, each end `closed` or not."""
-
-    def checked(value: Values) -> Batch:
-        return check_interval(value, low, np.inf, name, unit, closed=closed)
-
-    return record(converter=checked, default=default)
+_field_from_zero = partial(interval_field, low=0.0, high=np.inf, closed=(True, False), default=0.0)
+_field_of_any_sign = partial(interval_field, low=-np.inf, high=np.inf, default=0.0)
 
 
 class Stop(Module):
@@ -74,10 +48,10 @@ class Stop(Module):
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
     """
 
-    low: Batch = _interval_field("low", "m or rad", -np.inf, -np.inf, _CLOSED)
-    high: Batch = _interval_field("high", "m or rad", -np.inf, np.inf, _CLOSED)
-    stiffness: Batch = _interval_field("stiffness", "N/m", default=1e5)
-    damping: Batch = _interval_field("damping", "N·s/m", default=1e2)
+    low: Batch = _field_of_any_sign("low", unit="m or rad", default=-np.inf, closed=(True, True))
+    high: Batch = _field_of_any_sign("high", unit="m or rad", default=np.inf, closed=(True, True))
+    stiffness: Batch = _field_from_zero("stiffness", unit="N/m", default=1e5)
+    damping: Batch = _field_from_zero("damping", unit="N·s/m", default=1e2)
 
     def __check_init__(self):
         ends = (self.low, self.high)
@@ -181,13 +155,10 @@ class HangingMass(AbstractFreeLoad):
 
     source: ClassVar[str] = "Newton's second law"
 
-    mass: Batch = _positive_field("mass", "kg")
-    gravity: Batch = _interval_field("gravity", "m/s²", default=GRAVITY)
-    damping: Batch = _interval_field("damping", "N·s/m")
+    mass: Batch = positive_field("mass", _MASS)
+    gravity: Batch = _field_from_zero("gravity", unit="m/s²", default=GRAVITY)
+    damping: Batch = _field_from_zero("damping", unit="N·s/m")
     stop: Stop | None = None
-
-    def __check_init__(self):
-        check_plausible(self.mass, "mass", _MASS)
 
     @property
     def inertia(self) -> Batch:
@@ -213,16 +184,12 @@ class InertiaSpringDamper(AbstractFreeLoad):
 
     source: ClassVar[str] = "Newton's second law"
 
-    mass: Batch = _positive_field("mass", "kg")
-    spring_stiffness: Batch = _interval_field("spring_stiffness", "N/m")
-    damping: Batch = _interval_field("damping", "N·s/m")
-    rest: Batch = _interval_field("rest", "m", -np.inf, closed=_OPEN)
-    force_outside: Batch = _interval_field("force_outside", "N", -np.inf, closed=_OPEN)
+    mass: Batch = positive_field("mass", _MASS)
+    spring_stiffness: Batch = nonnegative_field("spring_stiffness", _STIFFNESS, default=0.0)
+    damping: Batch = _field_from_zero("damping", unit="N·s/m")
+    rest: Batch = _field_of_any_sign("rest", unit="m")
+    force_outside: Batch = _field_of_any_sign("force_outside", unit="N")
     stop: Stop | None = None
-
-    def __check_init__(self):
-        check_plausible(self.mass, "mass", _MASS)
-        check_plausible(self.spring_stiffness, "spring_stiffness", _STIFFNESS)
 
     @property
     def inertia(self) -> Batch:
@@ -255,11 +222,13 @@ class AntagonisticJoint(AbstractFreeLoad):
     unit: ClassVar[str] = "rad"
     source: ClassVar[str] = "Newton's second law"
 
-    inertia_moment: Batch = _positive_field("inertia_moment", "kg·m²")
-    radius: Batch = _positive_field("radius", "m")
-    contraction: Batch = _interval_field("contraction", "m", -np.inf, closed=_OPEN)
-    damping: Batch = _interval_field("damping", "N·m·s/rad")
-    gravity_moment: Batch = _interval_field("gravity_moment", "N·m")
+    inertia_moment: Batch = positive_field(
+        "inertia_moment", Range("kg·m²", 0.0, 0.0, np.inf, np.inf)
+    )
+    radius: Batch = positive_field("radius", Range("m", 0.0, 0.0, np.inf, np.inf))
+    contraction: Batch = _field_of_any_sign("contraction", unit="m")
+    damping: Batch = _field_from_zero("damping", unit="N·m·s/rad")
+    gravity_moment: Batch = _field_from_zero("gravity_moment", unit="N·m")
     stop: Stop | None = None
 
     @property
@@ -296,9 +265,9 @@ class PrescribedMotion(AbstractLoad):
     prescribed: ClassVar[bool] = True
     source: ClassVar[str] = "kinematics"
 
-    mean: Batch = _interval_field("mean", "m", -np.inf, closed=_OPEN)
-    amplitude: Batch = _interval_field("amplitude", "m")
-    frequency: Batch = _interval_field("frequency", "Hz")
+    mean: Batch = _field_of_any_sign("mean", unit="m")
+    amplitude: Batch = _field_from_zero("amplitude", unit="m")
+    frequency: Batch = _field_from_zero("frequency", unit="Hz")
     stop: Stop | None = None
 
     def __check_init__(self):

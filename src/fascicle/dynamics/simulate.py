@@ -113,7 +113,7 @@ def substep(
 
 
 def add_scaled(state: State, rate: State, h: Batch) -> State:
-    """A `state` [SI] after `h` [s] at a `rate` [SI]."""
+    """Add `h` [s] times a `rate` [SI] to a `state` [SI]."""
     return jax.tree.map(lambda x, slope: x + h * slope, state, rate)
 
 
@@ -250,8 +250,8 @@ def _run(
     plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
-    """Progress before each step, its command, and progress after the last, for the first `count`
-    rows of `inputs`; for all of them if `count` is `None`.
+    """Run a plant for the first `count` rows of `inputs`, or all: states of the integration before
+    each step, commands, and the state after the last step.
     """
     leaves, kind = fixed
     act = jax.tree.unflatten(

@@ -1,4 +1,4 @@
-"""Fields of fluid components, checked as they are set.
+"""Fields of components, checked as they are set.
 
 Invalid values raise an error, unusual ones a warning, as for muscles. Pressures are gauge pressures
 unless a name says `absolute`; the pressure of the room, `room_pressure`, is absolute.
@@ -53,11 +53,14 @@ def interval_field(
     high: float,
     closed: tuple[bool, bool] = (False, False),
     remedy: str = "",
+    unit: str = "-",
     **default: Any,
 ) -> Any:
-    """Field of a number without unit between `low` and `high` [-], each end `closed` or not."""
+    """Field of a number in a `unit` between `low` and `high` [any unit], each end `closed` or not;
+    `remedy` is part of its error.
+    """
     return record(
-        converter=lambda value: check_interval(value, low, high, name, "-", "", closed, remedy),
+        converter=lambda value: check_interval(value, low, high, name, unit, "", closed, remedy),
         **default,
     )
 
