@@ -19,6 +19,7 @@ from fascicle.plot.workspace import draw_workspace
 
 A4 = 8.27, 11.69  # inch, ISO 216; printed as A1, text of 8 pt has 23 pt
 CARD = 1200, 630  # pixels, the size that sites recommend for pictures of links
+MARGINS = {"rect": (0.02, 0.015, 0.96, 0.97)}  # left, bottom, width, height, as shares
 MUSCLE = fs.example("kim2021_figure_6")
 PRESSURE = 137.9e3  # Pa
 
@@ -71,6 +72,7 @@ def draw_space(ax: Axes) -> None:
 def poster() -> Figure:
     """Title, four panels, and the lines that compute them."""
     figure, axes = new_figure(3, 2, *A4, height_ratios=(1, 1, 0.55))
+    figure.set_layout_engine("constrained", **MARGINS)
     figure.suptitle("fascicle: from the braid angle to the force of a bundle", fontsize=16)
     draw_shapes(axes[0, 0])
     draw_forces(axes[0, 1])
@@ -115,6 +117,7 @@ none is measured. License: Apache-2.0."""
 def card() -> Figure:
     """The first two panels."""
     figure, axes = new_figure(1, 2, CARD[0] / 150, CARD[1] / 150)  # inch, at 150 dots per inch
+    figure.set_layout_engine("constrained", **MARGINS)
     draw_shapes(axes[0, 0])
     draw_forces(axes[0, 1])
     figure.suptitle("fascicle: fluidic artificial muscles and their bundles")
