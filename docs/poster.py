@@ -19,7 +19,8 @@ from fascicle.plot.workspace import draw_workspace
 
 A4 = 8.27, 11.69  # inch, ISO 216; printed as A1, text of 8 pt has 23 pt
 CARD = 1200, 630  # pixels, the size that sites recommend for pictures of links
-MARGINS = {"rect": (0.02, 0.015, 0.96, 0.97)}  # left, bottom, width, height, as shares
+MARGINS = {"rect": (0.02, 0.015, 0.96, 0.92)}  # left, bottom, width, height, as shares
+TITLE = 0.975  # height of the title's middle, as a share
 MUSCLE = fs.example("kim2021_figure_6")
 PRESSURE = 137.9e3  # Pa
 
@@ -73,7 +74,9 @@ def poster() -> Figure:
     """Title, four panels, and the lines that compute them."""
     figure, axes = new_figure(3, 2, *A4, height_ratios=(1, 1, 0.55))
     figure.set_layout_engine("constrained", **MARGINS)
-    figure.suptitle("fascicle: from the braid angle to the force of a bundle", fontsize=16)
+    figure.suptitle(
+        "fascicle: from the braid angle to the force of a bundle", y=TITLE, va="center", fontsize=16
+    )
     draw_shapes(axes[0, 0])
     draw_forces(axes[0, 1])
     draw_reversal(axes[1, 0])
@@ -120,7 +123,9 @@ def card() -> Figure:
     figure.set_layout_engine("constrained", **MARGINS)
     draw_shapes(axes[0, 0])
     draw_forces(axes[0, 1])
-    figure.suptitle("fascicle: fluidic artificial muscles and their bundles")
+    figure.suptitle(
+        "fascicle: fluidic artificial muscles and their bundles", y=TITLE - 0.02, va="center"
+    )
     return figure
 
 
