@@ -60,7 +60,7 @@ from .pressurized import (
     check_plate_strain,
     flatten_batch,
     plate_distance,
-    pressurized,
+    pressurize,
     stack_muscles,
 )
 from .printing import (
@@ -294,7 +294,7 @@ class Bundle(Module):
         require("jax")
         from ..core.jax_backend import jit
 
-        return jit(lambda pressures, strain: pressurized(self, pressures).force(strain)[0])
+        return jit(lambda pressures, strain: pressurize(self, pressures).force(strain)[0])
 
     def replace(self, **changes: Any) -> "Bundle":
         """A new bundle with `changes` of its arguments, such as `scheme="batch"`; `ValueError` for
@@ -366,11 +366,11 @@ class Bundle(Module):
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
-    return pressurized(bundle, pressures).unit_forces(strain)[0]
+    return pressurize(bundle, pressures).unit_forces(strain)[0]
 
 
 def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
-    free_strains = pressurized(bundle, pressures).free_strains
+    free_strains = pressurize(bundle, pressures).free_strains
     return array_namespace(free_strains).max(free_strains, axis=-1)
 
 
@@ -387,7 +387,7 @@ def _with_derivatives(
     """Equilibria [-] with their derivatives, from those without."""
     batch, shape = flatten_batch(bundle, pressures, force)
     load = array_namespace(force).broadcast_to(force, shape).reshape(-1, 1)
-    roots = attach_derivatives(batch.pressurized(), load, strain.reshape(*load.shape[:1], -1))
+    roots = attach_derivatives(batch.pressurize(), load, strain.reshape(*load.shape[:1], -1))
     return roots.reshape(strain.shape)
 
 

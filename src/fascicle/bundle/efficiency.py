@@ -49,7 +49,7 @@ from .bundle import (
     resolve_scheme,
     resolve_supply_pressure,
 )
-from .pressurized import muscle_strain, pressurized
+from .pressurized import muscle_strain, pressurize
 from .printing import efficiency_table
 from .recruitment import unit_tables
 from .schemes import AbstractScheme
@@ -129,7 +129,7 @@ def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: 
 
     # a muscle that isn't as long as the plates are apart has a strain at rest; its own length
     # times its change of strain is the plates' way all the same
-    muscles = pressurized(bundle, pressures)
+    muscles = pressurize(bundle, pressures)
     return bundle.counts * muscles.map_units_over_strain(muscle_work, strain, 0.0 * strain)
 
 
@@ -170,7 +170,7 @@ def _unit_work_along(
         sums = integrate_force(muscle, stops, nodes, resistance)
         return muscle.column.rest_length * (sums[1 : 1 + count] - sums[:1])
 
-    works = pressurized(bundle, pressures).map_units_over_strain(muscle_work, stops[:, None])
+    works = pressurize(bundle, pressures).map_units_over_strain(muscle_work, stops[:, None])
     return bundle.counts * array_namespace(works).moveaxis(works, 0, 1)
 
 

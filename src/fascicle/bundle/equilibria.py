@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import isfinite, where
+from ..core.array_namespace import isfinite, slices, where
 from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
 from ..repr_table import with_table_repr
@@ -49,10 +49,9 @@ def find_equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Equili
     at the free strain.
     """
     count, units = bundles.pressures.shape
-    size = max(1, min(_BATCH, _PAIRS // units**2))
-    blocks = [slice(start, start + size) for start in range(0, max(1, count), size)]
     parts = [
-        _equilibria_of_block(bundles.take(i), None if load is None else load[i]) for i in blocks
+        _equilibria_of_block(bundles.take(i), None if load is None else load[i])
+        for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2)))
     ]
     return Equilibria(*map(np.concatenate, zip(*parts, strict=True)))
 
@@ -73,7 +72,7 @@ def attach_derivatives(pressurized: PressurizedBundle, load: Numbers, strain: Nu
 
 def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
     """As `find_equilibria`, of a batch that fits the memory."""
-    pressurized = bundles.pressurized()
+    pressurized = bundles.pressurize()
     free_strains = pressurized.free_strains[:, 0]
     lowest_free, highest_free = free_strains.min(axis=1)[:, None], free_strains.max(axis=1)[:, None]
     zero = 0.0 * lowest_free

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..core.array_namespace import slices
 from ..core.module import unique_indices
 from .pressurized import muscle_strain
 from .states import States
@@ -311,13 +312,11 @@ def find_roots(
     `strain` [-]; `fixed`: force [N] of `StateCurves.fixed_force`, computed if left out.
     """
     fixed = curves.fixed_force(strain)[0] if fixed is None else fixed
-    size = max(1, _BATCH // (curves.states if state is None else 1))
     parts = []
-    for start in range(0, max(1, len(force)), size):
-        batch = slice(start, start + size)
+    for batch in slices(len(force), max(1, _BATCH // (curves.states if state is None else 1))):
         states = None if state is None else state[batch]
         roots = _find_roots(curves, force[batch], strain[batch], fixed[batch], states)
-        parts.append(roots._replace(demand=roots.demand + start))
+        parts.append(roots._replace(demand=roots.demand + batch.start))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, jax_backend, where
+from ..core.array_namespace import is_numpy, jax_backend, slices, where
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
 from ..core.module import tree_map, unique_indices
@@ -39,7 +39,7 @@ from .bundle import (
     resolve_supply_pressure,
 )
 from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots
-from .pressurized import pressurized
+from .pressurized import pressurize
 from .schemes import AbstractScheme
 from .states import States, states_of
 
@@ -133,10 +133,9 @@ def _solve(
             curves = cache[key] = StateCurves(bundle, float(supply), states, resistance)
         if volume is not None and states.independent:
             sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
-            size = max(1, min(_BATCH, _PAIRS // sets.size))
             parts = [
-                _least_energy(curves, F[batch], eps[batch], volume[batch], sets, owner)
-                for batch in (slice(i, i + size) for i in range(0, max(1, F.size), size))
+                _least_energy(curves, F[i], eps[i], volume[i], sets, owner)
+                for i in slices(F.size, max(1, min(_BATCH, _PAIRS // sets.size)))
             ]
             result = tree_map(lambda *x: np.concatenate(x), *parts)
         else:
@@ -345,7 +344,7 @@ def _attach_derivatives(
         throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
 
     def total_force(bundle: Bundle, pressures: Any, strain: Any) -> Any:
-        forces, _ = pressurized(bundle, pressures).unit_forces(strain)
+        forces, _ = pressurize(bundle, pressures).unit_forces(strain)
         return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
 
     P = result.pressures / stop_gradient(supply) * supply

@@ -128,7 +128,7 @@ class PressurizedBundle(Module):
         return xp.concatenate(values, axis=-1)[..., order]
 
 
-def pressurized(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
+def pressurize(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
     """A `bundle` at `pressures` [Pa], one for each unit on the last axis."""
     indices = tuple(index for index, _ in bundle.groups)
     groups = tuple(
@@ -147,9 +147,9 @@ class BundleBatch(NamedTuple):
     bundle: Any
     pressures: PerUnit
 
-    def pressurized(self) -> PressurizedBundle:
+    def pressurize(self) -> PressurizedBundle:
         """The bundles at their pressures, with an axis of one ahead of units."""
-        return pressurized(self.bundle, self.pressures[:, None, :])
+        return pressurize(self.bundle, self.pressures[:, None, :])
 
     def take(self, index: Any) -> "BundleBatch":
         """Bundles of the batch by index."""

@@ -169,6 +169,11 @@ def stack(rows: Any) -> Any:
     return xp.stack(xp.broadcast_arrays(*rows))
 
 
+def slices(count: int, size: int) -> list[slice]:
+    """Slices of `size` items that cover `count` of them; a single one of no items."""
+    return [slice(start, start + size) for start in range(0, max(1, count), size)]
+
+
 _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay in the cache
 
 
