@@ -129,17 +129,12 @@ class Cascade(Module):
     @property
     def lateness(self) -> float:
         """Total lateness of valves, measurements and samples [s], the bracket of (K3a)."""
-        return self._valve_lag + self._total_delay
+        return valve_lag(self.plant) + self._total_delay
 
     @property
     def margins(self) -> LoopMargins:
         """Gain margin [-] and phase margin [rad] of its pressure loops, (K8)."""
-        return loop_margins(self.gains.pressure_time, self._valve_lag, self._total_delay)
-
-    @property
-    def _valve_lag(self) -> float:
-        """Lag of the slowest spool [s]."""
-        return valve_lag(self.plant)
+        return loop_margins(self.gains.pressure_time, valve_lag(self.plant), self._total_delay)
 
     @property
     def _total_delay(self) -> float:

@@ -37,6 +37,7 @@ _DEVIATIONS = 4.0  # of the share in few draws, by which it may be too low: 3 of
 _TOGETHER = 64  # designs judged in a few draws at once: some 0.1 s
 _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
+_BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 _SLOWER = 8  # how many times as long a draw takes that JAX evaluates by itself
 
 
@@ -73,8 +74,15 @@ def spread(
     names = check_objectives([*objectives, *limits], task.scheme)
     sample = sample_draws(scatter, draws, seed)
     if muscles is None:
-        factor = np.tile(sample.force, len(designs))
-        values = evaluate(draw_designs(designs, sample), task, names, MIXED, factor)
+        step = max(1, _BATCH // (draws * designs.counts.shape[1]))
+        blocks = []
+        for start in range(0, max(1, len(designs)), step):
+            drawn = draw_designs(
+                designs.take(np.arange(len(designs))[start : start + step]), sample
+            )
+            factor = np.resize(sample.force, len(drawn))  # all draws of one design after another
+            blocks.append(evaluate(drawn, task, names, MIXED, factor))
+        values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
     else:
         from .robust import compiled_objectives  # loads JAX
 

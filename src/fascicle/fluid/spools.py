@@ -146,7 +146,7 @@ class OrderlyValve(AbstractSpool):
             raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
 
     def command_count(self, units: int) -> int:
-        """One spool for all of the `units`, whose number must be that of the ports."""
+        """One command for all of the `units`, whose number must be that of the ports."""
         if units != self.units:
             rule = f"must be the bundle's number of motor units, {units}"
             raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
