@@ -71,7 +71,7 @@ _TARGET = (
     " (`fascicle muscles --measured`)."
 )
 TARGET = argument("FILE", _TARGET, autocompletion=complete_target)
-TARGET_OR_EXAMPLE = argument("[FILE]", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
+TARGET_OR_EXAMPLE = argument("FILE", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
 PRESSURE = option(
     "Gauge pressures: one (34.5kPa), a list (0kPa,5psi) or a range (start:stop:step).",

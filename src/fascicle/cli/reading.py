@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 DATA = argument(
-    "DATA...",
-    "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx, .mat"
-    " or .tdms with pressure, force, and strain, length or displacement; or torque and angle of a"
-    " joint.",
+    "DATA",
+    "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx,"
+    " .mat, .tdms or published .json with pressure, force, and strain, length or displacement; or"
+    " torque and angle of a joint.",
 )
 REST_LENGTH = option(
     "Length that strains and displacements refer to; default: the file's, else the muscle's.",

@@ -15,7 +15,9 @@ _WIDTH = 74  # characters of a line of constants: with the indent, a terminal's 
 
 def run(
     kind: str | None = argument(
-        "[KIND]", "tension, buckling, collapse, post_collapse or ends; default: all.", None
+        "KIND",
+        "Kind of law: tension, buckling, collapse, post_collapse or ends; default: all.",
+        None,
     ),
     as_json: bool = options.JSON,
 ) -> None:

@@ -21,7 +21,7 @@ _CAPTION = (
 
 def run(
     name: str | None = argument(
-        "[NAME]", "Example or measured muscle to print.", None, autocompletion=complete_target
+        "NAME", "Example or measured muscle to print.", None, autocompletion=complete_target
     ),
     measured: bool = flag("Measured muscles, with ranges and errors of their fits.", "--measured"),
     as_json: bool = options.JSON,
