@@ -82,6 +82,7 @@ def test_one_compliance_tells_short_muscles_from_long_ones():
     assert_allclose(rigid, rigid[0], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_cycle_makes_no_energy():
     """Round a rectangle of pressure and strain: what pressure gives, the ends take."""
     muscle = MUSCLE.replace(ends=Compliant(0.02, 3e-5), buckling="elastica")
@@ -98,6 +99,7 @@ def test_a_cycle_makes_no_energy():
     assert_allclose(pulled[1] - pulled[0], filled[1] - filled[0], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_table_of_it_holds_the_same_energy():
     muscle = MUSCLE.replace(ends=Compliant(0.01, 2e-5))
     table = fs.UnitSurface.tabulate(muscle, 6e5, shape=(61, 81))

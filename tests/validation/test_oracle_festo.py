@@ -69,8 +69,16 @@ STRAINS = np.linspace(-0.05, 0.5, 111)
 PRESSURES = np.array([0.0, 5e4, 2e5, 6e5, 1e6])
 
 
-@pytest.mark.parametrize("buckling", ["kim2021", "elastica"])
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize(
+    ("name", "buckling"),
+    [
+        *((name, "kim2021") for name in MADE),
+        *(
+            pytest.param(name, "elastica", marks=() if name == "martens2017" else pytest.mark.slow)
+            for name in MADE
+        ),
+    ],
+)
 def test_they_are_laws_of_a_muscle(name, buckling):
     """Components, sign, continuity and slopes, for muscles of the maker's geometry."""
     made = muscle(name, 0.02 if "20" in name else 0.01, buckling=buckling)

@@ -32,6 +32,7 @@ def data_of(record):
     return record.pressure, record.strain, record.force, record.censored
 
 
+@pytest.mark.slow
 def test_clipped_readings_are_fitted_as_scipy_fits_them():
     truth = Muscle(0.3, 11.5e-3, 2e-3, math.radians(27.5),
                    oracle.Material(3e5, 2e5, 6 * 5e5))  # fmt: skip

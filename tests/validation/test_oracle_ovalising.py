@@ -180,6 +180,7 @@ def test_it_is_a_law_of_a_muscle(muscle):
     assert np.mean(np.abs(stiffness - measured) < 1e-4 * np.abs(measured) + 1e-2) > 0.98
 
 
+@pytest.mark.slow
 def test_slopes_by_sizes_and_pressure_are_those_measured():
     for P, eps in ((0.0, 0.2), (3e4, 0.3), (3e4, 0.09)):
         slopes = jax.grad(lambda m, P=P, eps=eps: m.force(P, eps))(FIGURE_6)
@@ -217,6 +218,7 @@ def test_compiled_it_says_the_same():
     assert_allclose(compiled, FIGURE_6.force(2e4, strain), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_force_and_energy_agree():
     """The load is what the energy of all states falls by, for each length of chord."""
     column = Column(tube(0.0), 0.127, 200)

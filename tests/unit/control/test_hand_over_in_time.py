@@ -51,7 +51,7 @@ def dip(plant, demand, policy="hand_over", **options):
     [
         (1e-9, 0.7),
         (1e-9, 1.0),
-        (5e-10, 2.0),
+        pytest.param(5e-10, 2.0, marks=pytest.mark.slow),
         pytest.param(2e-9, 0.35, marks=pytest.mark.slow),
         pytest.param(1e-9, 0.6, marks=pytest.mark.slow),
         pytest.param(5e-10, 1.2, marks=pytest.mark.slow),
@@ -75,7 +75,7 @@ def test_slow_valves_have_no_predicted_hand_over(pair, ramp):
     ("valve", "delay"),
     [
         (20e-3, 0.0),
-        (None, 10e-3),
+        pytest.param(None, 10e-3, marks=pytest.mark.slow),
         *(pytest.param(5e-3, d, marks=pytest.mark.slow) for d in (0.0, 5e-3)),
     ],
 )

@@ -59,6 +59,7 @@ def test_delayed_measurements_stay_bounded(ran):
     assert np.all(np.isfinite(pressures)) and pressures.max() < 1.01 * SUPPLY
 
 
+@pytest.mark.slow
 def test_batch_recruitment_has_one_pressure_and_dips_more(ran):
     pressures, worth = ran("batch")
     assert worth.recruited == 1 and worth.drawdown > worth.dip

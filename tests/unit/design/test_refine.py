@@ -46,6 +46,7 @@ def test_peak_of_zero_weight_is_reached(muscle):
     assert np.isfinite(cost[0]) and cost[0] <= 1.0
 
 
+@pytest.mark.slow
 def test_unreachable_task_gives_infinite_cost(muscle):
     designs = Designs.of(muscle, [(1, 2)])
     task = Task.of([60.0, 5000.0], [0.16, 0.05], 413.7e3, [1.0, 1e-6])

@@ -76,6 +76,7 @@ def test_blocked_force_spreads_with_the_angle(muscle, designs, reachable):
     assert_allclose(got, expected, rtol=0.27)
 
 
+@pytest.mark.slow
 def test_draws_of_a_calibrated_muscle(muscle, designs, reachable):
     draws = eqx.tree_at(
         lambda m: m.outer_radius, muscle, muscle.outer_radius * jnp.array([0.9, 1.1])

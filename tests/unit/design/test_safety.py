@@ -57,7 +57,9 @@ def test_margins_of_draws_are_those_of_bundles_built_so(muscle, reachable, count
         assert_allclose(values["relative_margin"][0, i], expected, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("scheme", ["orderly", "free", "batch"])
+@pytest.mark.parametrize(
+    "scheme", [pytest.param("orderly", marks=pytest.mark.slow), "free", "batch"]
+)
 def test_draws_together_are_as_one_by_one(muscle, reachable, scheme):
     task = Task.of(reachable.force, reachable.strain, SUPPLY, scheme=scheme)
     designs = Designs.of(muscle, [(1, 2), (3,)])

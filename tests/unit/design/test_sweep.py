@@ -256,6 +256,7 @@ def test_full_disk_keeps_finished_blocks(study, undisturbed, tmp_path, monkeypat
 
 
 # dask's own threads and sockets, cut off by the kills, warn as they go
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_killed_workers(muscle, task, tmp_path):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")

@@ -61,6 +61,7 @@ def test_a_prescribed_motion_gives_its_start(bundle, air):
     assert error.value.argument == "position"
 
 
+@pytest.mark.slow
 def test_a_free_swing_equals_the_closed_form(muscle):
     # ideal muscles without pressure pull nothing: spring, damper, and the air that is pushed about
     mesh, V_0, n = muscle.replace(tension="ideal"), 1e-3, 2

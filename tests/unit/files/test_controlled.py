@@ -63,14 +63,21 @@ def test_shipped_controlled_scenarios_are_complete():
     other = gait.with_policy("batch")
     assert other.control.policy == "batch" and other.control.controller.friction is not None
     assert gait.with_policy().control is control
-    auto = gait.with_policy("auto")
-    assert auto.notes[0].startswith("auto took hand_over: ")
-    for name in ("ramp_1_4", "raise_1_4"):
-        one = loads_scenario(example_text(name))
-        chosen = one.with_policy("auto").control
-        assert chosen.choice.crossings[0].exists, chosen.choice.why
-    single = loads_scenario(example_text("raise_1x5")).with_policy("auto")
-    assert single.control.policy == "orderly"
+
+
+@pytest.mark.parametrize(
+    ("name", "policy"),
+    [
+        ("ramp_1_4", "hand_over"),
+        ("raise_1x5", "orderly"),
+        pytest.param("raise_1_4", "hand_over", marks=pytest.mark.slow),
+        pytest.param("joint_gait", "hand_over", marks=pytest.mark.slow),
+    ],
+)
+def test_policy_of_shipped_scenarios_is_selected(name, policy):
+    auto = loads_scenario(example_text(name)).with_policy("auto")
+    assert auto.control.policy == policy
+    assert auto.notes[0].startswith(f"auto took {policy}: ")
 
 
 POLICY = 'policy = "hand_over"'

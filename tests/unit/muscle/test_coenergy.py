@@ -44,7 +44,7 @@ def test_no_cycle_makes_energy():
     assert_allclose(straight, 0.388, atol=0.0005)  # energy from nothing, backwards
 
 
-@pytest.mark.parametrize("buckling", ["kim2021", "elastica"])
+@pytest.mark.parametrize("buckling", ["kim2021", pytest.param("elastica", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("tension", ["klute_hannaford", "meller2014", "kothera2009"])
 def test_it_is_the_slope_of_the_work(buckling, tension):
     tuning = fs.Tuning([2e5, 4e5], [1.0, 2.0], [0.9, 1.1], youngs_modulus_factor=1.2)

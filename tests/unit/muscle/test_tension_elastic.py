@@ -21,7 +21,7 @@ def elastic(stiffness, **laws):
 
 
 @pytest.mark.filterwarnings("ignore:`fiber_stiffness` of .* is unusual")
-@pytest.mark.parametrize("buckling", ["kim2021", "elastica"])
+@pytest.mark.parametrize("buckling", ["kim2021", pytest.param("elastica", marks=pytest.mark.slow)])
 def test_stiff_fibers_are_today_s_to_the_bit(buckling):
     rigid, limit = STIFF.replace(buckling=buckling), elastic(1e300, buckling=buckling)
     ours, theirs = (m.response(PRESSURE, STRAIN) for m in (limit, rigid))
@@ -117,6 +117,7 @@ def test_no_cycle_makes_energy():
     assert_allclose(fluid, ends, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_the_table_for_simulations_knows_it():
     muscle = elastic(5e7)
     table = fs.UnitSurface.tabulate(muscle, 4e5)
