@@ -60,10 +60,8 @@ class Path(NamedTuple):
 
         **Raises:** `InvalidInputError` for times that don't rise, and rows of unequal length.
         """
-        t, F = (
-            np.atleast_1d(check_finite(x, n, u))
-            for x, n, u in ((time, "time", "s"), (force, "force", "N"))
-        )
+        t = np.atleast_1d(check_finite(time, "time", "s"))
+        F = np.atleast_1d(check_finite(force, "force", "N"))
         if t.ndim != 1 or len(t) < 2 or np.any(np.diff(t) <= 0):
             raise InvalidInputError("time", "must be a row of at least two that rise", None)
         if F.shape != t.shape:

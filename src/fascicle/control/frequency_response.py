@@ -168,10 +168,8 @@ def shaft_work(
     P_s = float(check_positive(supply_pressure, "supply_pressure", "Pa"))
     rho = float(check_positive(density, "density", "kg/m³"))
     eta = float(check_interval(efficiency, 0.0, 1.0, "efficiency", "-", closed=(False, True)))
-    b, c = (
-        float(check_interval(value, 0.0, np.inf, name, "Pa", closed=(True, False)))
-        for name, value in (("band", band), ("margin", margin))
-    )
+    b = float(check_interval(band, 0.0, np.inf, "band", "Pa", closed=(True, False)))
+    c = float(check_interval(margin, 0.0, np.inf, "margin", "Pa", closed=(True, False)))
     periods = response.time * response.frequencies
     Q = response.supply_flow / rho
 

@@ -72,12 +72,9 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     **Raises:** `InvalidInputError` for rows of unequal length, times that don't rise, a command
     without a step or with several, and fewer than ten samples after it.
     """
-    t, z, P = (
-        np.atleast_1d(check_finite(x, name, unit))
-        for x, name, unit in (
-            (time, "time", "s"), (command, "command", "-"), (pressure, "pressure", "Pa"),
-        )
-    )  # fmt: skip
+    t = np.atleast_1d(check_finite(time, "time", "s"))
+    z = np.atleast_1d(check_finite(command, "command", "-"))
+    P = np.atleast_1d(check_finite(pressure, "pressure", "Pa"))
     if t.ndim != 1 or np.any(np.diff(t) <= 0):
         raise InvalidInputError("time", "must be a row that rises", None)
     for name, row in (("command", z), ("pressure", P)):
@@ -131,10 +128,8 @@ def loop_margins(pressure_time: Values, lag: Values, delay: Values) -> LoopMargi
     **Raises:** `InvalidInputError` for times below zero.
     """
     tau = float(check_positive(pressure_time, "pressure_time", "s"))
-    tau_v, theta = (
-        float(check_interval(value, 0.0, np.inf, name, "s", closed=(True, False)))
-        for name, value in (("lag", lag), ("delay", delay))
-    )
+    tau_v = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
+    theta = float(check_interval(delay, 0.0, np.inf, "delay", "s", closed=(True, False)))
     # |L| = 1: a quadratic in the frequency's square, in a form that is exact without a lag
     crossover = np.sqrt(2 / tau**2 / (1 + np.sqrt(1 + 4 * (tau_v / tau) ** 2)))
     phase = np.pi / 2 - crossover * theta - np.arctan(crossover * tau_v)

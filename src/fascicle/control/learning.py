@@ -211,10 +211,8 @@ class Learner(NamedTuple):
         """
         plant, grid = self.plant, self.grid
         F = np.atleast_1d(check_finite(force, "force", "N"))
-        P, eps = (
-            np.asarray(check_finite(x, name, unit))
-            for x, name, unit in ((pressures, "pressures", "Pa"), (strains, "strains", "-"))
-        )
+        P = np.asarray(check_finite(pressures, "pressures", "Pa"))
+        eps = np.asarray(check_finite(strains, "strains", "-"))
         for name, rows in (("pressures", P), ("strains", eps)):
             if rows.shape != (len(F), plant.units):
                 rule = f"must have {plant.units} columns and a row for each force"

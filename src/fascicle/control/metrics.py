@@ -95,9 +95,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     y = controlled_output(controller, run)[1:]
     reach = reachability(controller, outputs, target)
     can, out_of_reach = reach.is_reachable, np.flatnonzero(~reach.is_reachable)
-    first, last = (
-        float(run.time[out_of_reach[end]]) if out_of_reach.size else np.nan for end in (0, -1)
-    )
+    first, last = run.time[out_of_reach[[0, -1]]] if out_of_reach.size else (np.nan, np.nan)
     error = np.where(can, y - target, 0.0)
     dt = float(run.time[1] - run.time[0])
     spent = np.asarray(run.ledger)[:, LEDGER.index("supplied")]
@@ -113,8 +111,8 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
         recruited=recruited,
         unreachable=len(out_of_reach),
         moments=len(can),
-        first=first,
-        last=last,
+        first=float(first),
+        last=float(last),
         short=float(np.max(reach.shortfall)),
     )
 
@@ -175,10 +173,8 @@ def _dip_and_recruitments(controller: Cascade, run: Trajectory) -> tuple[float, 
     plant, deepest, switches = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
         indices = plant.unit_indices(side)
-        eps, P = (
-            np.asarray(run.outputs.strains)[:, indices],
-            np.asarray(run.outputs.pressures)[:, indices],
-        )
+        eps = np.asarray(run.outputs.strains)[:, indices]
+        P = np.asarray(run.outputs.pressures)[:, indices]
         depth, _ = units.branches.dip(eps)
         deepest = max(deepest, float(np.max((units.counts * depth)[:, 1:], initial=0.0)))
         lower = _LEAST * float(units.branches.top)

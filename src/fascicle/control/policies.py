@@ -107,12 +107,11 @@ def cascade(
     if correction is not None:
         units = correct_units(plant, units, correction)
     if band is None:
-        forces = (
-            bundle.counts
-            * bundle.branches.force(np.full(bundle.count, supply), np.zeros(bundle.count))
-            for bundle in units
-        )
-        band = _BAND * max(float(np.max(force)) for force in forces)
+        zeros = [np.zeros(bundle.count) for bundle in units]
+        blocked = [
+            x.counts * x.branches.force(supply + z, z) for x, z in zip(units, zeros, strict=True)
+        ]
+        band = _BAND * float(np.max(np.concatenate(blocked)))
     policies = tuple(policy_with_band(band) for _ in units)
     for rule, bundle in zip(policies, units, strict=True):
         rule.begin(bundle)

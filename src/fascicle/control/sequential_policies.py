@@ -160,12 +160,8 @@ class SequentialPolicy(Module):
             self.anticipates > 0, _first_below_onset(units, capability, demand, target), target
         )
         # wide open to the onset, and no further
-        opened = (
-            (self.opens_fully > 0)
-            & (indices > 0)
-            & (indices < k)
-            & (demand.pressures < capability.onset)
-        )
+        below_onset = (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
+        opened = (self.opens_fully > 0) & below_onset
         prediction = prediction + (target - prediction) * demand.dt / (demand.dt + demand.lag)
         state = SequentialState(recruited, direction, target, prediction, deficit)
         return state, where(opened, top, target)
@@ -199,10 +195,8 @@ class SequentialPolicy(Module):
         reserve at which a hand-over to it begins [N]; units as one-hot rows, the first for going
         up, the second for going down.
         """
-        reserve, dip = (
-            select_unit(last, capability.largest) - demand.force,
-            select_unit(next_, capability.dip),
-        )
+        reserve = select_unit(last, capability.largest) - demand.force
+        dip = select_unit(next_, capability.dip)
         rise = maximum(demand.rate, 0.0)
         # a slow ramp begins earlier, but not at a fast demand long before the unit is needed
         deepest, end = (

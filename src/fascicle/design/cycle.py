@@ -215,10 +215,8 @@ def size_valves(
         return None
     hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
     cases = np.unique(np.concatenate(hardest))
-    filled, contraction = (
-        pressurized[cases],
-        _contraction(designs, index, task, cases, pressurized[cases]),
-    )
+    filled = pressurized[cases]
+    contraction = _contraction(designs, index, task, cases, filled)
     C, bore, volume = _conductances(contraction, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
     needed = C.max(axis=0)
@@ -288,10 +286,8 @@ def _conductances(
     for bore in _BORES:
         line, volume = Line(cycle.hose_length, bore), np.pi / 4 * bore**2 * cycle.hose_length
         # a conductance half the hose's must be enough, and one without hose isn't too much
-        low, high = (
-            valve_conductance,
-            np.broadcast_to(line.conductance / _HOSE_SHARE, valve_conductance.shape),
-        )
+        low = valve_conductance
+        high = np.broadcast_to(line.conductance / _HOSE_SHARE, low.shape)
 
         def time(C: np.ndarray, line: Line = line, volume: float = volume) -> np.ndarray:
             valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)

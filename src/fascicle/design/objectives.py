@@ -267,10 +267,8 @@ class Limit(NamedTuple):
 
     @property
     def _with_tolerance(self) -> tuple[float, float]:
-        low, high = (
-            _ROUNDING * max(1.0, abs(end)) if np.isfinite(end) else 0.0
-            for end in (self.least, self.most)
-        )
+        ends = np.array([self.least, self.most])
+        low, high = np.where(np.isfinite(ends), _ROUNDING * np.maximum(1.0, np.abs(ends)), 0.0)
         return self.least - low, self.most + high
 
 
@@ -296,10 +294,8 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
     for name, limit in limits.items():
         if not limit.least <= limit.most:
             unit = OBJECTIVES[name].unit.replace("-", "")
-            rule = (
-                f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}".rstrip()
-            )
-            raise InvalidInputError(name, rule, None, "no design can be both")
+            rule = f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}"
+            raise InvalidInputError(name, rule.rstrip(), None, "no design can be both")
 
 
 def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:

@@ -88,18 +88,14 @@ def _draw_scales(kinds: Muscle, drawing: Muscle, draws: Draws) -> Scales:
     Scatter of fabrication and model (`draws`) and the sizes of calibrated muscles (`kinds`, one for
     each draw) both count.
     """
-    length, radius, wall = (
-        np.asarray(getattr(kinds, name) / getattr(drawing, name))
-        for name in ("length", "outer_radius", "wall_thickness")
+    scales = (
+        draws.length * kinds.length / drawing.length,
+        kinds.outer_radius / drawing.outer_radius,
+        draws.wall * kinds.wall_thickness / drawing.wall_thickness,
+        draws.angle + kinds.braid_angle - drawing.braid_angle,
+        draws.force,
     )
-    turn = np.asarray(kinds.braid_angle - drawing.braid_angle)
-    return Scales(
-        jnp.asarray(draws.length * length),
-        jnp.asarray(radius),
-        jnp.asarray(draws.wall * wall),
-        jnp.asarray(draws.angle + turn),
-        jnp.asarray(draws.force),
-    )
+    return Scales(*map(jnp.asarray, scales))
 
 
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))
@@ -181,13 +177,9 @@ def sensitivities(
         material = getattr(kinds.material, name) * jnp.asarray(factors[name])
         kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
     counts, sizes = _counts_and_sizes(designs, index, task)
-    scales = Scales(
-        jnp.asarray(factors["length"]),
-        jnp.asarray(factors["outer_radius"]),
-        jnp.asarray(factors["wall_thickness"]),
-        jnp.asarray((factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)),
-        jnp.ones(len(draws)),
-    )
+    lengths, radii, walls = (factors[name] for name in VARIED[:3])
+    turns = (factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)
+    scales = Scales(*map(jnp.asarray, (lengths, radii, walls, turns, np.ones(len(draws)))))
     values = drawn_objectives(
         kinds, counts, sizes, scales, Demand.from_task(task), names=names, needs=needs(names)
     )

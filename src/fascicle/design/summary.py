@@ -253,18 +253,14 @@ class Summary:
         assert self.sizing is not None
         task, hoses = self.cases.task, self.sizing.hose_volume
         pressurized_units = np.average(np.sum(self.cases.content != 0, axis=1), weights=task.weight)
-        air = (
-            self.cases.fluid_of_a_cycle
-            + pressurized_units * hoses * task.supply_pressure / ATMOSPHERE
-        )
-        return air * self.sizing.cycle.per_minute / 60
+        hose_air = pressurized_units * hoses * task.supply_pressure / ATMOSPHERE
+        return (self.cases.fluid_of_a_cycle + hose_air) * self.sizing.cycle.per_minute / 60
 
     @property
     def supply_power(self) -> float:
         """Power that compresses the air of `flow` without losses [W]."""
-        return (
-            ATMOSPHERE * self.flow * float(np.log1p(self.cases.task.supply_pressure / ATMOSPHERE))
-        )
+        ratio = self.cases.task.supply_pressure / ATMOSPHERE
+        return ATMOSPHERE * self.flow * float(np.log1p(ratio))
 
 
 def summarize_result(result: SearchResult, index: int) -> Summary:

@@ -192,9 +192,8 @@ def simulate(
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
     is_concrete_run = is_concrete((plant, numbers, memory, inputs, begin))
     steps, count = len(inputs), None
-    if (
-        is_concrete_run
-    ):  # a power of four, or of two for many: another length mostly compiles nothing
+    if is_concrete_run:
+        # a power of four, or of two for many: another length mostly compiles nothing
         count, bits = np.int64(steps), max(_MIN_BITS, (steps - 1).bit_length())
         length = 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], length - steps, axis=0)])
