@@ -454,7 +454,8 @@ def _remedy(names: Sequence[str]) -> str:
         return "read the gauges without pressure at the rest length, first and last"
     if name == "dead_band":  # nothing else measures it
         return ""
-    return f"measure {name}{_TESTS.get(name, '')} and give it: --prior {name}=VALUE,DEVIATION"
+    test = _TESTS.get(name, "")
+    return f"measure {name}{test} and give it as a prior: {name}=VALUE,DEVIATION"
 
 
 def _usage_notices(calibration: Calibration) -> Iterator[Notice]:

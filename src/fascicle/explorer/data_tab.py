@@ -61,6 +61,10 @@ _BY_NAME = "constants of your choice"
 _STAGES = ("fitting", "drawing")  # that are verbs
 # as measured with 300 and 5000 readings on two cores
 _DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
+_UNDETERMINED = (
+    "Here a prior is a value that you enter: measure the size, enter it in the tab Muscle, and fit"
+    f" {_BY_NAME} without it. fascicle calibrate takes its deviation, too."
+)
 _TITLE = "Your own muscle, as it was measured"
 _TEXT = (
     "Open a dynamometer's CSV, .xlsx or .mat: pressure, force, and strain, length or displacement,"
@@ -443,6 +447,8 @@ class DataView(Tab):
             hysteresis_message(calibration),
             *fit.selection.reasons,
         ]
+        if not all(parameter.identifiable for parameter in calibration.parameters):
+            lines.append(_UNDETERMINED)
         warnings: Mapping[str, Any] = calibration.warnings_by_topic
         self.fit_notes.object = "".join(
             [status_line(html.escape(line)) for line in lines if line]

@@ -7,7 +7,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.explorer.data_tab import DataView
+from fascicle.explorer.data_tab import DataView, Fit
 from fascicle.explorer.measured import (
     LARGEST_CONTENT,
     LARGEST_FILE,
@@ -264,3 +264,13 @@ def test_constants_are_fitted_by_name():
     assert parameter.name == "outer_radius" and selection.candidates == ()
     # without noise the one constant is found; the search stops at a relative step of 1e-8
     assert parameter.value == pytest.approx(float(built.outer_radius), rel=1e-5)
+
+
+def test_advice_on_an_undetermined_constant_can_be_followed_on_the_page(tab):
+    send(tab, GOOD)
+    names = ("outer_radius", "braid_angle")
+    selection = fit_record(tab.record, SIX.muscle, lambda _: None, names)
+    assert not all(parameter.identifiable for parameter in selection.calibration.parameters)
+    tab._show_fit(Fit(selection, "", tab.record, SIX.muscle, names))
+    assert "--" not in tab.fit_notes.object
+    assert "enter it in the tab Muscle" in tab.fit_notes.object
