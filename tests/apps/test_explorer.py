@@ -1018,3 +1018,22 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
     with page.expect_download() as download:
         page.get_by_text("Save SVG").click()
     assert ET.parse(download.value.path()).getroot().tag.endswith("svg")  # noqa: S314 ours
+
+
+@pytest.mark.parametrize(("theme", "width"), [("dark", 390), ("default", 1280)])
+def test_a_run_in_time_is_tidy_and_has_no_barriers_that_axe_finds(request, theme, width):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    query = f"?tab=time&scenario=ramp_hand_over&policies=threshold,hand_over&theme={theme}"
+    if width == 390:
+        page = request.getfixturevalue("phone")
+        page.goto(request.getfixturevalue("server") + query)
+        until(page, READY)
+    else:
+        page = request.getfixturevalue("visit")(query, width=width)
+    page.get_by_role("button", name="Run", exact=True).click()
+    source(page, "time_frames", "d => d.time.length > 1 && d.time.length")
+    wait_for_layout(page)
+    assert untidy(page, width) == []
+    violations = axe.Axe().run(page).response["violations"]
+    assert not [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in violations
+                if fault["impact"] in ("serious", "critical")]  # fmt: skip
