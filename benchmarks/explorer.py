@@ -10,6 +10,8 @@ answered, and the time is the server's own, from a move sent to its curve receiv
 are opened and left one after another, every tab in turn, and the server's memory is told as it
 goes. Its processor time is told as well, which a busy machine lengthens less.
 
+The standalone page of `fascicle export --page` is drawn again at other strains, layout included.
+
     python benchmarks/explorer.py --clients 20 --sessions 300
 """
 
@@ -42,6 +44,20 @@ WATCH = """() => {
     window.times.push(performance.now() - window.pressed);
     window.pressed = 0;
   });
+}"""
+
+# a frame at each of so many strains; reading a height completes the layout
+REDRAW = """async count => {
+  const times = [];
+  for (let i = 0; i < count; i++) {
+    await new Promise(requestAnimationFrame);
+    view.strain = 0.3 * (i + 1) / count;
+    const begun = performance.now();
+    render();
+    document.body.offsetHeight;
+    times.push(performance.now() - begun);
+  }
+  return times;
 }"""
 
 
@@ -101,6 +117,21 @@ def keyed(page: Any, keys: int) -> list[float]:
     return page.evaluate("window.times")
 
 
+def page_redraws(browser: Any, folder: str, count: int) -> list[float]:
+    """Milliseconds in which the standalone page draws a bundle at each of `count` strains."""
+    path = Path(folder) / "page.html"
+    subprocess.run(  # noqa: S603 this package's own command
+        [sys.executable, "-m", "fascicle", "export", "kim2021_bundle_1_4", "--page", str(path)],
+        check=True, stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-state=ready]", timeout=120_000)
+    times = page.evaluate(REDRAW, count)
+    page.close()
+    return times
+
+
 def measure(clients: int, sessions: int, keys: int) -> dict:
     from playwright.sync_api import sync_playwright
 
@@ -115,6 +146,7 @@ def measure(clients: int, sessions: int, keys: int) -> dict:
                 page.wait_for_function(READY, arg="curve", timeout=120_000)
                 found["slider_ms"] = spread(keyed(page, keys))
                 page.close()
+                found["page_redraw_ms"] = spread(page_redraws(browser, folder, keys))
                 found["first_picture_s"], found["errors"] = first_pictures(browser)
                 browser.close()
             if clients:
