@@ -148,9 +148,9 @@ def _whole_steps(value: Any, dt: float, name: str) -> int:
 
 
 class PolicyChoice(NamedTuple):
-    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on; `share`: of the
-    bundles that the model could be, those that have all of them [-], nan if the model itself
-    doesn't, or needs none.
+    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on; `share`: of
+    bundles drawn around the model, those that have all of them [-], counted until it is below
+    `CONFIDENCE`; nan if the model itself doesn't have them, or needs none.
     """
 
     policy: str
@@ -194,10 +194,13 @@ def select_policy(
     share = np.nan
     if any(entry.deadline is not None for entry in crossings) and all(map(_is_resolved, crossings)):
         draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
-        share = float(np.mean([
-            all(_is_resolved(crossing(b, path, plant, unit, supply, lag=lag)) for unit in units)
-            for b in draws
-        ]))  # fmt: skip
+        failures = 0
+        for draw in draws:
+            found = (crossing(draw, path, plant, unit, supply, lag=lag) for unit in units)
+            failures += not all(map(_is_resolved, found))
+            share = 1 - failures / len(draws)
+            if share < CONFIDENCE:  # the remaining draws, seconds each, can't change the choice
+                break
     return PolicyChoice(*_select(plant, path, crossings, share), crossings, share)
 
 
@@ -209,9 +212,11 @@ def _select(
     if not needed:
         return "threshold", f"no crossing is needed: {crossings[0].reason}"
     infeasible = next((entry.reason for entry in needed if not entry.exists), "")
-    among = f"of {100 * share:.0f} % of the bundles that the model could be"
     if share < CONFIDENCE:
-        infeasible = f"there is a crossing without a dip {among} only"
+        infeasible = (
+            f"fewer than {100 * CONFIDENCE:.0f} % of bundles drawn around the model have a crossing"
+            " without a dip"
+        )
     if infeasible:
         ratio = np.inf
         if not plant.load.prescribed:  # the unit's valve wide open, at the path's middle strain
@@ -231,7 +236,10 @@ def _select(
     if wait > 0 and np.ptp(path.strain) > 1e-6:
         why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
-    return "hand_over", f"there is a crossing without a dip {among}, {needed[0]}"
+    return "hand_over", (
+        f"{100 * share:.0f} % of bundles drawn around the model have a crossing without a dip,"
+        f" {needed[0]}"
+    )
 
 
 def _is_resolved(entry: Crossing) -> bool:

@@ -154,7 +154,7 @@ def test_policy_selection_gives_its_reason(bench, ramp, pair, five):
     chosen = control.select_policy(bench, ramp, 1e-3, "force", draws=[pair])
     assert chosen.share == 1.0
     unsure = control.select_policy(bench, ramp, 1e-3, "force", draws=[pair, five])
-    assert unsure.share == 0.5 and unsure.crossings[0].exists and "of 50 %" in unsure.why
+    assert unsure.share == 0.5 and unsure.crossings[0].exists and "fewer than 95 %" in unsure.why
     assert chosen.policy == "hand_over" and "without a dip" in chosen.why
     idle = control.select_policy(bench, 0.5 * ramp, 1e-3, "force")
     assert idle.policy == "threshold" and "no crossing is needed" in idle.why
