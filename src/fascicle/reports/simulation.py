@@ -275,7 +275,7 @@ def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[st
     if scenario.plant.units == 1:
         notes.append("one motor unit alone: nothing is handed over, and policies don't differ")
     if quantity == "position":
-        notes.append("a position has no dip D to compare its drawdown with")
+        notes.append("D is a dip of force: a scenario that follows a position has none")
     worst = max((run.metrics for run in runs.values()), key=lambda value: value.unreachable)
     if worst.unreachable:
         notes.append(unreachable_message(scenario.plant, quantity, worst))
