@@ -155,4 +155,7 @@ def test_templates_of_issues_can_be_filled_in():
 def test_each_extra_is_tried_in_a_fresh_environment():
     script = (ROOT / ".ci/package").read_text()
     extras = set(PROJECT["optional-dependencies"]) - {"all", "dev", "docs"}
-    assert set(re.findall(r"\[(\w+)\]=", script)) == extras
+    assert set(re.findall(r"^ +(\w+)\) try ", script, re.MULTILINE)) == extras
+    loop = re.search(r"^for extra in (.+); do$", script, re.MULTILINE)
+    assert loop is not None
+    assert set(loop[1].split()) == extras

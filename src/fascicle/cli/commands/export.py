@@ -73,7 +73,6 @@ def run(
     target = _read(file, law)
     from ... import export
     from ...export.c_files import check_name
-    from ...export.fmu import UnbuiltUnitError
 
     with user_errors():
         check_name(name)
@@ -94,6 +93,8 @@ def run(
         _write_c("--table", table, name, texts, overwrite)
         print_line(tables.errors)
     if fmu is not None:
+        from ...export.fmu import UnbuiltUnitError  # needs JAX, the law as C doesn't
+
         message = ""
         with (
             status("computing the table, building the unit"),
