@@ -227,10 +227,10 @@ class Learner(NamedTuple):
         basis = np.einsum("u,tup,tus->tups", arms, by_pressure, by_strain).reshape(len(F), -1)
         residual = F - np.asarray(plant.muscles.at(P, eps).force) @ arms
         residual = residual - basis @ before.forces.ravel()
-        seen = np.flatnonzero(np.any(basis != 0, axis=0))
-        basis, K = basis[:, seen], self.covariance[:, seen]
+        indices = np.flatnonzero(np.any(basis != 0, axis=0))
+        basis, K = basis[:, indices], self.covariance[:, indices]
         noise = (_NOISE * np.max(np.abs(arms * _blocked_forces(plant)) / plant.counts)) ** 2
-        A = basis.T @ basis @ K[seen] + noise * np.eye(len(seen))
+        A = basis.T @ basis @ K[indices] + noise * np.eye(len(indices))
         change = K @ np.linalg.solve(A, basis.T @ residual)
         return grid._replace(forces=before.forces + change.reshape(grid.forces.shape))
 

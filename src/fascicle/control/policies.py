@@ -196,8 +196,8 @@ def select_policy(
         draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
         failures = 0
         for draw in draws:
-            found = (crossing(draw, path, plant, unit, supply, lag=lag) for unit in units)
-            failures += not all(map(_is_resolved, found))
+            entries = (crossing(draw, path, plant, unit, supply, lag=lag) for unit in units)
+            failures += not all(map(_is_resolved, entries))
             share = 1 - failures / len(draws)
             if share < CONFIDENCE:  # the remaining draws, seconds each, can't change the choice
                 break

@@ -173,11 +173,11 @@ def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbe
     `counts`: muscles in each unit, units first; `table`: forces of a muscle of each unit. The least
     is right only if the table has every level.
     """
-    unfed, full, levels = (
+    empty, full, levels = (
         array_namespace(x).moveaxis(counts * x, -counts.ndim, -1)
         for x in (table.unfed, table.full, table.levels)
     )
-    return states.edges(levels, unfed, full)
+    return states.edges(levels, empty, full)
 
 
 def choose_states(

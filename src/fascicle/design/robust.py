@@ -178,8 +178,8 @@ def sensitivities(
         kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
     counts, sizes = _counts_and_sizes(designs, index, task)
     lengths, radii, walls = (factors[name] for name in VARIED[:3])
-    turns = (factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)
-    scales = Scales(*map(jnp.asarray, (lengths, radii, walls, turns, np.ones(len(draws)))))
+    angle_changes = (factors["braid_angle"] - 1)[:, None] * np.asarray(sizes.angle)
+    scales = Scales(*map(jnp.asarray, (lengths, radii, walls, angle_changes, np.ones(len(draws)))))
     values = drawn_objectives(
         kinds, counts, sizes, scales, Demand.from_task(task), names=names, needs=needs(names)
     )

@@ -87,8 +87,8 @@ def spread(
         from .robust import compiled_objectives  # loads JAX
 
         values = compiled_objectives(designs, task, names, sample, muscles, seed)
-    met = within_limits(values, limits).reshape(len(designs), draws)
-    return Spread({name: row.reshape(met.shape) for name, row in values.items()}, met)
+    is_within = within_limits(values, limits).reshape(len(designs), draws)
+    return Spread({name: row.reshape(is_within.shape) for name, row in values.items()}, is_within)
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
@@ -159,9 +159,9 @@ def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
     count = 0
     candidates = np.flatnonzero(result.allowed)
     for group in cheapest_first(candidates, result.values, result.all_designs, result.catalog):
-        rest = group
-        while len(rest):
-            block, rest = np.split(rest, [min(_TOGETHER, count + 1)])
+        remaining = group
+        while len(remaining):
+            block, remaining = np.split(remaining, [min(_TOGETHER, count + 1)])
             count += len(block)
             yield block
 

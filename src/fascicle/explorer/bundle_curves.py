@@ -116,18 +116,18 @@ def recruitments(
         volumes = np.full(len(bundle.motor_units), np.nan)
         remark = "With compliant ends the fluid depends on the load, too: it isn't counted."
 
-    def row(state: int, P: np.ndarray, reached: bool, stable: bool) -> Recruitment:
+    def row(state: int, P: np.ndarray, reachable: bool, stable: bool) -> Recruitment:
         pressurized = P > 0 if states.independent else states.pressurized[state - 1]
         fluid, force = float(volumes[pressurized].sum()), float(bundle.force(P, strain, resistance))
         W = force * strain * float(bundle.length)  # along an isotonic path
         if path == "isobaric":
             W = float(work(bundle, P, strain, resistance))
         efficiency = W / (supply * fluid) if fluid > 0 else np.nan
-        return Recruitment(state, force, tuple(map(float, P)), reached, stable, fluid, efficiency)
+        return Recruitment(state, force, tuple(map(float, P)), reachable, stable, fluid, efficiency)
 
     if states.independent:  # one of a continuum: the cheapest
-        P, reached = np.asarray(result.pressures), not result.status
-        return [row(int(result.state), P, reached, bool(result.stable))], remark
+        P, reachable = np.asarray(result.pressures), not result.status
+        return [row(int(result.state), P, reachable, bool(result.stable))], remark
     rows = [
         row(int(state), states.pressures(state - 1, level / supply, supply), True, bool(stable))
         for level, state, stable in zip(*map(np.asarray, result.solutions), strict=True)

@@ -85,7 +85,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         """Constants [unit, direction, 3] of each unit's valve with its hose, forward and back."""
         constants = np.empty((count, 2, 3))
         for back, T in enumerate(temperatures):
-            C, b = valve._passage(np.array(not back), 1.0)
+            C, b = valve.hose_series(np.array(not back), 1.0)
             constants[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
         return nested_initializers(constants)[1:-1]

@@ -247,8 +247,8 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
             rule = f"must be at most the supply's {plant.supply_pressure:g} Pa, got {highest:g} Pa."
             raise root.error(("run", "pressures"), rule)
         model = file.control.model
-        others = bundles if model is None else _model_bundles(model, bundles, root, folder)
-        model_plant = plant if model is None else make_plant(others)
+        model_bundles = bundles if model is None else _model_bundles(model, bundles, root, folder)
+        model_plant = plant if model is None else make_plant(model_bundles)
         control = _control(file, model_plant, dt, duration, root, folder)
         notes = control.notes
     else:

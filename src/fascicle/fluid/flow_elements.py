@@ -213,7 +213,7 @@ class SonicValve(Module):
         high = where(onward, absolute_1, absolute_2)
         low = where(onward, absolute_2, absolute_1)
         T = where(onward, temperature_1, temperature_2)
-        C, b = self._hose_series(onward, opening)
+        C, b = self.hose_series(onward, opening)
         ratio = low / guarded(high > 0, high)
         turbulent = ratio < LAMINAR_FROM
         psi = flow_function(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
@@ -221,7 +221,7 @@ class SonicValve(Module):
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * psi * driving
         return where(onward, size, -size)
 
-    def _hose_series(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
+    def hose_series(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
         """Conductance [m³/(s·Pa)] and critical ratio [-] of valve and hose in series."""
         C = opening * self.C
         if self.line is None:

@@ -31,7 +31,7 @@ def test_choked_flow_is_the_printed_one():
 def test_flow_is_continuous(of):
     edges = [B, 0.999]
     if of is hosed:
-        edges[0] = float(of._passage(True, 1.0)[1])
+        edges[0] = float(of.hose_series(True, 1.0)[1])
     for edge in edges:
         below, above = through(of, HIGH, HIGH * (edge + np.array([-1e-12, 1e-12])))
         # the steepest slope is some 1e3 of the flow
