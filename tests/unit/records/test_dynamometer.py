@@ -161,7 +161,7 @@ def test_what_comes_out_says_that_it_is_synthetic_in_the_file_too(tmp_path):
         ({"pressures": []}, "at least one pressure above 0 Pa"),
         ({"noise": -0.1}, "`noise` must lie in"),
         ({"noise": math.nan}, "`noise` must lie in"),
-        ({"speed": 0.0}, "`speed` must lie in"),
+        ({"speed": 0.0}, "`speed` must be positive and finite"),
         ({"samples": 1}, "`samples` must be at least 2"),
         ({"angle_scatter": 1.0}, "`angle_scatter` must lie in"),
     ],
