@@ -37,8 +37,8 @@ def act(weights: np.ndarray, observations: np.ndarray) -> np.ndarray:
         hidden = np.tanh((x[..., None, :] @ inner)[..., 0, :] + bias)
         return np.sum(hidden * outer, axis=-1) + weights[..., -1]
 
-    seen = observations.astype(float)
-    openings = [valve(seen), valve(_MIRROR * seen[..., [0, 1, 2, 4, 3]])]
+    x = observations.astype(float)
+    openings = [valve(x), valve(_MIRROR * x[..., [0, 1, 2, 4, 3]])]
     return np.clip(np.stack(openings, axis=-1), -1.0, 1.0).astype(np.float32)
 
 
@@ -64,7 +64,7 @@ def main(path: Path) -> None:
         search.tell(candidates, -generation_scores(many, np.array(candidates)))
     seconds, cpu = time.perf_counter() - start, time.process_time() - cpu
     weights, environment = search.mean, gymnasium.make(NAME)
-    policies = (lambda seen: act(weights, seen)), BASELINES[NAME]
+    policies = (lambda observation: act(weights, observation)), BASELINES[NAME]
     learned, baseline = np.array(
         [[score(environment, p, range(seed, seed + 1)) for seed in EPISODES] for p in policies]
     )

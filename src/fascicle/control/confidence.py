@@ -71,9 +71,7 @@ def crossing_confidence(
     model = crossing(bundle, path, valves, unit, supply, **options)
     draws = draw_bundles(bundle) if draws is None else draws
     crossings = [crossing(b, path, valves, unit, supply, **options) for b in draws]
-    share = float(
-        np.mean([candidate.exists or candidate.deadline is None for candidate in crossings])
-    )
+    share = float(np.mean([candidate.is_resolved for candidate in crossings]))
     if model.strain is None:
         return CrossingConfidence(model, share, np.nan)
     base, *states = (transition(b, model.strain, unit, supply) for b in (bundle, *draws))

@@ -97,6 +97,11 @@ class Crossing(NamedTuple):
         """True if a hand-over without a dip exists."""
         return self.start is not None
 
+    @property
+    def is_resolved(self) -> bool:
+        """True if the crossing exists, or none is needed."""
+        return self.exists or self.deadline is None
+
     def __str__(self) -> str:
         """The hand-over in a sentence."""
         if not self.exists:

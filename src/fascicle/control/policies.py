@@ -192,12 +192,14 @@ def select_policy(
     lag = DAMPED * (valve_lag(plant) + delay)  # of pressures, (K3a)
     crossings = tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
     share = np.nan
-    if any(entry.deadline is not None for entry in crossings) and all(map(_is_resolved, crossings)):
+    is_needed = any(entry.deadline is not None for entry in crossings)
+    if is_needed and all(entry.is_resolved for entry in crossings):
         draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
         failures = 0
         for draw in draws:
-            entries = (crossing(draw, path, plant, unit, supply, lag=lag) for unit in units)
-            failures += not all(map(_is_resolved, entries))
+            failures += not all(
+                crossing(draw, path, plant, unit, supply, lag=lag).is_resolved for unit in units
+            )
             share = 1 - failures / len(draws)
             if share < CONFIDENCE:  # the remaining draws, seconds each, can't change the choice
                 break
@@ -240,11 +242,6 @@ def _select(
         f"{100 * share:.0f} % of bundles drawn around the model have a crossing without a dip,"
         f" {needed[0]}"
     )
-
-
-def _is_resolved(entry: Crossing) -> bool:
-    """True if a crossing is found, or none is needed."""
-    return entry.exists or entry.deadline is None
 
 
 def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:

@@ -29,6 +29,7 @@ from scipy.optimize import elementwise
 
 from ..bundle.bundle import Bundle, resolve_supply_pressure
 from ..bundle.pressurized import muscle_strain
+from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
@@ -92,10 +93,8 @@ def transition(
     supply = resolve_supply_pressure(bundle, supply_pressure)
     eps = unit_strain(bundle, unit, strain)
     flat = np.reshape(eps, -1)
-    size = max(1, _BATCH // _GRID)
-    batches = [
-        _dip(bundle, unit, flat[k : k + size], supply) for k in range(0, max(1, len(flat)), size)
-    ]
+    parts = slices(len(flat), max(1, _BATCH // _GRID))
+    batches = [_dip(bundle, unit, flat[part], supply) for part in parts]
     dip, pressure, onset = (
         np.concatenate(row).reshape(np.shape(eps))[()] for row in zip(*batches, strict=True)
     )

@@ -13,6 +13,7 @@ from math import sqrt
 
 import numpy as np
 
+from ..core.array_namespace import slices
 from ..core.types import Int
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
@@ -74,12 +75,9 @@ def spread(
     names = check_objectives([*objectives, *limits], task.scheme)
     sample = sample_draws(scatter, draws, seed)
     if muscles is None:
-        step = max(1, _BATCH // (draws * designs.counts.shape[1]))
-        blocks = []
-        for start in range(0, max(1, len(designs)), step):
-            drawn = draw_designs(
-                designs.take(np.arange(len(designs))[start : start + step]), sample
-            )
+        indices, blocks = np.arange(len(designs)), []
+        for part in slices(len(designs), max(1, _BATCH // (draws * designs.counts.shape[1]))):
+            drawn = draw_designs(designs.take(indices[part]), sample)
             factor = np.resize(sample.force, len(drawn))  # all draws of one design after another
             blocks.append(evaluate(drawn, task, names, MIXED, factor))
         values = {name: np.concatenate([block[name] for block in blocks]) for name in names}

@@ -79,16 +79,16 @@ window.fascicleStory = (running, ifLost = false) => setTimeout(() => {
 // a new scene's figure is in view: on a narrow page the tab's content is right below the story; its
 // text, which comes some moments after the press, may change the story's height
 const narrow = matchMedia("(max-width: 860px)");
-let pressed = -Infinity;
+let pressTime = -Infinity;
 const showFigure = () => {
   const tabs = find(".bk-header");
   if (narrow.matches) tabs?.nextElementSibling?.scrollIntoView({block: "start"});
   else tabs?.scrollIntoView({block: "nearest"});
 };
-window.fascicleTop = () => { pressed = performance.now(); showFigure(); };
+window.fascicleTop = () => { pressTime = performance.now(); showFigure(); };
 const height = new ResizeObserver(([story]) => {
   page.setProperty("--story", `${Math.ceil(story.borderBoxSize[0].blockSize)}px`);
-  if (performance.now() - pressed < 5000) showFigure();  // ms: longer than a text takes
+  if (performance.now() - pressTime < 5000) showFigure();  // ms: longer than a text takes
 });
 
 let first = true;

@@ -336,7 +336,7 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
     design = result.all_designs(np.array([index]))
     try:
         run = run_cycle(design.bundle(0, task), force, stroke, sizing)
-    except ModuleNotFoundError as error:  # JAX is
+    except ModuleNotFoundError as error:  # of JAX
         missing = missing_extra(error)
         if missing is None:
             raise
