@@ -68,7 +68,9 @@ class VectorEnvironment(VectorEnv):
         data = mujoco.MjData(self.model)
         fluid = self.drive.start(self.model, data, START)
         engine = mjx()
-        single = jax.tree.map(jnp.asarray, (engine.put_data(self.model, data), fluid))
+        physics = engine.put_data(self.model, data)
+        # on MJX's device from the start: a state that moves there later compiles the step again
+        single = jax.device_put((physics, fluid), physics.qpos.device)
         self._first = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), single)
         self._engine_model = engine.put_model(self.model)
         self._step = jax.jit(self._advance)
