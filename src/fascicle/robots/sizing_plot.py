@@ -44,5 +44,6 @@ def plot_sizing(sizing: "Sizing") -> Figure:
     for ax in axes[0]:
         ax.set_xlabel(f"{route.torque_joint} [{'deg' if route.hinge else 'mm'}]")
     title = f"{chosen.count} × {chosen.name}, {1e3 * chosen.length:.0f} mm"
-    letters(axes[0], (sizing.tendon, "", title))
+    figure.suptitle(f"{sizing.tendon}: {title}", fontsize="medium")
+    letters(axes[0], ("", "", ""))
     return figure
