@@ -5,7 +5,7 @@ All candidates of a generation move at once, each to the same 20 targets. The sc
 `fascicle.robots.environments`, on 20 episodes that were not used in training.
 
 pip install cma
-python docs/train_cma.py docs/_static/cma.json
+python docs/train_cma.py 1 docs/_static/cma_1.json
 """
 
 import json
@@ -53,10 +53,10 @@ def generation_scores(many: Any, candidates: np.ndarray) -> np.ndarray:
     return total.reshape(len(candidates), -1).mean(axis=1) / STEPS
 
 
-def main(path: Path) -> None:
+def main(seed: int, path: Path) -> None:
     many = gymnasium.make_vec(NAME, num_envs=CANDIDATES * len(TRAINING))
     search = cma.CMAEvolutionStrategy(
-        np.zeros(_WEIGHTS), 0.5, {"popsize": CANDIDATES, "seed": 1, "verbose": -9}
+        np.zeros(_WEIGHTS), 0.5, {"popsize": CANDIDATES, "seed": seed, "verbose": -9}
     )
     start, cpu = time.perf_counter(), time.process_time()
     for _ in range(GENERATIONS):
@@ -66,7 +66,7 @@ def main(path: Path) -> None:
     weights, environment = search.mean, gymnasium.make(NAME)
     policies = (lambda observation: act(weights, observation)), BASELINES[NAME]
     learned, baseline = np.array(
-        [[score(environment, p, range(seed, seed + 1)) for seed in EPISODES] for p in policies]
+        [[score(environment, p, range(i, i + 1)) for i in EPISODES] for p in policies]
     )
     result = {
         "seconds": round(seconds),
@@ -83,4 +83,4 @@ def main(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(int(sys.argv[1]), Path(sys.argv[2]))

@@ -15,6 +15,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
+from bokeh.server.urls import per_app_patterns
+from panel.io.server import WSHandler
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
@@ -90,6 +92,23 @@ async def _serve(
     # connections of open pages end with the loop, which is no error
     logging.getLogger("tornado.application").setLevel(logging.CRITICAL)
     server.stop()
+
+
+class _Socket(WSHandler):
+    """Panel's socket, which sends each message at once: else the next one waits up to 40 ms for the
+    browser's receipt of the last (Nagle's algorithm and TCP's delayed receipts).
+    """
+
+    def open(self, *args: Any, **kwargs: Any) -> Any:
+        opened = super().open(*args, **kwargs)
+        self.set_nodelay(True)
+        return opened
+
+
+# the handlers of each page that Bokeh makes; Panel puts its own there, too
+per_app_patterns[:] = [
+    (path, _Socket if handler is WSHandler else handler) for path, handler in per_app_patterns
+]
 
 
 def start_server(view: View, host: str, port: int | None) -> Any:

@@ -3,9 +3,12 @@
 import asyncio
 import gc
 import logging
+import re
 import socket
 
 import pytest
+from tornado.httpclient import AsyncHTTPClient
+from tornado.websocket import WebSocketHandler, websocket_connect
 
 import fascicle as fs
 from fascicle.explorer import server
@@ -32,6 +35,25 @@ def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
         with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {used}"):
             asyncio.run(start(used))
     gc.collect()  # sockets
+
+
+def test_a_page_s_socket_sends_each_message_at_once(monkeypatch):
+    calls = []
+    monkeypatch.setattr(WebSocketHandler, "set_nodelay", lambda self, value: calls.append(value))
+
+    async def connect():
+        started = server.start_server(VIEW, "127.0.0.1", 0)
+        started.start()
+        address = f"127.0.0.1:{started.port}/"
+        page = await AsyncHTTPClient().fetch(f"http://{address}")
+        token = re.search(r'"token":\s*"([^"]+)"', page.body.decode())[1]
+        connection = await websocket_connect(f"ws://{address}ws", subprotocols=["bokeh", token])
+        await connection.read_message()
+        connection.close()
+        started.stop()
+
+    asyncio.run(connect())
+    assert calls == [True]
 
 
 def test_an_error_of_the_web_server_is_one_line_without_hidden_characters():
