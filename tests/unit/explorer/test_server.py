@@ -39,7 +39,7 @@ def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
 
 def test_a_page_s_socket_sends_each_message_at_once(monkeypatch):
     calls = []
-    monkeypatch.setattr(WebSocketHandler, "set_nodelay", lambda self, value: calls.append(value))
+    monkeypatch.setattr(WebSocketHandler, "set_nodelay", lambda _, value: calls.append(value))
 
     async def connect():
         started = server.start_server(VIEW, "127.0.0.1", 0)
