@@ -58,29 +58,29 @@ from .parameters import FACTORS, Parameter, coordinates, put, select_parameters
 
 # causes of residuals and remedies
 _CAUSES = {
-    "compliance": ("an end effect: compliant fibers or fittings", "free end_compliance"),
-    "ends": ("an end effect: ends that do not swell",
+    "compliance": ("an end effect, compliant fibers or fittings", "fit end_compliance, too"),
+    "ends": ("an end effect, ends that do not swell",
              "compare tension laws: tondu_lopez scales the strain"),
     "length": ("an error of the length's zero", "check the rest length"),
     "zero": ("an offset of the load cell", "subtract its reading at rest from the forces"),
     "rubber": (
-        "the bladder's elasticity: a force that depends on contraction, not on pressure",
+        "the bladder's elasticity, a force that depends on contraction, not on pressure",
         "rely on the model at the measured strains only: c10 and c01 can't reproduce such a force",
     ),
-    "branch": ("friction: a hysteresis loop",
+    "branch": ("friction, a hysteresis loop",
                "count the loop's width as an error of the muscle in use"),
     "time": ("a drift in time", "measure the first pressure again at the end"),
 }  # fmt: skip
 _CAUSES_BY_CONSTANT = {
     "dead_band": "a dead band, or an offset of the pressure transducer",
-    "active_length": "an end effect: part of the length is passive",
-    "inactive_length": "an end effect: part of the length is passive",
+    "active_length": "an end effect, part of the length is passive",
+    "inactive_length": "an end effect, part of the length is passive",
     "end_compliance": _CAUSES["compliance"][0],
-    "wall_thickness": "another wall thickness",
-    "c10": "another modulus of the rubber",
-    "c01": "another modulus of the rubber",
-    "braid_angle": "another braid angle",
-    "outer_radius": "another radius",
+    "wall_thickness": "a wrong wall thickness",
+    "c10": "a wrong modulus of the rubber",
+    "c01": "a wrong modulus of the rubber",
+    "braid_angle": "a wrong braid angle",
+    "outer_radius": "a wrong radius",
 }
 ALPHA = 0.01  # probability of taking noise for a trend, all tests of a record together
 _ORDERS = 5  # highest order of a polynomial: a trend is smoother, noise is rougher
@@ -629,7 +629,7 @@ def _likely_causes(
     }
     columns |= residuals.known_columns
     trials = [
-        (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"free {p.name}", column)
+        (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"fit {p.name}, too", column)
         for p, column in effects.items()
     ]
     trials += [(*_CAUSES[kind], column) for kind, column in columns.items()]
@@ -689,5 +689,5 @@ def _better_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
     if share < _MIN_SHARE:
         return None
     rmse = float(np.sqrt(errors_by_law[best]))
-    name = f"the buckling law: past the free strain `{best}` has an error of {rmse:.3g} N"
+    name = f"the buckling law; past the free strain `{best}` has an error of {rmse:.3g} N"
     return Cause(name, f"fit with `--buckling {best}`", float(share))

@@ -21,7 +21,7 @@ _SAME_MINIMUM = 0.02  # of the cost, a fifth of a standard deviation: no data te
 _STATUS = ("converged", "stopped after 200 steps before convergence",
            "stopped because the solver could not continue")  # fmt: skip
 _CONSTANTS = {
-    "dead_band": "a dead band", "active_length": "another active length",
+    "dead_band": "a dead band", "active_length": "a fitted active length",
     "end_compliance": "end compliance",
 }  # fmt: skip
 
@@ -110,7 +110,7 @@ def end_messages(solutions: Solutions) -> list[str]:
         if cost - lowest < _SAME_MINIMUM:
             line += ", at the best minimum"
         elif np.isfinite(cost):
-            line += f", at a worse one (cost {cost:.6g})"
+            line += f", at a worse minimum (cost {cost:.6g})"
         lines.append(line)
     return lines
 
@@ -210,7 +210,7 @@ def thinning(compared: int, total: int) -> tuple[str, ...]:
     """Sentence on the number of readings that candidates were `compared` on, if not all."""
     if compared == total:
         return ()
-    return (f"Candidates were compared on {compared} of {total} readings, the fit uses all.",)
+    return (f"Candidates were compared on {compared} of {total} readings; the fit uses all.",)
 
 
 def exclusions(trials: Sequence[Trial]) -> list[str]:

@@ -32,7 +32,7 @@ _MAX_SIGNS = 3  # strains in a sentence that is still read
 _CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
 _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 GAUGES, RESIDUALS, NOT_MEASURED, UNKNOWN, IN_USE = (
-    "gauges", "residuals", "not measured", "not determined by these data", "in use",
+    "gauges", "residuals", "not measured", "not determined by these data", "use of the muscle",
 )  # fmt: skip
 _GAUGE = "with a gauge that measures pushes"
 _TESTS: dict[str, str] = dict.fromkeys(("c10", "c01"), " in a tensile test of the rubber")
@@ -48,12 +48,12 @@ _GAUGE_ERRORS = {
 _CHANNELS = {"force": "force", "pressure": "pressure", "displacement": "strain"}  # dimensions
 FITS = {
     "not converged": "the search did not converge: do not use these constants",
-    "untested": "too few readings to tell whether it fits",
-    "noise": "it fits: what is left looks like noise",
-    "other sizes": "it fits, but only with sizes that are not this muscle's",
-    "well": "it fits well: the errors are small, though not noise",
-    "roughly": "it fits roughly: errors of 2 to 5 % of the largest force",
-    "poorly": "it does not fit: a law, a size or a gauge is wrong",
+    "untested": "too few readings to judge the fit",
+    "noise": "good fit: the residuals look like noise",
+    "other sizes": "good fit, but only with sizes that are not this muscle's",
+    "well": "good fit: the errors are small, but not noise",
+    "roughly": "rough fit: errors of 2 to 5 % of the largest force",
+    "poorly": "bad fit: a law, a size or a gauge is wrong",
 }  # of a verdict
 
 
@@ -140,29 +140,31 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
         )
     if np.isfinite(verdict.pulling_rmse) and np.isfinite(verdict.resisting_rmse):
         error += (
-            f"; {verdict.pulling_rmse:.3g} N where it pulls, {verdict.resisting_rmse:.3g} N past"
-            " the free strain"
+            f"; {verdict.pulling_rmse:.3g} N where the muscle pulls, {verdict.resisting_rmse:.3g} N"
+            " past the free strain"
         )
     if np.isfinite(verdict.left_out_rmse):
         error += f"; {100 * verdict.left_out_rmse:.2g} % at readings left out of the fit"
     first, last = [f"Verdict: {FITS[verdict.fit]}.", f"{error}."], []
     if (loop := calibration.loop) is not None and calibration.friction_is_visible:
         last.append(
-            f"Friction: loops {range_text(loop.width)} N wide are part of this error; half-way"
-            f" between the strokes it is {pretty(calibration.half_way_rmse, 'force', 3)}."
+            f"Friction: loops {range_text(loop.width)} N wide are part of this error; against the"
+            " half-way curve between the strokes the error is"
+            f" {pretty(calibration.half_way_rmse, 'force', 3)}."
         )
     if not diagnosis.is_white_noise:
         tests = (*diagnosis.significant, *diagnosis.autocorrelated)
         along = [word for test in tests for word in test.along.split(" and ")]
-        cause = "unknown"
+        cause = "The cause is unknown."
         if diagnosis.causes:
             best = diagnosis.causes[0]
-            cause = f"{best.name} ({100 * best.share:.2g} % of squares)"
+            share = f"{100 * best.share:.2g} % of the squared residuals"
+            cause = f"Likely cause ({share}): {best.name}."
         names = list_text(list(dict.fromkeys(along)))
-        last.append(f"Not noise: errors follow {names}. Likely cause: {cause}.")
+        last.append(f"The residuals are not noise: they follow {names}. {cause}")
     gaps = {
-        "not determined": verdict.undetermined,
-        "only a limit": verdict.limits,
+        "not determined by the data": verdict.undetermined,
+        "limited at one side only": verdict.limits,
         "not measured": ("forces past the free strain",)
         * (not np.isfinite(verdict.resisting_rmse)),
     }
@@ -170,7 +172,7 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
     if pieces:
         text = "; ".join(pieces)
         last.append(f"{text[0].upper()}{text[1:]}.")
-    last += [f"To do, {i}: {action}." for i, action in enumerate(verdict.actions, start=1)]
+    last += [f"To do {i}: {action}." for i, action in enumerate(verdict.actions, start=1)]
     return first, last
 
 
@@ -235,9 +237,9 @@ def gauge_errors(calibration: Calibration) -> dict[str, str]:
         if name in fitted:
             ends = fitted[name].low, fitted[name].high
             low, high = (pretty(x, dimension, 3) for x in ends)
-            interval = f", 90 % {low} to {high}"
+            interval = f", 90 % interval {low} to {high}"
             if ends[0] <= getattr(PERFECT, name) <= ends[1]:
-                interval += ", so perhaps it does" if name.endswith("zero") else ", perhaps none"
+                interval += ": perhaps no error"
         texts[name] = f"{_GAUGE_ERRORS[name][0]} ({pretty(value, dimension, 3)}{interval})"
     return texts
 
@@ -280,8 +282,8 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
         if diagnosis.significant:
             trends = [f"{t.along} ({100 * t.share:.2g} %)" for t in diagnosis.significant]
             pieces.append(
-                f"Residuals follow {list_text(trends)}, in brackets the share of their squares: an"
-                " error of the model or of the gauge, not noise."
+                f"Residuals follow {list_text(trends)}, in brackets the share of the squared"
+                " residuals: an error of the model or of the gauge, not noise."
             )
         if diagnosis.autocorrelated:
             runs = [f"{run.along} ({run.changes} of {run.pairs} pairs change sign)"
@@ -297,11 +299,11 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
         yield from (Notice(RESIDUALS, 9, line) for line in _pattern_lines(calibration))
     wider = []
     if diagnosis.significant and calibration.parameters and np.max(calibration.wider) >= _WIDER:
-        wider.append(f"{range_text(calibration.wider)} times by the model's own error")
+        wider.append(f"{range_text(calibration.wider)} times, by the error of the model")
     if diagnosis.inflation > 1 and calibration.parameters:
-        wider.append(f"{np.sqrt(diagnosis.inflation):.2g} times by correlated residuals")
+        wider.append(f"{np.sqrt(diagnosis.inflation):.2g} times, by correlated residuals")
     if wider:
-        text = f"Intervals are wider than from noise alone: {list_text(wider)}."
+        text = f"Intervals are wider than from noise alone, {list_text(wider)}."
         yield Notice(RESIDUALS, 9, text)
 
 
@@ -455,7 +457,7 @@ def _remedy(names: Sequence[str]) -> str:
     if name == "dead_band":  # nothing else measures it
         return ""
     test = _TESTS.get(name, "")
-    return f"measure {name}{test} and give it as a prior: {name}=VALUE,DEVIATION"
+    return f"measure {name}{test} and give it as a prior (--prior {name}=VALUE,DEVIATION)"
 
 
 def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
@@ -465,10 +467,15 @@ def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
     muscle, rest_length = calibration.start, calibration.record.rest_length
     if calibration.loop is None:
         text = (
-            "Measured in one direction, or in an unknown one: these errors do not contain the"
-            " hysteresis loop of friction, which a muscle in use has."
+            "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
+            " of friction, which these errors do not contain."
         )
-        yield Notice(IN_USE, 7, text, "measure each pressure both ways, for the loop of friction")
+        yield Notice(
+            IN_USE,
+            7,
+            text,
+            "measure each pressure while the muscle shortens and while it lengthens",
+        )
     if "active_length" in calibration.names:
         reference = "the initial length" if rest_length is None else pretty(rest_length, "length")
         length = pretty(float(calibration.muscle.length), "length")

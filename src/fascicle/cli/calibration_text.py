@@ -19,9 +19,10 @@ _CERTAIN = (" read as ", " read with it", ": note: ", ": source: ", "columns not
             "all readings at ", "corrected for ", "its name gives ",
             "lines above the header", "time from X0")  # fmt: skip
 _DOUBTS = 3  # in a line that is still read
+_SHARE = "errors over the largest force"
 _CRITERIA = (
-    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"
-    " a law where a reading was clipped"
+    "left-out error: at pressures left out of the fit; pull at clipped: largest pull of the law"
+    " where a reading is clipped; AIC, BIC: by the likelihood of all readings, also of clipped ones"
 )
 
 
@@ -42,7 +43,7 @@ def print_calibration(result: "CalibrationResult", verbose: bool) -> None:
         print_line(line)
     rows = constant_rows(fit.parameters)
     count = len(result.choice.candidates) if result.choice is not None else 0
-    chosen = f", best of {count} candidates," if count else ""
+    chosen = f", best of {count} candidate sets," if count else ""
     method = "linear approximation" if fit.bootstrapped is None else "bootstrap"
     if rows:
         print(f"Constants{chosen} with 90 % intervals ({method}):")
@@ -85,14 +86,15 @@ def _print_details(result: "CalibrationResult") -> None:
              f"{row.bic:.1f}"]
             for row in result.comparison.rows
         ]  # fmt: skip
-        heads = ["", "free", "rmse [N]", "left out [N]", "at clipped [N]", "AIC", "BIC"]
+        heads = ["law", "fitted constants", "rms error [N]", "left-out error [N]",
+                 "pull at clipped [N]", "AIC", "BIC"]  # fmt: skip
         print_table("Laws compared", heads, rows, _CRITERIA)
     print_line(f"Search: {fit.status}.")
     print_line(f"Intervals: {fit.intervals}.")
     if fit.loop is not None:
         print_line(messages.hysteresis_message(fit))
     for topic, lines in fit.warnings_by_topic.items():
-        print_line(f"Warnings, {topic}:")
+        print_line(f"Warnings ({topic}):")
         for line in lines:
             print_line(f"- {line}")
 
@@ -102,7 +104,7 @@ def _print_choice(choice: "Selection") -> None:
 
     def percent(fraction: float) -> str:
         """Text of a fraction in percent; "-" if it isn't finite."""
-        return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "-"
+        return f"{100 * fraction:.3g}" if math.isfinite(fraction) else "-"
 
     titles = {"pulling": "readings that pull", "all": "all readings"}
     for readings, title in titles.items():
@@ -114,7 +116,7 @@ def _print_choice(choice: "Selection") -> None:
             if candidate.readings == readings
         ]  # fmt: skip
         if rows:
-            heads = ["", "free", "rmse", "left out", ""]
-            print_table(f"Fits of {title}: error over the largest force", heads, rows)
+            heads = ["fitted constants", "number", "rms error [%]", "cross-validated error [%]", ""]
+            print_table(f"Candidates, fitted to {title}", heads, rows, _SHARE)
     for line in choice.reasons:
         print_line(line)

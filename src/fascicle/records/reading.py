@@ -392,4 +392,4 @@ def _rest_length(
         raise ValueError(f"{table.source}: in its remarks, {error}") from None
     if length <= 0:
         raise ValueError(f"{table.source}: in its remarks, `rest_length` must be positive.")
-    return length, (f"rest length {pretty(length, 'length')} read from its remarks",)
+    return length, (f"rest length {pretty(length, 'length')} read from the file's comments",)

@@ -58,25 +58,26 @@ def report(
     strain = np.asarray(fit.grid.strain)[valid]
     limits = f"{P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa"
     unknowns = [
-        f"`{entry.name}` ({entry.about}): the data alone don't determine it."
-        f" {pretty(entry.value, entry.dimension)} is mostly what it began with; even so its"
-        f" interval is {_interval_text(entry.low, entry.high, entry.dimension)}."
+        f"`{entry.name}` ({entry.about}): the data alone don't determine it. Its value,"
+        f" {pretty(entry.value, entry.dimension)}, depends on the prior, whose center is"
+        f" {pretty(entry.start, entry.dimension)}; its 90 % interval is"
+        f" {_interval_text(entry.low, entry.high, entry.dimension)}."
         for entry in fit.parameters
         if not entry.identifiable
     ]
     if fit.diagnosis.confounded:
         names = ", ".join(f"`{name}`" for name in fit.diagnosis.confounded)
         unknowns.append(
-            f"{names}: not fitted, and not to be told beside what was; as given."
+            f"{names}: not fitted, since the data can't distinguish it from the fitted constants."
         )  # fmt: skip
     unknowns.append(
-        f"Pressures outside {limits} and contractions outside {strain.min():.3g} to"
-        f" {strain.max():.3g}: none were measured."
+        f"Nothing was measured at pressures outside {limits}, or at contractions outside"
+        f" {strain.min():.3g} to {strain.max():.3g}."
     )
     if fit.censored:
         unknowns.append(
-            f"Forces at {fit.censored} clipped readings: each is known not to be above"
-            f" {fit.floor}, and no more."
+            f"At {fit.censored} clipped readings the force is only known to be not above"
+            f" {fit.floor}."
         )
     length = record.rest_length
     reference = "the muscle's own length" if length is None else pretty(length, "length")

@@ -79,7 +79,7 @@ def test_a_missing_dead_band_is_the_likely_cause():
     fitted = fit(record(SLACK, sigma=1.0), NOMINAL, FOUR, whole=False)
     diagnosis = fitted.diagnosis
     assert not diagnosis.is_white_noise
-    assert diagnosis.causes[0].remedy == "free dead_band"
+    assert diagnosis.causes[0].remedy == "fit dead_band, too"
     pressure, means = np.array(diagnosis.lowest_strain_means).T
     assert_allclose(pressure, P[:, 0], rtol=1e-12)
     assert_allclose(means, (fitted.grid.force - fitted.force)[: P.size, 0], rtol=1e-9)
@@ -129,7 +129,7 @@ def compliant():
 
 def test_compliant_ends_are_the_likely_cause(compliant):
     rigid = fit(compliant[0], NOMINAL, FOUR, whole=False)
-    assert rigid.diagnosis.causes[0].remedy == "free end_compliance"
+    assert rigid.diagnosis.causes[0].remedy == "fit end_compliance, too"
 
 
 @pytest.mark.slow
@@ -148,7 +148,7 @@ def test_friction_is_the_cause_and_frees_no_constant():
     data = looped(0.04 * np.asarray(TRUE.force(P, 0.0)), sigma=0.5)
     selection = select_model(data, NOMINAL)
     assert not {"dead_band", "active_length"} & set(selection.calibration.names)
-    assert selection.calibration.diagnosis.causes[0].name == "friction: a hysteresis loop"
+    assert selection.calibration.diagnosis.causes[0].name == "friction, a hysteresis loop"
 
 
 def test_half_of_a_loop_is_in_the_error():

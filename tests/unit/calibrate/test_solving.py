@@ -127,7 +127,7 @@ def test_words_tell_minima_apart():
     lines = end_messages(ends([5.0, 5.01, 5.05, np.nan], [CONVERGED, STOPPED, CONVERGED, BROKE]))
     assert lines[0] == "start 1: converged (3 steps), at the best minimum"
     assert lines[1].endswith("before convergence (3 steps), at the best minimum")
-    assert lines[2] == "start 3: converged (3 steps), at a worse one (cost 5.05)"
+    assert lines[2] == "start 3: converged (3 steps), at a worse minimum (cost 5.05)"
     assert lines[3] == "start 4: stopped because the solver could not continue (3 steps)"
 
 

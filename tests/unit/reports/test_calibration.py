@@ -95,7 +95,7 @@ def page(fit, profiles, plots):
 
 def test_warnings_come_first_then_what_the_data_cant_tell(page):
     heads = re.findall(r"<h2[^>]*>([^<]*)</h2>", page)
-    assert heads[:3] == ["Read this first", "What the data can't tell", "Parameters"]
+    assert heads[:3] == ["Warnings", "Not determined by the data", "Parameters"]
     assert "Mind &lt; the step." in page
     untold = page[page.index('id="untold"') : page.index('id="parameters"')]
     assert "outer_radius" in untold and "c10" not in untold
@@ -121,7 +121,7 @@ def test_parameters_carry_units_intervals_and_a_word(page, fit):
 def test_every_start_law_and_chain_is_there(page):
     assert "start 2: stopped after" in page
     assert "a &lt;law&gt;" in page and "<td>1.25 N</td><td>-</td>" in page
-    assert "Not good enough yet" in page and "1.2500" in page and "3 divergences" in page
+    assert "Not converged yet" in page and "1.2500" in page and "3 divergences" in page
 
 
 def test_nothing_is_asked_for_from_outside(page):
@@ -135,7 +135,7 @@ def test_only_the_date_changes_the_page(fit, profiles, plots):
         report(fit, date, plots, profiles) for date in (DATE, DATE, "2027-01-01")
     )
     assert first == again
-    assert "Nothing to warn of" in report(calibration(warnings={}), DATE, plots)
+    assert "No warnings." in report(calibration(warnings={}), DATE, plots)
     assert first.replace(DATE, "2027-01-01") == later
 
 
