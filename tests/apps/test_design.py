@@ -46,7 +46,7 @@ def test_design_writes_bundles_and_a_page(fascicle, written, tmp_path):
     assert (code, err) == (0, "")
     # the engineer's view first
     first = out.splitlines()[0]
-    assert re.match(r"Take design \d+: 4 muscles in 1 motor unit, L₀ ", first)
+    assert re.match(r"Take design \d+: 4 muscles in 1 motor unit, length ", first)
     assert (
         out.index("It is the cheapest of the 14 designs that reach every load case")
         < out.index("3 of 3 reached")
@@ -68,10 +68,10 @@ def test_design_writes_bundles_and_a_page(fascicle, written, tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     # nothing is asked of anyone else
     assert not re.search(r'(src|href)="(?!data:|#)[a-z]+:', page)
-    for part in ('<svg class="plot"', "<title>design 1: 1+", 'data-index="0"', "Does it do",
+    for part in ('<svg class="plot"', "<title>design 1: 1+", 'data-index="0"', ">Load cases<",
                  "✓\u00a0reached", "Force-strain space", "[[bundle.motor_unit]]"):  # fmt: skip
         assert part in page
-    assert page.index("Does it do the task?") < page.index("By the objectives")
+    assert page.index(">Load cases<") < page.index(">Best compromise<")
     front = results.read(folder / "front.nc")
     assert front.mean_efficiency.attrs["units"] == "1" and front.envelope.attrs["units"] == "m"
     assert np.all(front.valves <= 3) and front.recommended.sum() == 1
@@ -188,7 +188,7 @@ def test_unreachable_task_has_no_recommendation(fascicle, written, tmp_path):
     assert (
         "The nearest design" in page
         and "✗\u00a0MISSED" in page
-        and "Changes that would reach it" in page
+        and "Changes that would reach the task" in page
     )
     code, out, _ = fascicle("design", "task.toml", "--json")
     data = json.loads(out)
@@ -238,7 +238,7 @@ def test_one_design_reaches_the_task(fascicle, written):
     code, out, err = fascicle("design", "task.toml")
     assert (code, err) == (0, "")
     assert (
-        "Take design 1: 4 muscles in 1 motor unit, L₀ 127 mm" in out
+        "Take design 1: 4 muscles in 1 motor unit, length 127 mm" in out
         and "the only one of 3 designs" in out
     )
     assert "size: stroke 24 mm of 127 mm at rest" in out
@@ -257,7 +257,7 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     code, out, err = fascicle("design", "task.toml")
     assert (code, err) == (0, "")
     assert "note: DMSP-10, DMSP-20, DMSP-40: wall, braid angle, rubber and laws are taken" in out
-    assert ": 1 muscle in 1 motor unit, DMSP-40, L₀ 200 mm" in out  # the largest margin
+    assert ": 1 muscle in 1 motor unit, DMSP-40, length 200 mm" in out  # the largest margin
     assert "\nproduct: 1 × DMSP-40, 200 mm; figures: ThomasNet News" in out
     front = results.read(tmp_path / "designed-task" / "front.nc")
     assert "wall, braid angle, rubber and laws are taken" in front.attrs["notes"]

@@ -85,7 +85,7 @@ def report(
     if result.reported.size:
         values |= {"compromise": compromise(result), **_pictures(result), **_tables(result)}
     return render(
-        "design.html", title=f"Which bundle: {objective_label(result.task.name)}", date=date,
+        "design.html", title=f"Design: {objective_label(result.task.name)}", date=date,
         result=result, infeasible=infeasible, seconds=seconds, heads=HEADS, caption=caption,
         counts=counts, notes=notes, safety=result.safety,
         rows=[_marked(row) for row in rows],
@@ -127,8 +127,8 @@ def compromise(result: SearchResult) -> list[str]:
     row, labels = result.front[index], result.designs.labels
     lines = [
         f"Best compromise of all objectives: {labels[index]},"
-        f" {muscle_sizes(result, result.designs, index)}. Of the designs on the front, its worst"
-        " objective is least bad, on a scale from the best value on the front to the worst."
+        f" {muscle_sizes(result, result.designs, index)}. On a scale from the best to the worst"
+        " value on the front, no other design has a better worst objective."
     ]
     for name, sense in result.senses.items():
         front = result.values[name][result.front]
@@ -175,7 +175,8 @@ def _tables(result: SearchResult) -> dict[str, Any]:
     bold = Markup("<strong>{}</strong>").format
     tables: dict[str, Any] = {
         "front_heads": [
-            "design", "units", "muscles", *map(objective_head, names), *low_margin_heads(result),
+            "design", "muscles by unit", "sizes", *map(objective_head, names),
+            *low_margin_heads(result),
         ],
         "front_rows": [
             [
@@ -198,7 +199,7 @@ def _tables(result: SearchResult) -> dict[str, Any]:
         tables["scatter_heads"] = [
             "design",
             "units",
-            "meets the task",
+            "draws that meet the task",
             *map(objective_label, drawn),
             "robust",
         ]

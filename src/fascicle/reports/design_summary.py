@@ -19,7 +19,7 @@ from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
 from ..units import DIMENSIONS, figures, pretty
 
 
-HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "to spare", "")
+HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "spare force", "")
 REACHED, MISSED = "reached", "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
 _REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "radius": "length", "length": "length"}
@@ -49,8 +49,8 @@ def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
     radii = dict.fromkeys(figures(1e3 * r) for r in designs.radius[index][used])
     walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[index][used])
     text = (
-        f"L₀ {pretty(designs.length[index], 'length')}, r₀ {', '.join(radii)} mm,"
-        f" t₀ {', '.join(walls)} mm, α₀ {np.degrees(designs.angle[index, 0]):.3g}°"
+        f"length {pretty(designs.length[index], 'length')}, radius {', '.join(radii)} mm,"
+        f" wall {', '.join(walls)} mm, braid {np.degrees(designs.angle[index, 0]):.3g}°"
     )
     names = list(designs.drawings)
     name = names[designs.kind[index]]
@@ -98,7 +98,7 @@ def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
     if (index := result.compromise) is not None and index != result.recommended:
         sizes = muscle_sizes(result, result.designs, index)
         lines.append(
-            f"alternative: {design_name(index)}: {result.designs.labels[index]}, {sizes}: the best"
+            f"alternative: {design_name(index)} ({result.designs.labels[index]}, {sizes}), the best"
             " compromise of all objectives"
         )
     return lines
@@ -120,20 +120,18 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
         designs = f"the {allowed}" if complete else f"{result.judged} evaluated"
         reason = (
             f"It is the cheapest of {designs} designs that {requirement} and keep all limits;"
-            f" cheapest: {describe_cheapest(result.catalog, result.space.drawings)}."
+            f" cheapest means {describe_cheapest(result.catalog, result.space.drawings)}."
         )
         if passed_over:
-            verb = "doesn't" if passed_over == 1 else "don't"
-            reason = (
-                f"{reason.removesuffix('.')}; {passed_over} before it {verb} hold in enough draws."
-            )
+            ending = "one holds" if passed_over == 1 else "ones hold"
+            reason = f"{reason.removesuffix('.')}; {passed_over} cheaper {ending} in too few draws."
     take = f"Take {design_name(index)}: {composition_text(summary)}, {sizes}."
     return [take, f"margin: {_margin(summary)}.", *safety_lines(result), reason]
 
 
 def low_margin_heads(result: SearchResult) -> list[str]:
     """Head of the column of `low_margin`, if designs were judged in draws."""
-    return [] if result.safety is None else ["its 5th percentile [-]"]
+    return [] if result.safety is None else ["relative margin, 5th percentile [-]"]
 
 
 def low_margin(result: SearchResult, index: int) -> list[str]:
@@ -150,7 +148,7 @@ def safety_lines(result: SearchResult) -> list[str]:
         return []
     low, uncertainty = float(safety.margin_quantiles[index]), safety.uncertainty
     return [
-        f"safety: holds in {_percent(safety.probability)} of {uncertainty.draws} draws"
+        f"safety: holds in {_percent(safety.probability)} of {uncertainty.draws} draws of scatter"
         f" ({_percent(uncertainty.share)} needed); margin {_percent(low)} at the 5th percentile;"
         f" standard deviations: {uncertainty.assumptions}."
     ]
@@ -165,7 +163,8 @@ def _margin(summary: Summary) -> str:
     spare = float(cases.spare[i])
     text = (
         f"{_percent(summary.relative_margin)} at case {i + 1}: {_demand_and_supply(summary, i)},"
-        f" {pretty(spare, 'force')} to spare ({pretty(spare / STANDARD_GRAVITY, 'mass', 3)})"
+        f" {pretty(spare, 'force')} to spare (weight of"
+        f" {pretty(spare / STANDARD_GRAVITY, 'mass', 3)})"
     )
     if cases.tightest != i:
         smallest = pretty(float(cases.spare[cases.tightest]), "force")
@@ -220,7 +219,7 @@ def case_rows(summary: Summary, limit: int) -> tuple[list[list[str]], str]:
     caption = f"{int(np.sum(cases.reached))} of {len(task)} reached"
     if len(task) > limit:
         indices = np.sort(np.argsort(cases.relative)[:limit])
-        caption = f"the {limit} of {len(task)} with least to spare; {caption}"
+        caption = f"the {limit} of {len(task)} with the least force to spare; {caption}"
     strain, stroke = task.strain_of(cases.length), task.stroke_of(cases.length)
     rows = [
         [
@@ -241,7 +240,7 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
         "size": f"stroke {pretty(stroke.max(), 'length')} of {pretty(cases.length, 'length')} at"
         f" rest; outer diameter {pretty(summary.diameter_at_rest, 'length')} at rest,"
         f" {pretty(summary.diameter, 'length')} at the largest contraction"
-        + (" with unfed units bowed out" if summary.valves > 1 else ""),
+        + (", where vented units bow out" if summary.valves > 1 else ""),
         "mass": _mass(summary, catalog.density),
         fluid: _fluid(summary),
         **({} if summary.sizing is None else {"valves": _valves(summary, summary.sizing)}),
@@ -280,10 +279,10 @@ def _mass(summary: Summary, density: float | None) -> str:
 def _fluid(summary: Summary) -> str:
     cases = summary.cases
     mean, largest = cases.fluid_of_a_cycle / _LITER, float(cases.fluid.max()) / _LITER
-    cycle = "a cycle, once through all load cases and back to the first"
+    cycle = "for a cycle through all load cases and back to the first"
     if cases.task.time is None:
         cycle = (
-            "a cycle, from rest to a load case and back (mean by weight;"
+            "for a cycle from rest to a load case and back (weighted mean;"
             f" {figures(largest, 3)} at most)"
         )
     if cases.task.fluid == "liquid":
@@ -332,7 +331,7 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
     task, length = summary.cases.task, summary.cases.length
     force, stroke = float(task.force[sizing.case]), float(task.stroke_of(length)[sizing.case])
     if not force * stroke > 0:
-        return replace(summary, run=f"run in time: left out, case {sizing.case + 1} does no work")
+        return replace(summary, run=f"run over time: left out, case {sizing.case + 1} does no work")
     design = result.all_designs(np.array([index]))
     try:
         run = run_cycle(design.bundle(0, task), force, stroke, sizing)
@@ -340,8 +339,8 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
         missing = missing_extra(error)
         if missing is None:
             raise
-        return replace(summary, run=f"run in time: left out, {missing}")
-    return replace(summary, run=f"run in time: {_run_text(run, sizing)}")
+        return replace(summary, run=f"run over time: left out, {missing}")
+    return replace(summary, run=f"run over time: {_run_text(run, sizing)}")
 
 
 def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
@@ -399,7 +398,10 @@ class InfeasibleResult:
         """All sentences: verdict, limits, nearest design, remedies."""
         lines = [self.verdict(), *self.limit_counts(), self.nearest()]
         if self.changes:
-            lines += ["Changes that would reach it as drawn, each by itself:", *self.remedies()]
+            lines += [
+                "Changes that would reach the task without scatter, each by itself:",
+                *self.remedies(),
+            ]
         return lines
 
     def verdict(self) -> str:
@@ -424,9 +426,10 @@ class InfeasibleResult:
         judged = "" if safety.complete else f" of the {safety.judged} cheapest"
         return (
             f"No design is recommended: {allowed} of {self.result.judged} designs"
-            f" {task_requirement(self.result)} and keep all limits as drawn, but none{judged} holds"
-            f" in {_percent(uncertainty.share)} of {uncertainty.draws} draws: the surest in"
-            f" {_percent(safety.probability)}. Standard deviations: {uncertainty.assumptions}."
+            f" {task_requirement(self.result)} and keep all limits at their nominal sizes, but"
+            f" none{judged} holds in {_percent(uncertainty.share)} of {uncertainty.draws} draws:"
+            f" the surest in {_percent(safety.probability)}. Standard deviations:"
+            f" {uncertainty.assumptions}."
             " Larger or more muscles and more pressure are surer; to accept less, write"
             f' safety = "{np.floor(100 * safety.probability):.0f} %" in [limits].'
         )
@@ -453,7 +456,7 @@ class InfeasibleResult:
         limits = f" It breaks other limits: {', '.join(broken)}." if broken else ""
         if self.result.safety is not None:
             percent = _percent(self.summary.relative_margin)
-            return f"The surest is {text}. Its margin as drawn is {percent}."
+            return f"The surest is {text}. Its margin at nominal sizes is {percent}."
         if self.reaches:
             return f"The nearest reaches every load case: {text}.{limits}"
         i, missed = cases.worst, int(np.sum(~cases.reached))

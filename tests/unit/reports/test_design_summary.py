@@ -39,7 +39,7 @@ def summarize(force, strain, catalog=None, limits=None, space=SPACE):
 def test_case_rows_show_the_tightest_cases():
     rows, caption = case_rows(summarize(np.linspace(10, 200, 50), 0.08)[1], 5)
     assert [row[0] for row in rows] == ["46", "47", "48", "49", "50"]
-    assert caption == "the 5 of 50 with least to spare; 50 of 50 reached"
+    assert caption == "the 5 of 50 with the least force to spare; 50 of 50 reached"
     assert {row[-1] for row in rows} == {REACHED}
 
 
@@ -47,7 +47,7 @@ def test_the_margin_names_the_case_and_its_largest_force():
     result, summary = summarize([50.0, 200.0], [0.15, 0.08])
     percent, case, available, spare, mass = map(float, re.match(
         r"margin: ([\d.]+) % at case (\d): [\d.]+ N demanded, ([\d.]+) N available,"
-        r" ([\d.]+) N to spare \(([\d.]+) kg\)",
+        r" ([\d.]+) N to spare \(weight of ([\d.]+) kg\)",
         headline(result, summary)[1],
     ).groups())  # fmt: skip
     assert spare == pytest.approx(summary.margin, rel=1e-3)
@@ -70,7 +70,7 @@ def test_valves_and_the_run_are_a_line():
     ran = run_cycle_of(result, summary)
     lines = summary_lines(result, ran)
     (line,) = (line for line in lines if line.startswith("valves: "))
-    assert len(lines) <= 12 and "; run in time: passes" in line
+    assert len(lines) <= 12 and "; run over time: passes" in line
     pattern = r"C of ([\d.]+) L.* at least ([\d.]+) mm wide; .*; ([\d.]+) normal liters"
     C, bore, rate = map(float, re.search(pattern, line).groups())
     assert pytest.approx(1e8 * summary.sizing.conductance.max(), rel=5e-3) == C
@@ -114,7 +114,7 @@ def test_a_remedy_is_rounded_up():
     (exact,) = (remedy.value for remedy in summary.changes if remedy.what == "supply_pressure")
     assert exact <= pressure < exact * 1.001
     assert search(SPACE, Task.of(600.0, 0.04, pressure), SENSES).recommended is not None
-    assert "Changes that would reach it" in report(result, "2026-05-04", [])
+    assert "Changes that would reach the task" in report(result, "2026-05-04", [])
 
 
 def test_a_remedy_names_the_limit_that_it_breaks():

@@ -37,7 +37,7 @@ def run(
         metavar="FOLDER",
     ),
     also: str | None = option(
-        "Further objectives to record, such as reversal_depth,largest_force.",
+        "Objectives to record as well, such as reversal_depth,largest_force.",
         metavar="LIST",
     ),
     generations: int | None = option(
@@ -187,10 +187,10 @@ def _print_front(result: "SearchResult") -> None:
     if result.safety is not None:
         caption += f"; percentiles of {result.safety.spread.met.shape[1]} draws"
     if result.cheapest is not None and result.cheapest not in result.front:
-        caption += "; the recommended one isn't on the front"
+        caption += "; the recommended design is the cheapest, but not on the front"
     if omitted := len(result.reported) - len(rows):
         caption += f"; {omitted} more are in the files"
-    heads = ["design", "units", *objectives, "muscles"]
+    heads = ["design", "muscles by unit", *objectives, "sizes"]
     print_table("Front: no other design is better in all objectives", heads, rows, caption)
 
 
