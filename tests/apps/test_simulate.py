@@ -30,7 +30,7 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
         assert part in out
     data = read(tmp_path / "a.nc")
     assert data.attrs["title"] == "Simulation of a" and data.sizes["time"] == 41
-    assert "Where every joule went" in (tmp_path / "a.html").read_text()
+    assert ">Energy balances<" in (tmp_path / "a.html").read_text()
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
@@ -67,7 +67,7 @@ def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
     assert len(found["demand"]) == len(found["controlled"]) == len(found["time"])
     data = read("a.nc")
     assert data["control_rms"].attrs["units"] == data["demand"].attrs["units"] == "N"
-    for path, part in (("a.html", "What its control was worth"), ("a.svg", "<svg")):
+    for path, part in (("a.html", ">Quality of control<"), ("a.svg", "<svg")):
         assert part in Path(path).read_text()
 
 
@@ -103,7 +103,7 @@ def test_policies_are_compared_and_what_none_can_reach_is_told(fascicle, tmp_pat
     short, many = found["control_short"], found["control_unreachable"]
     assert len(set(many)) == 1 and many[0] > 0
     words = " ".join(out.split())  # on a narrow terminal the note has several lines
-    line = re.search(r"note: (\d+) of 1200 demands.* they lack up to ([\d.]+) N", words)
+    line = re.search(r"note: (\d+) of 1200 demands.* the force lacks up to ([\d.]+) N", words)
     assert int(line[1]) == many[0] and float(line[2]) == pytest.approx(short[0], rel=1e-3)
     plain, kept = (found["policy"].index(name) for name in ("threshold", "hand_over"))
     assert found["control_drawdown"][kept] < 0.3 * found["control_drawdown"][plain]

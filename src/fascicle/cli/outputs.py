@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 _MAX_LINE = 2000  # characters of a line with foreign text, such as file names
 _MAX_NAMES = 2  # files of a kind that are named; more are counted
+_CONTINUED = " (continued)"  # ends the title of columns that follow below
 _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
 
@@ -88,7 +89,7 @@ def print_table(
             count -= 1
         print_text(title, "bold")
         console.print(grid([*names, *columns[:count]], narrow))
-        columns = columns[count:]
+        title, columns = f"{title.removesuffix(_CONTINUED)}{_CONTINUED}", columns[count:]
     if caption:
         print_text(caption)
 

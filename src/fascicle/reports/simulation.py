@@ -67,7 +67,7 @@ def report(
     counts = [[f"{int(unit.count)}" for unit in bundle.motor_units] for bundle in plant.bundles]
     return render(
         "simulation.html",
-        title=f"Simulated: {scenario.name.replace('_', ' ')}",
+        title=f"Simulation: {scenario.name.replace('_', ' ')}",
         date=date, scenario=scenario, run=run, doubts=doubts, control=control, events=events(run),
         audit=audit, worst=max(balances, key=lambda entry: entry.relative_residual, default=None),
         units=" and ".join(" + ".join(bundle) for bundle in counts),
@@ -154,7 +154,8 @@ def metrics_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") ->
     factor, unit = display_unit(plant, quantity)
     return (
         f"drawdown {factor * metrics.drawdown:.4g} {unit}, root mean square of the error"
-        f" {factor * metrics.rms:.4g} {unit}, energy {metrics.supply_energy:.4g} J"
+        f" {factor * metrics.rms:.4g} {unit}, energy from the supply"
+        f" {metrics.supply_energy:.4g} J"
     )
 
 
@@ -162,13 +163,13 @@ def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics"
     """Sentence on unreachable demands; empty if there were none."""
     if not metrics.unreachable:
         return ""
-    lack = f"they lack up to {metrics.short:.4g} {_FORCE[plant.load.unit]}"
+    lack = f"the force lacks up to {metrics.short:.4g} {_FORCE[plant.load.unit]}"
     if quantity == "position" and metrics.short == 0:
-        lack = "they lie off the load's way"
+        lack = "they lie outside the range of the load"
     return (
         f"{metrics.unreachable} of {metrics.moments} demands, from {metrics.first:.4g} s to"
         f" {metrics.last:.4g} s, can't be reached at the supply pressure by any policy:"
-        f" {lack}; errors and lag are of the others"
+        f" {lack}; errors and lag are those of the other demands"
     )
 
 
@@ -196,7 +197,7 @@ def _balance_row(balance: "Balance") -> list[str]:
     )
     return [
         balance.name, inputs, outputs, f"{balance.residual:.1e} {balance.unit}",
-        f"{balance.relative_residual:.0e}, up to {balance.tolerance:g} passes",
+        f"{balance.relative_residual:.0e} (at most {balance.tolerance:g})",
         mark(balance.closes, "closes", "doesn't close", "fails"),
     ]  # fmt: skip
 

@@ -154,8 +154,9 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
             f"Policies on {study.name}, control of {quantity}",
             pages.policy_heads(study.plant, quantity),
             pages.policy_rows(study.plant, quantity, runs, front),
-            "front: no other policy has less drawdown for as much energy, or takes less energy for"
-            " as much drawdown; D: the deepest dip of force of a motor unit",
+            "front: no other policy is as good in drawdown and energy, and better in one; D:"
+            " deepest dip of force of a motor unit; energy above threshold's: above that of the"
+            " policy `threshold`",
         )
 
     title = f"Policies of {study.name}"
@@ -233,5 +234,7 @@ def _print_balances(balances: Any) -> None:
             "closes" if balance.closes else "DOES NOT\nCLOSE"
         )
         rows.append([balance.name.replace(" of ", "\nof "), *sides, verdict])
-    caption = "residual: what is left over, relative to the largest term; zero terms are omitted"
-    print_table("Balances", ["balance", "in [J, kg]", "out [J, kg]", "residual [-]"], rows, caption)
+    caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
+    print_table(
+        "Balances", ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"], rows, caption
+    )
