@@ -205,7 +205,7 @@ def _of_gauge(name: str) -> Parameter:
         return with_gauge(muscle, replace(gauge_of(muscle), **{name: value}))
 
     return Parameter(
-        name, DIMENSIONS[name], f"{_ABOUT[name]}, of the bench",
+        name, DIMENSIONS[name], f"gauge error: {_ABOUT[name]}",
         value=lambda muscle: getattr(gauge_of(muscle), name),
         coordinate=coordinate, put=put, linear=not scale,
     )  # fmt: skip

@@ -96,7 +96,9 @@ SPACE_STRAIN = option(
     "--strain -s",
     metavar="LIST",
 )
-NO_RESISTANCE = flag("Muscles that don't push back past their free strain.", "--no-resistance")
+NO_RESISTANCE = flag(
+    "Ideal muscles, which don't push back past their free strain.", "--no-resistance"
+)
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
     f"Recruitment scheme: {format_names()}; default: the bundle's.",

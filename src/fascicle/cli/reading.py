@@ -24,24 +24,32 @@ REST_LENGTH = option(
 )
 UNIT = option("Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT")
 COLUMN = option(
-    "Header of an unrecognized column: force='Load cell 2'; repeatable.", metavar="ROLE=HEADER"
+    "Header of an unrecognized column, with a ROLE as in --columns: force='Load cell 2';"
+    " repeatable.",
+    metavar="ROLE=HEADER",
 )
 COLUMNS = option(
-    "Columns in their order, of files without header: force[N],pressure[kPa],-,length[mm]; - skips"
+    "Columns in order, for files without a header: force[N],pressure[kPa],-,length[mm]; - skips"
     " one; also strain, displacement, torque, angle, moment_arm, time, branch, clipped.",
     metavar="NAMES",
 )
 HEADER = option(
-    "Line of the columns' names, below any titles; default: detected.", metavar="LINE", min=1
+    "Number of the line that names the columns; default: detected.", metavar="LINE", min=1
 )
-ROWS = option("Rows to read below the header, from 1: 40: or 40:200.", metavar="FIRST:LAST")
-TABLE = option("Sheet, structure or group of a file with several.", metavar="NAME")
+ROWS = option(
+    "Rows to read, counted from 1 below the header: 40:200, or 40: for all from row 40 on.",
+    metavar="FIRST:LAST",
+)
+TABLE = option(
+    "Sheet (.xlsx), structure (.mat) or group (.tdms) of a file that has several.", metavar="NAME"
+)
 PRESSURE = option("Pressure of all readings of the files.", metavar="PRESSURE")
 CONSTANT = option(
     "Constant of all readings: length=167mm, force=2kgf; repeatable.", metavar="ROLE=VALUE"
 )
 NAME_PATTERN = option(
-    "Constants in the files' names: {length}cm_{pressure}kPa, * for other text.", metavar="PATTERN"
+    "Pattern of file names with constants in them: {length}cm_{pressure}kPa, * for other text.",
+    metavar="PATTERN",
 )
 ZERO = option(
     "Reading of a gauge at zero or at rest: force=8N, pressure=1.5kPa, displacement=2mm,"
@@ -49,16 +57,18 @@ ZERO = option(
     metavar="ROLE=VALUE",
 )
 SIGN = option(
-    "Direction in which a column counts: displacement=extension, angle=extension; repeatable.",
+    "Positive direction of a column: displacement=extension, angle=extension; repeatable.",
     metavar="ROLE=DIRECTION",
 )
 MOMENT_ARM = option(
     "Moment arm of the muscle about the joint whose torque was measured; a table of arms by angle"
-    " stands in the TOML beside the file.",
+    " goes into the TOML file beside the record.",
     metavar="LENGTH",
 )
 ATMOSPHERE = option("Atmosphere to subtract from absolute pressures.", metavar="PRESSURE")
-CLIPPED_AT_ZERO = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero")
+CLIPPED_AT_ZERO = flag(
+    "Clipping at zero: a force of exactly 0 means 0 or less.", "--clipped-at-zero"
+)
 PUSH_POSITIVE = flag("Sign of the file's forces: positive for a push.", "--push-positive")
 
 

@@ -66,7 +66,8 @@ def print_states(variables: Any) -> None:
     if finite:
         limits = sorted({number(strain, 4) for strain in (min(finite), max(finite))})
         count = len(columns[1])
-        print_text(f"Free strain {' to '.join(limits)}, {count} state{'s' * (count > 1)}.")
+        states = "the state" if count == 1 else f"{count} states"
+        print_text(f"Free strain of {states}: {' to '.join(limits)}.")
     for pressures, free, *equilibria in zip(*columns, strict=True):
         strains = [
             number(strain, 4) + ("" if is_stable else " u")

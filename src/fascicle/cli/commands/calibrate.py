@@ -33,7 +33,7 @@ class CalibrateCommand(Command):
         load_laws()  # for the help alone
         from ...calibrate.parameters import parameter_descriptions
 
-        with formatter.section("Names for --fit and --prior (of laws in brackets)"):
+        with formatter.section("Names for --fit and --prior (laws that have them in brackets)"):
             formatter.write_dl(list(parameter_descriptions().items()))
 
 
@@ -87,9 +87,12 @@ def run(
     collapse: str | None = option("Law of collapse.", metavar="LAW"),
     post_collapse: str | None = option("Law past collapse.", metavar="LAW"),
     ends: str | None = option("Law of the ends.", metavar="LAW"),
-    loss: str = option("Loss: linear, or against outliers soft_l1 or cauchy.", default="linear"),
+    loss: str = option(
+        "Loss: linear, or soft_l1 or cauchy for data with outliers.", default="linear"
+    ),
     weights: str = option(
-        "Weights: uniform, or level: equal for each pressure.", default="uniform"
+        "Weights of readings: uniform, or level for equal weights of all pressures.",
+        default="uniform",
     ),
     starts: int = option("Starting points of the search.", default=4, min=1, max=64),
     seed: int = options.SEED,
@@ -100,8 +103,8 @@ def run(
     posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
     compare: bool = flag("Comparison with other laws, in one picture.", "--compare"),
     profile: bool | None = option(
-        "Profiles of all parameters, or none in the report; default: those of the parameters that"
-        " the data barely determine.",
+        "Likelihood profiles of all parameters, or of none; default: of those that the data barely"
+        " determine.",
         "--profile/--no-profile",
     ),
     notebook: bool = flag("Notebook that draws record, curves and residuals.", "--notebook"),

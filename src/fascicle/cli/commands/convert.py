@@ -35,7 +35,7 @@ def run(
     overwrite: bool = options.OVERWRITE,
     as_json: bool = options.JSON,
 ) -> None:
-    """Convert a record of any format to CSV or published JSON."""
+    """Convert a record of any format to CSV, or to JSON to publish."""
     check_file("--out", out, overwrite, (".json", ".csv"))
     settings = reading.read_options(
         unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,

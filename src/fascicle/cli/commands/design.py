@@ -46,7 +46,7 @@ def run(
         min=1,
         max=100_000,
     ),
-    population: int = option("Designs of a generation.", default=100, min=4, max=10_000),
+    population: int = option("Number of designs in a generation.", default=100, min=4, max=10_000),
     seed: int = options.SEED,
     checkpoint: str | None = option(
         "Checkpoint file; the search resumes from it if it exists.", metavar="PATH"

@@ -33,7 +33,8 @@ def run(
 ) -> None:
     """Compute the average efficiency of isobaric and isotonic work.
 
-    The average is over a bundle's force-strain workspace; with --force, also that of each point.
+    The average is over a bundle's force-strain workspace. With --force, a table also has the
+    efficiency of each point.
     """
     if path is not None and path not in _PATHS:
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
@@ -77,8 +78,11 @@ def _print(variables: Any, points: bool) -> None:
     for path, average, fraction in zip(
         values["path"], values["average"], values["reached"], strict=True
     ):
-        coverage = f"the {100 * fraction:.0f} % of points that the bundle reaches"
-        print_text(f"{path}: average efficiency {number(average, 4)} over {coverage}")
+        coverage = f"{100 * fraction:.0f} % of the grid of forces and strains"
+        print_text(
+            f"{path}: average efficiency {number(average, 4)} over the points within reach,"
+            f" {coverage}"
+        )
     if not points:
         return
     forces = [f"{force:.6g}" for force in values["force"]]

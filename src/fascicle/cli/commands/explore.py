@@ -16,7 +16,7 @@ from ..outputs import print_line
 def run(
     file: str = options.TARGET_OR_EXAMPLE,
     host: str = option(
-        "Address to listen on; other machines can reach any but 127.0.0.1.", default="127.0.0.1"
+        "Address to listen on; at 127.0.0.1 no other machine reaches it.", default="127.0.0.1"
     ),
     port: int | None = option("Port; default: 5006 or the next free one.", min=1, max=65535),
     allow_host: list[str] | None = option(

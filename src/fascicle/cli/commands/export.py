@@ -25,7 +25,7 @@ def run(
         metavar="PATH",
     ),
     page: str | None = option(
-        "Web page (.html) that computes and draws it offline, in any current browser.",
+        "Web page (.html) that computes and draws the muscle or bundle offline, in any browser.",
         metavar="PATH",
     ),
     pressure: str | None = option(

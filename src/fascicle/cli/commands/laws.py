@@ -3,11 +3,11 @@
 import json
 import textwrap
 
+from ...io.sanitize import sanitize_line
 from .. import options
 from ..errors import user_errors
 from ..inputs import load_laws
 from ..options import argument
-from ..outputs import print_line
 
 
 _WIDTH = 74  # characters of a line of constants: with the indent, a terminal's 80
@@ -21,7 +21,7 @@ def run(
     ),
     as_json: bool = options.JSON,
 ) -> None:
-    """List the laws, with those of other installed packages."""
+    """List the laws and their constants, also of other packages."""
     load_laws()
     from ...core.validation import check_choice
     from ...muscle.law import package_of
@@ -44,9 +44,10 @@ def run(
         print(json.dumps(entries))
         return
     for name in kinds:
-        print(f"{name}, by default {LAWS[name].default.name}:")
+        print(f"{name} laws, default: {LAWS[name].default.name}")
         for entry in (entry for entry in entries if entry["kind"] == name):
             package = "" if entry["package"] == "fascicle" else f" [{entry['package']}]"
-            print_line(f"  {entry['law']:20}{entry['source']}{package}")
+            source = sanitize_line(f"{entry['source']}{package}")
+            print(f"  {sanitize_line(entry['law']):20}{source}")
             for line in textwrap.wrap(", ".join(entry["constants"]), _WIDTH):
                 print(f"      {line}")

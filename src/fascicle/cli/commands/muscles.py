@@ -13,9 +13,10 @@ from ..outputs import number, print_table
 _HEADS = ("name", "length [mm]", "outer diameter [mm]", "pressure [kPa]", "contraction [%]",
           "error [N]", "error [%]", "basis", "license")  # fmt: skip
 _CAPTION = (
-    "pressure, contraction: largest that were measured; error: root mean square, and over the"
-    " largest force; -: not published. `fascicle muscles NAME` prints one with its source; every"
-    " command takes it by its name."
+    "pressure, contraction: largest measured values; error: root mean square, in N and in % of the"
+    " largest force; basis: whose fit it is, published or of `fascicle calibrate` (fit); -: not"
+    " published. Every command takes a muscle by its name; `fascicle muscles NAME` prints it with"
+    " its source."
 )
 
 
@@ -26,7 +27,7 @@ def run(
     measured: bool = flag("Measured muscles, with ranges and errors of their fits.", "--measured"),
     as_json: bool = options.JSON,
 ) -> None:
-    """List examples or measured muscles, or print the file of one."""
+    """List example or measured muscles, or print the file of one."""
     from ...files import example_text, examples
 
     if name is not None:

@@ -25,7 +25,7 @@ def run(
         "--pressure -p",
         metavar="LIST",
     ),
-    samples: int = option("Readings in one sweep.", default=200, min=2),
+    samples: int = option("Number of readings in one sweep.", default=200, min=2),
     one_way: bool = flag("Contraction only, without the return.", "--one-way"),
     noise: str = option(
         "Standard deviation of the load cell, as a share of the largest force.",
@@ -47,7 +47,7 @@ def run(
     mullins: str = option(
         "Stiffening of new rubber (Mullins effect), as a share.", metavar="SHARE", default="0%"
     ),
-    preconditioning: int = option("Cycles before the first reading.", default=5, min=0),
+    preconditioning: int = option("Number of cycles before the first reading.", default=5, min=0),
     length_scatter: str = option(
         "Standard deviation of the built length, as a share.", metavar="SHARE", default="0%"
     ),
@@ -58,7 +58,7 @@ def run(
     overwrite: bool = options.OVERWRITE,
     as_json: bool = options.JSON,
 ) -> None:
-    """Test a muscle on a virtual dynamometer, into a synthetic CSV."""
+    """Make a synthetic record of a muscle on a virtual dynamometer."""
     check_file("--out", out, overwrite)  # it may be a measurement
     settings: dict[str, Any] = {
         "samples": samples,

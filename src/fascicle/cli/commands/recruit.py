@@ -38,7 +38,8 @@ def run(
 ) -> None:
     """Find the pressures that give a force at a contraction.
 
-    Of several solutions the one that takes least fluid comes first; the table lists the others.
+    Of several solutions, the one that takes the least fluid comes first; the table lists the
+    others.
     """
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
     pressure = read_supply(supply)
@@ -64,8 +65,7 @@ def run(
     if count := int((unreached != 0).sum()):
         exit_incomplete(
             f"{count} of {unreached.size} demands can't be reached: their rows hold the nearest"
-            " force (status 1: demand too large, 2: too small). Change the force, the strain or"
-            " the supply pressure."
+            " force. Change the force, the strain or the supply pressure."
         )
 
 
@@ -95,13 +95,15 @@ def _print(variables: Any, is_free: bool) -> None:
         if code:
             limit = f"the {_LIMITS[int(code)]} force there is {force} N"
             messages.append(f"{demand} N at a strain of {strain} is out of reach: {limit}.")
-    print_text(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
+    print_text(
+        f"{len(rows) - len(messages)} of {len(rows)} demand{'s' * (len(rows) > 1)} can be reached."
+    )
     for message in messages[:_MAX_MESSAGES]:
         print_text(message)
     if len(messages) > _MAX_MESSAGES:
         print_text(f"{len(messages) - _MAX_MESSAGES} more are out of reach, see the table.")
     if is_free:
-        print_text("These pressures take least fluid of a range of solutions, which isn't listed.")
+        print_text("Of a range of solutions, the table has the one that takes the least fluid.")
     units = [f"P{unit + 1} [kPa]" for unit in range(values["pressures"].shape[-1])]
     heads = ["demand [N]", "strain [-]", "state", *units, "force [N]", "other solutions"]
     caption = unstable_caption(rows)

@@ -39,7 +39,7 @@ def run(
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> int:
-    """Evaluate every design of a task, on many workers, resumable."""
+    """Evaluate every design of a task on many workers; can resume."""
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler and --workers: a scheduler has its own workers, drop one.")
     for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:

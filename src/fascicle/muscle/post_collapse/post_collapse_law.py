@@ -77,7 +77,7 @@ class Derived(AbstractPostCollapse):
     """The term that (24) leads to: halves whose slope at the hinge is $\\sqrt{x/(L_{fs} - x)}$."""
 
     name: ClassVar[str] = "derived"
-    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), derived from (24)"
     slope_factor: ClassVar[float] = 1.0
 
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
@@ -90,7 +90,7 @@ class Consistent(AbstractPostCollapse):
     """Inextensible halves, as (10) has it: a slope of $2\\sqrt{x/(L_{fs} - x)}$ at the hinge."""
 
     name: ClassVar[str] = "consistent"
-    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), with inextensible halves"
     slope_factor: ClassVar[float] = 2.0
 
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
@@ -102,7 +102,7 @@ class Printed(AbstractPostCollapse):
     """(25) as printed: a number without the right units, for comparison only."""
 
     name: ClassVar[str] = "printed"
-    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), as printed"
     slope_factor: ClassVar[float] = 1.0
 
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:

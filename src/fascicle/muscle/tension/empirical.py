@@ -261,7 +261,7 @@ class AbstractMartens(AbstractEmpirical):
         return [*(
             _signed_constant(f"modulus_{power}", f"e_{power}", "pressure", (10, 1e3),
                              number * length**power,
-                             f"coefficient of $\\lambda^{power}$ in the wall's modulus", source)
+                             f"coefficient of λ^{power} in the wall's modulus, λ: stretch", source)
             for power, number in enumerate(moduli)
         ), Constant(
             "angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
