@@ -22,10 +22,10 @@ from fascicle.core.errors import InvalidInputError
 
 
 KINDS: Mapping[str, str] = MappingProxyType({
-    "prediction": "what the model gives without having been told",
-    "input": "what something was chosen, or fitted, to meet: a check of the choice, not of the "
-    "model",
-    "definition": "what an equation or an assumption says outright: a check of the code alone",
+    "prediction": "results of the model that nothing was chosen to match",
+    "input": "results that a constant was chosen or fitted to match: a check of the choice, not of "
+    "the model",
+    "definition": "statements of an equation or an assumption: a check of the code alone",
 })  # fmt: skip
 _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<": lambda value, limit: value < limit,
@@ -163,14 +163,14 @@ class Claim:
         if not self.readings:
             return ""
         if not self.opposite_readings:
-            return "The same by every reading."
+            return "The same with every reading."
         numbers = "; ".join(
             f"{reading.name} ({'; '.join(reading.numbers)})" for reading in self.opposite_readings
         )
         verdict = "does not hold" if self.holds else "holds"
         equal = [reading.name for reading in self.readings if reading.holds is self.holds]
-        suffix = f"; the same by {', '.join(equal)}" if equal else ""
-        return f"Depends on the reading: {verdict} by {numbers}{suffix}."
+        suffix = f"; the same with {', '.join(equal)}" if equal else ""
+        return f"Depends on the reading: {verdict} with {numbers}{suffix}."
 
     @property
     def verdict(self) -> str:
@@ -235,10 +235,8 @@ def summary(claims: Sequence[Claim]) -> str:
     """Line with the counts of predictions, inputs and definitions."""
     phrases = {
         "prediction": lambda n, total: f"{n} of {total} predictions hold",
-        "input": lambda n, _: (
-            f"{n} input{' was' if n == 1 else 's were'} chosen to meet the paper's words"
-        ),
-        "definition": lambda n, _: f"{n} {'is a definition' if n == 1 else 'are definitions'}",
+        "input": lambda n, total: f"{n} of {total} inputs match the paper by choice",
+        "definition": lambda n, _: f"{n} claim{' holds' if n == 1 else 's hold'} by definition",
     }
     parts = []
     for kind, phrase in phrases.items():
@@ -262,13 +260,14 @@ def remarks(claims: Sequence[Claim]) -> list[str]:
     sentences = []
     if depending:
         sentences.append(
-            f"The verdict depends on the reading of the paper for {', '.join(depending)}."
+            f"The verdict depends on how the paper is read for {', '.join(depending)}."
         )
     elif any(claim.readings for claim in claims):
-        sentences.append("Every verdict is the same by every reading of the paper.")
+        sentences.append("Every verdict is the same with every reading of the paper.")
     if close:
         sentences.append(
-            f"A limit that is ours and close to the number decides {', '.join(close)}."
+            "A limit that the paper does not give, and that is close to the number, decides the"
+            f" verdict for {', '.join(close)}."
         )
     return sentences
 

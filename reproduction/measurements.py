@@ -153,7 +153,7 @@ def data_folder() -> Path | None:
 def no_records_message() -> str:
     """Line for the case that no record is in reach."""
     return (
-        "no measured record is in reach: set"
+        "no measured record was found: set"
         f" {VARIABLE} to a folder with CSV files, a muscle.toml beside each. {UNTESTED[0]}"
     )
 
@@ -167,7 +167,7 @@ def _measured_record(path: Path, folder: Path) -> MeasuredRecord:
          and "[muscle" in file.read_text(encoding="utf-8", errors="replace")), None,
     )  # fmt: skip
     if toml is None and name not in _SIZES:
-        return MeasuredRecord(name, left_out="no muscle.toml with its nominal sizes lies beside it")
+        return MeasuredRecord(name, left_out="no muscle.toml with nominal sizes beside it")
     try:
         if toml is not None:
             muscle, source = load_muscle(toml), f"sizes from {toml.name}"
@@ -197,7 +197,7 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
     ]
     first = next(iter(fits.values()))
     errors += [
-        _law_error(published, first, force, "not looked into", fitted=False)
+        _law_error(published, first, force, "residuals not examined", fitted=False)
         for published, force in compare_published(first)
     ]
     errors.sort(key=lambda error: error.row.relative_left_out_rmse)
@@ -233,14 +233,15 @@ def _law_error(
 def _misfit(fit: Calibration) -> str:
     """Trend of a fit's residuals in words."""
     if fit.diagnosis.is_white_noise:
-        return "nothing that shows: what is left could be noise"
+        return "nothing visible: the residuals could be noise"
     trends = [
-        f"{trend.along} ({_share(trend.share)} of squares)" for trend in fit.diagnosis.significant
+        f"{trend.along} ({_share(trend.share)} of their squares)"
+        for trend in fit.diagnosis.significant
     ]
     trends = trends or [f"{run.along}, by runs of one sign" for run in fit.diagnosis.autocorrelated]
     causes = [cause.name for cause in fit.diagnosis.causes[:_MOST_CAUSES]]
-    most = f"; most like {' or '.join(causes)}" if causes else "; like no cause known here"
-    return f"what is left follows {', '.join(trends)}{most}"
+    most = f"; likely cause: {' or '.join(causes)}" if causes else "; no known cause"
+    return f"residuals follow {', '.join(trends)}{most}"
 
 
 def _share(share: float) -> str:

@@ -64,7 +64,7 @@ def print_claims(claims: Sequence[Claim], verbose: bool = False) -> None:
             continue
         console.print(Text(f"{kind.capitalize()}s: {about}", style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False)
-        for head in ("where", "verdict", "claim, and the paper's words", "criterion"):
+        for head in ("place", "verdict", "claim, and the paper's words", "criterion"):
             table.add_column(head)
         for claim in group:
             verdict = Text(claim.verdict, style=_STYLES[claim.verdict])
@@ -88,14 +88,15 @@ def print_comparisons(comparisons: "Sequence[RecordComparison]", verbose: bool =
     """Print each measured record's best law, its error and what it misses; with `verbose`, also
     the errors of every law.
     """
-    heads = ["", "free", "rmse", "left out", "along pressure", "along strain"]
+    heads = ["law", "constants", "rms error", "cross-validated error",
+             "mean residuals by pressure", "mean residuals by strain"]  # fmt: skip
     for comparison in comparisons:
         name, best = comparison.measured.name, comparison.laws[0]
         print_line(
             f"{name}: best of {len(comparison.laws)} fits: {best.row.label}, error"
             f" {best.row.relative_rmse:.2%} of the largest force,"
-            f" {best.row.relative_left_out_rmse:.2%} where left out of the fit;"
-            f" {best.misses or 'six numbers without physics'}"
+            f" {best.row.relative_left_out_rmse:.2%} at readings left out of the fit;"
+            f" {best.misses}"
         )
         if not verbose:
             continue
@@ -106,4 +107,4 @@ def print_comparisons(comparisons: "Sequence[RecordComparison]", verbose: bool =
                (law.along_pressure, law.along_strain))]
             for law in comparison.laws
         ]  # fmt: skip
-        print_table(f"{name}: error over the largest force, mean residuals", heads, rows)
+        print_table(f"{name}: errors over the largest force, and mean residuals", heads, rows)

@@ -35,7 +35,7 @@ def report(figures: Sequence[WrittenFigure], others: Sequence[WrittenFigure] = (
             "conclusions": alternatives.conclusions(),
         }
     return render(
-        "report.html", Path(__file__).parent, title="Kim, Mazzoleni and Bryant 2021, made anew",
+        "report.html", Path(__file__).parent, title="Kim, Mazzoleni and Bryant 2021, reproduced",
         footer=PAPER + " Pictures, data and claims computed by fascicle.",
         summary=summary(claims), remarks=remarks(claims), kinds=KINDS, claims=claims,
         differing=[claim for claim in claims if not claim.holds],

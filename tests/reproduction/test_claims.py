@@ -87,11 +87,11 @@ def test_predictions_are_counted_apart():
         claim(kind="input"), claim(kind="definition"), claim(kind="definition"),
     ]  # fmt: skip
     assert summary(claims) == (
-        "2 of 3 predictions hold, 1 differs; 1 input was chosen to meet the paper's words; "
-        "2 are definitions."
+        "2 of 3 predictions hold, 1 differs; 1 of 1 inputs match the paper by choice; "
+        "2 claims hold by definition."
     )
     assert "1 of 2 predictions hold, 1 fails" in summary([claim(), claim(False)])
-    assert "0 inputs were chosen to meet the paper's words, 1 fails" in summary(
+    assert "0 of 1 inputs match the paper by choice, 1 fails" in summary(
         [claim(), claim(False, "input")]
     )
 
@@ -131,8 +131,8 @@ def test_a_verdict_that_depends_on_a_reading_says_so():
     first = dataclasses.replace(claim(key="first"), readings=(other, same))
     second = dataclasses.replace(claim(key="second"), readings=(same,))
     assert first.opposite_readings == (other,) and not second.opposite_readings
-    assert "does not hold by printed (what: 2" in first.dependence
-    assert second.dependence == "The same by every reading."
+    assert "does not hold with printed (what: 2" in first.dependence
+    assert second.dependence == "The same with every reading."
     (told,) = remarks([first, second])
     assert "first (printed)" in told and "second" not in told
     assert claims_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}

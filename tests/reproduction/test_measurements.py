@@ -61,17 +61,17 @@ def test_each_law_stands_with_its_errors_and_what_it_misses(made):
     assert any(label.startswith("ideal: ") for label in labels) and len(set(labels)) == len(labels)
     left = [law.row.relative_left_out_rmse for law in one.laws]
     assert left == sorted(left)
-    # the law that made the readings misses nothing that shows, the ideal one does
+    # the law that made the readings misses nothing visible, the ideal one does
     own = next(law for law in one.laws if law.row.label.startswith("Klute-Hannaford"))
     ideal = next(law for law in one.laws if law.row.label.startswith("ideal"))
-    assert own.misses.startswith("nothing that shows")
-    assert "follows" in ideal.misses and ideal.row.rmse > 1.5 * own.row.rmse
+    assert own.misses.startswith("nothing visible")
+    assert "residuals follow" in ideal.misses and ideal.row.rmse > 1.5 * own.row.rmse
     assert own.along_pressure[0] <= 0 <= own.along_pressure[1]
     told = json.loads((folder / "measurements.json").read_text())
     assert [law["label"] for law in told["records"][0]["laws"]] == labels
     assert len(told["left_out"]) == 2
     page = (folder / "report.html").read_text(encoding="utf-8")
-    for words in ("not public", "untested", "lab/pull.csv", "Left out", "does not pay"):
+    for words in ("not public", "untested", "lab/pull.csv", "Omitted records", "does not pay"):
         assert words in page
     assert "&amp;#" not in page  # escaped once
 

@@ -1,6 +1,7 @@
 """`fascicle reproduce`: a paper's figures and claims, and measured records against every law."""
 
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -58,9 +59,8 @@ def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
         measurements = import_module("reproduction.measurements")
         records = measurements.measured_records()
     omitted = [record for record in records if record.left_out]
-    for record in omitted:
-        print_line(f"omitted: {record.name}: {record.left_out}")
     if len(omitted) == len(records):
+        _print_omitted(omitted)
         print_line(measurements.no_records_message())
         raise typer.Exit(INCOMPLETE)
     _make_folder(folder, overwrite)
@@ -76,8 +76,18 @@ def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
     import_module("reproduction.terminal").print_comparisons(comparisons, verbose)
     print_line(measurements.UNTESTED[0])
     print_written(folder, names, verbose)
+    _print_omitted(omitted)
     if omitted:
         raise typer.Exit(INCOMPLETE)
+
+
+def _print_omitted(records: Sequence[Any]) -> None:
+    """Print the names of omitted records, a line for each reason."""
+    reasons: dict[str, list[str]] = {}
+    for record in records:
+        reasons.setdefault(record.left_out, []).append(record.name)
+    for reason, names in reasons.items():
+        print_line(f"omitted, {reason}: {', '.join(names)}")
 
 
 def _check_claims(folder: Path, overwrite: bool, verbose: bool) -> None:
