@@ -255,10 +255,10 @@ def _error_text(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], prec
         for i in (0, 1)
     )
     text = (
-        "Error of the table between its nodes, of one muscle:\n"
-        f"force is off by {force[0]:.1g} N (median), {force[1]:.1g} N (99 %), {force[2]:.2g} N at"
-        " most,\n"
-        f"volume by {1e6 * volume[0]:.1g} mL (median), {1e6 * volume[1]:.1g} mL (99 %),"
+        "Error of the table for one muscle, between its nodes:\n"
+        f"force {force[0]:.1g} N (median), {force[1]:.1g} N (99th percentile), {force[2]:.2g} N at"
+        " most;\n"
+        f"volume {1e6 * volume[0]:.1g} mL (median), {1e6 * volume[1]:.1g} mL (99th percentile),"
         f" {1e6 * volume[2]:.2g} mL at most."
     )
     if precision == "float":

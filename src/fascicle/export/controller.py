@@ -46,9 +46,9 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (len(plant.bundles) > 1, "has two bundles", "write a controller for each of a joint's"),
         (controller.of != "force", "is of position", "close that loop around one of force"),
         (plant.liquid, "is of a liquid", "use gas"),
-        (not isinstance(plant.chamber, _CHAMBERS), "has a chamber of another kind", ""),
-        (controller.delay > 0, "has a delay", "drop it: what C measures is late by itself"),
-        (not _c_policy(controller), "has a policy of another kind", "take orderly or threshold"),
+        (not isinstance(plant.chamber, _CHAMBERS), "has a chamber that C doesn't have", ""),
+        (controller.delay > 0, "has a delay", "drop it: measurements in C are late by themselves"),
+        (not _c_policy(controller), "has a policy that C doesn't have", "use orderly or threshold"),
     )
     for is_violated, reason, remedy in limitations:
         if is_violated:

@@ -353,8 +353,10 @@ def _headless(
     header = split_cells(remarks[-1], layout.delimiter) if remarks else []
     if len(header) == width and not any(map(is_number, header)):
         return header
-    before = f"{where}: no header, but numbers in {width} columns: name them in order, such as "
-    after = f", `-` for one to skip, of {', '.join(ROLES)}"
+    before = (
+        f"{where}: no header, but numbers in {width} columns: name the columns in order, such as "
+    )
+    after = f"; `-` skips a column; the names are {', '.join(ROLES)}"
     raise MissingMetadataError(before, ("columns", "", _EXAMPLE, after))
 
 

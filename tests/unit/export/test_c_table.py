@@ -150,7 +150,7 @@ def test_the_header_states_the_error_of_the_table(make_muscle):
     low, high = map(float, table.strains)
     P, eps = rng.uniform(0, TOP, 4000), rng.uniform(low, high, 4000)
     error = np.abs(table.lookup_at(P, eps).force - muscle.force(P, eps))
-    pattern = r"off by ([\d.e+-]+) N .median., ([\d.e+-]+) N .99 %., ([\d.e+-]+) N"
+    pattern = r"force ([\d.e+-]+) N .median., ([\d.e+-]+) N .99th percentile., ([\d.e+-]+) N"
     median, _, largest = map(float, re.search(pattern, header).groups())
     # at other points than the header's: of the same order; printed with two digits
     assert median / 5 < np.median(error) < 5 * median

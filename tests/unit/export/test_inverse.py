@@ -111,7 +111,7 @@ def test_a_muscle_gets_its_pressure(make_muscle, compile_c, tmp_path):
 
 def stated_errors(bundle):
     """Median, 99 % and largest error of all muscles' forces [N], of the header."""
-    pattern = r"off by ([\d.e+-]+) N .median., ([\d.e+-]+) N .99 %., ([\d.e+-]+) N"
+    pattern = r"force ([\d.e+-]+) N .median., ([\d.e+-]+) N .99th percentile., ([\d.e+-]+) N"
     errors = re.search(pattern, table_code(bundle)[0])
     assert errors
     return np.array([float(x) for x in errors.groups()]) * np.sum(bundle.counts)

@@ -117,7 +117,7 @@ def run(
     code = print_answer(result, answer, file.notes)
     if paths:
         page, *data_files = paths
-        print_line(f"wrote {page} with all details, and {len(data_files)} other files beside it")
+        print_line(f"wrote {page} with all details and {len(data_files)} more files")
     return code
 
 
