@@ -457,7 +457,7 @@ def _remedy(names: Sequence[str]) -> str:
     if name == "dead_band":  # nothing else measures it
         return ""
     test = _TESTS.get(name, "")
-    return f"measure {name}{test} and give it as a prior (--prior {name}=VALUE,DEVIATION)"
+    return f"measure {name}{test} and give it as the prior {name}=VALUE,DEVIATION"
 
 
 def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
