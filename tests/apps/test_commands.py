@@ -190,6 +190,9 @@ def test_recruit(fascicle, result):
     assert values["status"] == [[0]] and values["state"] == [[1]]
     force = example(BUNDLE).force(values["pressures"][0][0], 0.12)
     assert_allclose(force, 40.0, atol=1e-9)
+    code, out, _ = fascicle(*line, "-f", "40N")
+    assert code == 0 and out.startswith("40 N at a strain of 0.12: recruitment state 1, P1 ")
+    assert "Pressures for each demand" in out
     code, out, err = fascicle(*line, "-f", "40N,9kN", "--out", "x.csv")
     assert code == 3 and err.startswith("1 of 2 demands") and err.count("\n") == 1
     assert out.startswith("1 of 2 demands can be reached.") and "nan" not in out

@@ -164,7 +164,7 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
         last.append(f"The residuals are not noise: they follow {names}. {cause}")
     gaps = {
         "not determined by the data": verdict.undetermined,
-        "limited at one side only": verdict.limits,
+        "limited on one side only": verdict.limits,
         "not measured": ("forces past the free strain",)
         * (not np.isfinite(verdict.resisting_rmse)),
     }

@@ -64,7 +64,7 @@ def run(
     unreached = variables["status"].values
     if count := int((unreached != 0).sum()):
         exit_incomplete(
-            f"{count} of {unreached.size} demands can't be reached: their rows hold the nearest"
+            f"{count} of {unreached.size} demands can't be reached; the table has the nearest"
             " force. Change the force, the strain or the supply pressure."
         )
 
@@ -95,9 +95,12 @@ def _print(variables: Any, is_free: bool) -> None:
         if code:
             limit = f"the {_LIMITS[int(code)]} force there is {force} N"
             messages.append(f"{demand} N at a strain of {strain} is out of reach: {limit}.")
-    print_text(
-        f"{len(rows) - len(messages)} of {len(rows)} demand{'s' * (len(rows) > 1)} can be reached."
-    )
+    if len(rows) == 1 and not messages:
+        demand, strain, state, *pressures, _, _ = rows[0]
+        texts = ", ".join(f"P{unit} {text} kPa" for unit, text in enumerate(pressures, start=1))
+        print_text(f"{demand} N at a strain of {strain}: recruitment state {state}, {texts}.")
+    else:
+        print_text(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
     for message in messages[:_MAX_MESSAGES]:
         print_text(message)
     if len(messages) > _MAX_MESSAGES:
