@@ -74,7 +74,7 @@ def fit_data_lines(data: FitData) -> list[str]:
         ceiling = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
         if data.clipped > ceiling:
             lines.append(
-                f"{data.clipped - ceiling} clipped: they only say that the force was not above"
+                f"{data.clipped - ceiling} are clipped: they only say that the force was not above"
                 f" {data.floor}"
             )
         if ceiling:
@@ -88,7 +88,7 @@ def fit_data_lines(data: FitData) -> list[str]:
         verb = "does" if data.pushes_clipped == 1 else "do"
         lines.append(
             f"{data.pushes_clipped} of these {verb} not pull, too few to fit the resisting force"
-            f" ({MIN_PUSHES} numbers): `--fit tuning` fits it nevertheless"
+            f" ({MIN_PUSHES} constants): `--fit tuning` fits it nevertheless"
         )
     if data.averaged:
         lines.append(
@@ -120,7 +120,7 @@ def interval_method(calibration: Calibration) -> str:
     boots, condition = calibration.bootstrapped, ", conditional on the selected model"
     if boots is None:
         profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)
-        return f"linear approximation (C3){profiles}{condition}; --intervals bootstrap simulates"
+        return f"linear approximation{profiles}{condition}; --intervals bootstrap simulates"
     failed = f", {boots.failed} more failed" if boots.failed else ""
     return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}{condition}"
 
@@ -190,7 +190,7 @@ def selection_reasons(trials: Sequence[Trial], best: Trial, by_strain: bool = Fa
     else:
         lines.append(
             f"The smallest error is {_error(lowest)}, with {lowest.label} ({_count(lowest)}): the"
-            " difference is no larger than chance or 2 %, so the fewest numbers are selected."
+            " difference is no larger than chance or 2 %, so the fewest constants are selected."
         )
     lines += [*marginal_gains(trials, best), *exclusions(trials)]
     lines += [
@@ -264,7 +264,7 @@ def _error(candidate: Candidate) -> str:
 
 
 def _count(candidate: Candidate) -> str:
-    return f"{candidate.constants} number{'' if candidate.constants == 1 else 's'}"
+    return f"{candidate.constants} constant{'' if candidate.constants == 1 else 's'}"
 
 
 def range_text(values: np.ndarray) -> str:
