@@ -105,8 +105,8 @@ def metrics_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> li
         ("lag [ms]", 1e3 * metrics.lag),
         ("energy from the supply [J]", metrics.supply_energy),
         ("fluid from the supply [g]", 1e3 * metrics.fluid),
-        ("recruitments of a motor unit", metrics.recruited),
-        (f"demands out of reach, of {metrics.moments}", metrics.unreachable),
+        ("recruitments of a motor unit [-]", metrics.recruited),
+        (f"demands out of reach, of {metrics.moments} [-]", metrics.unreachable),
     ]
     return [(label, f"{number:.4g}") for label, number in rows]
 
@@ -236,7 +236,8 @@ def policy_heads(plant: "Plant", quantity: str) -> list[str]:
     _, unit = display_unit(plant, quantity)
     ratio = ["drawdown/D [-]"] if quantity == "force" else []
     return ["policy", f"drawdown [{unit}]", *ratio, f"rms error [{unit}]", "lag [ms]", "energy [J]",
-            "energy above threshold's [%]", "fluid [g]", "recruited", "front", ""]  # fmt: skip
+            "energy above threshold's [%]", "fluid [g]", "recruitments [-]", "front",
+            ""]  # fmt: skip
 
 
 def policy_rows(
