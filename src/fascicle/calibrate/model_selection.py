@@ -139,7 +139,7 @@ def select_model(
     steps.begin("fitting all readings")
     fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
     reasons = (
-        f"Where the muscle pulls, {best.candidate.label} is best.",
+        f"Where the muscle pulls, the best fit is {best.candidate.label}.",
         *marginal_gains(trials, best),
         *exclusions(trials),
         *reasons_of(full_trials, final, by_strain),

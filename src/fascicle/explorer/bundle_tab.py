@@ -1,6 +1,5 @@
 """Tab of a bundle: motor units, what they reach together, and pressures that reach a point."""
 
-import html
 from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -40,6 +39,7 @@ from .widgets import (
     html_table,
     readout_table,
     status_line,
+    text_html,
     volume_unit,
     widget,
 )
@@ -422,7 +422,7 @@ class BundleView(Tab):
             first[2] = first[2].replace("reached", "reached, cheapest")
         path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
         note = f"Fluid is counted from rest length on, efficiency η at {path}. {remark}"
-        table = html_table(heads, [first, *rows]) + status_line(html.escape(note))
+        table = html_table(heads, [first, *rows]) + status_line(text_html(note))
         buttons = [
             button(
                 f"Set state {recruitment.state}"

@@ -28,7 +28,17 @@ from .remarks import validity_warnings
 from .state import Pin, Session, Unit, View, changed
 from .tab import Tab
 from .theme import column, pane, row, side_column
-from .widgets import Field, Message, QuantitySlider, button, dropdown, heading, status_line, widget
+from .widgets import (
+    Field,
+    Message,
+    QuantitySlider,
+    button,
+    dropdown,
+    heading,
+    status_line,
+    text_html,
+    widget,
+)
 
 
 _CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
@@ -307,7 +317,7 @@ def _notes_html(view: View) -> str:
             view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),), alternatives=()
         )
         lines += [f"{pin.name}: {text}" for text in validity_warnings(pinned_view, "muscle")]
-    warnings = "".join(f'<p class="warning">{html.escape(line)}</p>' for line in lines)
+    warnings = "".join(f'<p class="warning">{text_html(line)}</p>' for line in lines)
     number = linked_pins(view)
     left_out = f"The link has room for the first {number} of these curves only."
     return warnings + status_line(left_out if number < len(view.pins) else "")

@@ -1,7 +1,6 @@
 """Tab of measured data: a record and the muscle's curves, and the muscle fitted to it."""
 
 import datetime as dt
-import html
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -45,6 +44,7 @@ from .widgets import (
     html_table,
     parse_field,
     status_line,
+    text_html,
     widget,
 )
 
@@ -286,7 +286,7 @@ class DataView(Tab):
         self._set_record(record)
         kind = " synthetic" if name == _EXAMPLE else ""
         plural = "s" * (len(record) != 1)
-        notes = "".join(f"<li>{html.escape(note)}</li>" for note in record.notes[:12])
+        notes = "".join(f"<li>{text_html(note)}</li>" for note in record.notes[:12])
         self.notes.object = (
             f'<div class="note">{len(record)}{kind} reading{plural}.<ul>{notes}</ul></div>'
         )
@@ -451,9 +451,9 @@ class DataView(Tab):
             lines.append(_UNDETERMINED)
         warnings: Mapping[str, Any] = calibration.warnings_by_topic
         self.fit_notes.object = "".join(
-            [status_line(html.escape(line)) for line in lines if line]
+            [status_line(text_html(line)) for line in lines if line]
             + [
-                f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(html.escape, texts)))}"
+                f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(text_html, texts)))}"
                 for topic, texts in warnings.items()
             ]
         )

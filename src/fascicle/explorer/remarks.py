@@ -1,6 +1,5 @@
 """Texts beside the pictures: warnings that numbers may be wrong, notes, and words explained."""
 
-import html
 from collections.abc import Mapping
 
 import numpy as np
@@ -18,7 +17,7 @@ from ..muscle.validation import (
 )
 from .muscle_curves import is_tuned
 from .state import View
-from .widgets import format_quantity, page_message, status_line, unit_factor
+from .widgets import format_quantity, page_message, status_line, text_html, unit_factor
 
 
 _FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
@@ -57,7 +56,7 @@ def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
 def remarks_html(view: View, tab: str) -> str:
     """Validity warnings, marked, and notes of a `tab` on a `view`."""
     warnings = (
-        f'<p class="warning">{html.escape(text)}</p>' for text in validity_warnings(view, tab)
+        f'<p class="warning">{text_html(text)}</p>' for text in validity_warnings(view, tab)
     )
     return "".join(warnings) + status_line(" ".join(notes(view, tab)))
 
@@ -142,8 +141,8 @@ def tuning_note(muscle: Muscle, unit: str) -> str:
     if not changes:
         return ""
     return (
-        f"This muscle is tuned: {', '.join(changes)}. Choose `untuned` in Compare with to see the"
-        " curve without tuning."
+        f"This muscle is tuned: {', '.join(changes)}. To see the curve without it, choose"
+        " untuned under Compare with."
     )
 
 

@@ -105,9 +105,9 @@ class _Socket(WSHandler):
         return opened
 
 
-# the handlers of each page that Bokeh makes; Panel puts its own there, too
+# Bokeh's handlers for each page, where Panel has put its own socket
 per_app_patterns[:] = [
-    (path, _Socket if handler is WSHandler else handler) for path, handler in per_app_patterns
+    (entry[0], _Socket) if entry[1] is WSHandler else entry for entry in per_app_patterns
 ]
 
 

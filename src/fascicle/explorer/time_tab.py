@@ -41,6 +41,7 @@ from .widgets import (
     html_legend,
     html_table,
     status_line,
+    text_html,
     widget,
 )
 from .worker import WAITING, CanceledError, Job
@@ -432,11 +433,11 @@ class TimeView(Tab):
             text = f"<b>These are results of {name} before your changes: press Run.</b>"
             lines.insert(0, text)
         notes = [note for run in result.runs for note in run.notes]
-        lines += [f"{html.escape(note)}" for note in dict.fromkeys(notes)]
-        lines += [f"{html.escape(note[:1].upper() + note[1:])}." for note in result.notes]
+        lines += [text_html(note) for note in dict.fromkeys(notes)]
+        lines += [f"{text_html(note[:1].upper() + note[1:])}." for note in result.notes]
         doubts = "".join(
             f'<p class="warning">{html.escape(_run_name(run))} can\'t be trusted:'
-            f" {html.escape('; '.join(run.doubts))}.</p>"
+            f" {text_html('; '.join(run.doubts))}.</p>"
             for run in result.runs if run.doubts
         )  # fmt: skip
         self.notes.object = doubts + status_line(" ".join(lines))

@@ -112,7 +112,7 @@ class Message:
         self, error: ValueError | str, units: Mapping[str, str] | None = None, **labels: str
     ) -> None:
         """Show an `error` in the page's `labels` and `units`, or nothing where it is empty."""
-        text = html.escape(sanitize_line(page_message(error, units, **labels)))
+        text = text_html(sanitize_line(page_message(error, units, **labels)))
         line = f'<div role="alert">{text}</div>' if text else ""
         self.pane.param.update(object=line, visible=bool(text))
 
@@ -274,6 +274,11 @@ class Sweep:
         """Move the value a step, and release the button at the end."""
         if not self._step():
             self.button.value = False
+
+
+def text_html(text: str) -> str:
+    """A `text` in HTML, with what stands between backticks as code."""
+    return re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(text))
 
 
 def heading(text: str) -> str:
