@@ -21,11 +21,11 @@ from .design_summary import (
     composition_text,
     design_facts,
     design_name,
+    design_warnings,
     format_objective,
     headline,
     low_margin,
     low_margin_heads,
-    margin_warning,
     muscle_sizes,
     objective_head,
     objective_label,
@@ -79,7 +79,7 @@ def report(
         facts = design_facts(result, summary)
         values |= {
             "headline": headline(result, summary),
-            "warning": margin_warning(result, summary),
+            "warnings": design_warnings(result, summary),
             "facts": [f"{name}: {text}" for name, text in facts.items()],
         }
     if result.reported.size:

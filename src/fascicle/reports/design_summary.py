@@ -24,6 +24,7 @@ REACHED, MISSED = "reached", "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
 _REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "radius": "length", "length": "length"}
 _LITER = 1e-3  # m³
+_FAILS = "FAILS, "  # verdict of a run over time
 _UNKNOWN = "unknown: "  # begins a fact without a number, and what to give in the task file
 
 
@@ -83,8 +84,9 @@ def composition_text(summary: Summary) -> str:
 def summary_lines(result: SearchResult, summary: Summary) -> list[str]:
     """Lines on the recommended design for the terminal: at most twelve without a warning."""
     recommendation, margin, *reasons = headline(result, summary)
-    facts, warning = design_facts(result, summary), margin_warning(result, summary)
-    lines = [recommendation, margin, *[f"warning: {warning}"] * bool(warning), *reasons]
+    facts = design_facts(result, summary)
+    warnings = [f"warning: {text}" for text in design_warnings(result, summary)]
+    lines = [recommendation, margin, *warnings, *reasons]
     gaps = []
     if "valves" in facts:
         facts["valves"] += f"; life: {facts.pop('life')}"
@@ -190,6 +192,17 @@ def _demand_and_supply(summary: Summary, case: int) -> str:
 
 def _percent(fraction: float) -> str:
     return f"{100 * fraction:.3g} %"
+
+
+def design_warnings(result: SearchResult, summary: Summary) -> list[str]:
+    """Warnings on the recommended design: a cycle that it fails, and a small margin."""
+    failure = summary.run.partition(_FAILS)[2]
+    cycle = (
+        f"it fails its cycle in the run over time: {failure}. Allow more time in [cycle], or"
+        " damp the load."
+    )
+    margin = margin_warning(result, summary)
+    return [*[cycle] * bool(failure), *[margin] * bool(margin)]
 
 
 def margin_warning(result: SearchResult, summary: Summary) -> str:
@@ -348,12 +361,12 @@ def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
     time = sizing.cycle.time
     if np.isnan(run.lifted):
         arrival = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
-        return f"FAILS, it contracts by {arrival} within {pretty(2 * time, 'time', 3)}"
+        return f"{_FAILS}it contracts by {arrival} within {pretty(2 * time, 'time', 3)}"
     text = f"contracted after {pretty(run.lifted, 'time', 3)}, "
     if np.isnan(run.released):
-        return f"FAILS, {text}not released within {pretty(2 * time, 'time', 3)}"
-    verdict = "passes" if run.passes(time) else "FAILS"
-    return f"{verdict}, {text}released after {pretty(run.released, 'time', 3)}"
+        return f"{_FAILS}{text}not released within {pretty(2 * time, 'time', 3)}"
+    verdict = "passes, " if run.passes(time) else _FAILS
+    return f"{verdict}{text}released after {pretty(run.released, 'time', 3)}"
 
 
 def _price(result: SearchResult, summary: Summary) -> str:

@@ -131,6 +131,15 @@ def test_zero_load_has_no_percentage():
     assert "%)" not in summary.nearest()
 
 
+def test_a_failed_cycle_is_a_warning_before_the_reasons():
+    result, summary = summarize([50.0, 200.0], [0.15, 0.08])
+    passed = replace(summary, run="run over time: passes, released after 0.7 s")
+    failed = replace(summary, run="run over time: FAILS, not released within 2 s")
+    lines = summary_lines(result, failed)
+    assert "not released within 2 s" in lines[2] and lines[2].startswith("warning: it fails")
+    assert not any("fails" in line for line in summary_lines(result, passed))
+
+
 def test_small_margin_warning_names_the_cheapest_larger_one():
     space = Space({"m": MUSCLE}, splits=((2,), (1, 2), (3,)))
     result, summary = summarize(190.0, 0.08, space=space)

@@ -238,18 +238,18 @@ def _write(
 
 def _json(result: "SearchResult", answer: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
-    from ...reports.design_summary import margin_warning
+    from ...reports.design_summary import design_warnings
     from ...results.design_tables import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 
     infeasible, summary = _unpack_answer(answer)
-    warning = "" if infeasible is not None else margin_warning(result, summary)
+    warnings = [] if infeasible is not None else design_warnings(result, summary)
     data = {
         "reached": bool(summary.cases.reached.all()),
         "limits_kept": infeasible is None or infeasible.keeps,
         "notes": [*notes, *([] if infeasible is None else [infeasible.verdict()])],
         "least_margin": result.least_margin,
-        "warnings": [warning] if warning else [],
+        "warnings": warnings,
     }
     if (safety := result.safety) is not None:
         data["safety"] = {
