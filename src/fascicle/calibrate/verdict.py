@@ -145,13 +145,12 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
         )
     if np.isfinite(verdict.left_out_rmse):
         error += f"; {100 * verdict.left_out_rmse:.2g} % at readings left out of the fit"
-    first, last = [f"Verdict: {FITS[verdict.fit]}.", f"{error}."], []
     if (loop := calibration.loop) is not None and calibration.friction_is_visible:
-        last.append(
-            f"Friction: loops {range_text(loop.width)} N wide are part of this error; against the"
-            " half-way curve between the strokes the error is"
-            f" {pretty(calibration.half_way_rmse, 'force', 3)}."
+        error += (
+            f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
+            f" loops, which are {range_text(loop.width)} N wide"
         )
+    judgment = f"Verdict: {FITS[verdict.fit]}."
     if not diagnosis.is_white_noise:
         tests = (*diagnosis.significant, *diagnosis.autocorrelated)
         along = [word for test in tests for word in test.along.split(" and ")]
@@ -161,19 +160,18 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             share = f"{100 * best.share:.2g} % of the squared residuals"
             cause = f"Likely cause ({share}): {best.name}."
         names = list_text(list(dict.fromkeys(along)))
-        last.append(f"The residuals are not noise: they follow {names}. {cause}")
-    gaps = {
-        "not determined by the data": verdict.undetermined,
-        "limited on one side only": verdict.limits,
-        "not measured": ("forces past the free strain",)
-        * (not np.isfinite(verdict.resisting_rmse)),
-    }
-    pieces = [f"{title}: {', '.join(names)}" for title, names in gaps.items() if names]
-    if pieces:
-        text = "; ".join(pieces)
-        last.append(f"{text[0].upper()}{text[1:]}.")
-    last += [f"To do {i}: {action}." for i, action in enumerate(verdict.actions, start=1)]
-    return first, last
+        judgment += f" The residuals follow {names}. {cause}"
+    gaps = [
+        f"{name} ({interval})"
+        for name, _, interval in constant_rows(calibration.parameters)
+        if name in verdict.limits
+    ]
+    if not np.isfinite(verdict.resisting_rmse):
+        gaps.append("forces past the free strain (not measured)")
+    gaps = [*verdict.undetermined, *gaps]
+    unknown = [f"Unknown: {', '.join(gaps)}."] * bool(gaps)
+    actions = [f"To do {i}: {action}." for i, action in enumerate(verdict.actions, start=1)]
+    return [judgment, f"{error}."], [*unknown, *actions]
 
 
 def constant_rows(estimates: tuple[Estimate, ...]) -> list[tuple[str, str, str]]:

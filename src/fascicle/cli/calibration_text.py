@@ -41,12 +41,15 @@ def print_calibration(result: "CalibrationResult", verbose: bool) -> None:
         last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{remainder}.")
     for line in first:
         print_line(line)
-    rows = constant_rows(fit.parameters)
+    # the verdict names the others, and the report has them
+    rows = constant_rows(tuple(e for e in fit.parameters if e.identifiable and not e.bound))
     count = len(result.choice.candidates) if result.choice is not None else 0
     chosen = f", best of {count} candidate sets," if count else ""
     method = "linear approximation" if fit.bootstrapped is None else "bootstrap"
     if rows:
         print(f"Constants{chosen} with 90 % intervals ({method}):")
+    elif fit.parameters:
+        print(f"Constants{chosen.rstrip(',')}: the data determine none of them.")
     else:
         print(f"Constants: as given{chosen.rstrip(',')}; none was fitted.")
     widths = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
