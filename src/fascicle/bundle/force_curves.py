@@ -174,7 +174,9 @@ class StateCurves:
         return self._sum(state, lambda muscle, i: muscle.force(level[i], strain[i]))
 
     def force_at_nodes(self, state: Array, node: Array, strain: Array) -> Array:
-        """Force [N] of the units that each `state` throttles, at a `node` of the grid."""
+        """Force [N] of the units that each `state` throttles, by the law at the pressure of a
+        `node` of the grid, whose free and collapse strains are stored.
+        """
         return self._sum(state, lambda muscle, i: muscle.force_at_nodes(node[i], strain[i]))[0]
 
     def throttled_force_at_all_nodes(self, state: Array, strain: Array) -> tuple[Array, Array]:

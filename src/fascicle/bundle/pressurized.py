@@ -214,7 +214,7 @@ def plate_strain(ratio: Batch, strain: Batch) -> Batch:
 
 
 def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
-    """Distance between the plates at rest [m], or `None` if all muscles are as long.
+    """Checked distance between the plates at rest [m]; `None` where it is every muscle's length.
 
     **Arguments:** `length`: the distance [m], or `None` for the muscles' common length;
     `muscles`: between the plates.

@@ -193,6 +193,7 @@ def _format_count(unit: Any) -> str:
 
 
 def _laws_text(muscle: Any) -> str:
+    """Laws of a `muscle` that its file would name, such as "buckling kim2021"."""
     laws = ((kind, getattr(muscle, kind)) for kind in LAWS)
     return "; ".join(
         f"{kind.replace('_', '-')} {law_text(law)}"

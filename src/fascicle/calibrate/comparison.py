@@ -121,7 +121,7 @@ def compare(
 
 
 def _resisting_laws() -> tuple[Sequence[str], ...]:
-    """Names of all buckling, collapse and post-collapse laws.
+    """Names of the buckling, collapse and post-collapse laws that are compared.
 
     A buckling law that collapses by itself takes seconds for each force, and ignores the collapse
     law: it is left out.

@@ -271,10 +271,10 @@ class Problem:
 
 
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
-    """Friction [N] in the readings of a `grid` beside a static `force` [N].
+    """Friction [N] in the readings of a `grid`, fitted to residuals from a static `force` [N].
 
-    Least-squares fit to the residuals of a constant, a term in pressure and a term in force, with
-    the sign of the `branch`; readings without `weight` don't count.
+    Least-squares fit of a constant, a term in pressure and a term in force, with the sign of the
+    `branch`; readings without `weight` don't count.
     """
     xp = array_namespace(force)
     terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]

@@ -260,10 +260,12 @@ def length_violation(active: float, rest_length: float, tolerance: float) -> str
 
 
 def _error(candidate: Candidate) -> str:
+    """Text of a candidate's cross-validated error, in percent of the largest force."""
     return f"{100 * candidate.relative_left_out_rmse:.3g} %"
 
 
 def _count(candidate: Candidate) -> str:
+    """Text of a candidate's number of constants."""
     return f"{candidate.constants} constant{'' if candidate.constants == 1 else 's'}"
 
 

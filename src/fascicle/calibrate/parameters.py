@@ -119,17 +119,22 @@ def _rate(muscle: Muscle) -> Batch:
 
 
 def _hinge_at_highest(muscle: Muscle) -> Batch:
+    """Search coordinate of the hinge's stiffness factor at the highest pressure: softplus's inverse
+    of the factor, which keeps it positive.
+    """
     factor = muscle.tuning.hinge_stiffness_at(HIGHEST_PRESSURE)
     return factor + log(-expm1(-factor))
 
 
 def _put_hinge_slope(muscle: Muscle, z: Batch) -> Muscle:
+    """Copy of a `muscle` whose hinge factor at the highest pressure has the coordinate `z`."""
     factor = array_namespace(z).logaddexp(z, 0.0)
     slope = (factor - muscle.tuning.hinge_stiffness_factor) / HIGHEST_PRESSURE
     return _with_value(muscle, "tuning.hinge_stiffness_slope", slope)
 
 
 def _logit(fraction: Batch) -> Batch:
+    """Log odds of a `fraction` [-]: a search coordinate without limits."""
     return log(fraction / (1 - fraction))
 
 

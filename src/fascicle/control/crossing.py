@@ -288,7 +288,9 @@ class _HandOver:
         ]  # fmt: skip
 
     def reason(self, time: np.ndarray, before: str) -> str:
-        """Reason why no hand-over is feasible that begins at any `time` [s]."""
+        """Reason why no hand-over is feasible that begins at any `time` [s]; `before`: words for
+        the units that hand over.
+        """
         F, state = self.demand(time)
         gains = np.isfinite(state.onset_pressure)
         if not np.any(gains):

@@ -213,10 +213,11 @@ class SequentialPolicy(Module):
 def _first_below_onset(
     units: ControlledUnits, capability: UnitCapability, demand: UnitDemand, target: Numbers
 ) -> Numbers:
-    """Target pressures [Pa] with the first unit held below its onset where it is needed there.
+    """Target pressures [Pa] with the first unit held below its onset where it would pull too much
+    if it were vented.
 
-    `target`: those that would vent it [Pa]. Vented, it would pull more: between the pressure of its
-    dip and its onset force rises, too.
+    `target`: those that would vent it [Pa]. Between the pressure of its dip and its onset its force
+    rises, too.
     """
     xp = array_namespace(target)
     empty = xp.sum(units.counts * units.branches.force(target, demand.strains))

@@ -61,7 +61,7 @@ def draw_bundles(
 
 
 def _deviate(muscle: Muscle, deviations: np.ndarray) -> Muscle:
-    """Copy of a `muscle` with parameters that differ by `deviations` [-].
+    """Copy of a `muscle` whose parameters differ by `deviations`.
 
     `deviations`, in the order of `ModelScatter`: relative [-], but of the braid's angle added [rad]
     and of the transition's rate a difference of logarithms [-].

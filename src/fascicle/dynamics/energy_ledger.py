@@ -75,9 +75,10 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
 
 
 def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
-    """Term $P V$ of all units [J], one for each entry of the `LEDGER` on the last axis.
+    """Boundary term $P V$ of works that are integrated by parts [J], one for each entry of the
+    `LEDGER` on the last axis, of all units.
 
-    It is zero for entries whose work isn't taken by parts.
+    It is zero for the other entries.
     """
     P, V = evaluation.fluid.pressures, evaluation.fluid.volume
     terms = {

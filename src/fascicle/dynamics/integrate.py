@@ -107,10 +107,10 @@ def integrate(
 @jax.jit
 def _integrate_command(
     plant: Plant, low: Batch, tolerance: Batch, row: Numbers, command: Numbers, times: Numbers,
-    size: Numbers,
+    scales: Numbers,
 ) -> tuple[Any, Numbers]:  # fmt: skip
     """Integrate under one `command` from `low` [s] on: true if the end was reached, and rows at
-    `times` [s].
+    `times` [s]. `scales` of a row's numbers set their absolute tolerances.
     """
     import diffrax
 
@@ -124,7 +124,7 @@ def _integrate_command(
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field), diffrax.Tsit5(), low, times[-1], None, row,
         saveat=diffrax.SaveAt(ts=times),
-        stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance * size),
+        stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance * scales),
         max_steps=_MAX_STEPS, throw=False,
     )  # fmt: skip
     return solution.result == diffrax.RESULTS.successful, solution.ys

@@ -251,6 +251,9 @@ def _run(
 ) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
     """Run a plant for the first `count` rows of `inputs`, or all: states of the integration before
     each step, commands, and the state after the last step.
+
+    `numbers` and `fixed` are the controller's parts: arrays, and what doesn't change, such as its
+    structure.
     """
     leaves, kind = fixed
     act = jax.tree.unflatten(

@@ -98,7 +98,7 @@ class Line(Module):
 
     @property
     def critical_pressure_ratio(self) -> Batch:
-        """$b$ [-], equation (F6); between 0 and 0.61."""
+        """$b$ [-], equation (F6), which lies between 0 and 0.61 for every line."""
         return 474 * self.conductance / self.diameter**2
 
     def laminar_resistance(self, density: Batch) -> Batch:

@@ -45,7 +45,8 @@ class AbstractGasChamber(AbstractChamber):
     gas: Gas = component_field("gas", (Gas,), default=AIR)
 
     @property
-    def _RT(self) -> Batch:  # at the room's temperature [J/kg]
+    def _RT(self) -> Batch:
+        """$R T$ at the room's temperature [J/kg]."""
         return self.gas.specific_gas_constant * self.room_temperature
 
     def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:

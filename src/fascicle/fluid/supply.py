@@ -149,7 +149,7 @@ class ConstantSupply(AbstractSupply):
         return 0.0 * self.pressure
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """False in any `state` [SI]."""
+        """False in any `state` [SI], as the pressure is positive."""
         del state
         return self.pressure <= 0
 

@@ -86,6 +86,7 @@ def _fit_info(muscle: Any) -> tuple[float | None, bool]:
 
 
 def _reason(ends: bool) -> str:
+    """Reason why parameters hold at the fitted length alone; `ends`: the ends were fitted, too."""
     if ends:
         return "with its ends: data at one length separate them from the braid angle only in part."
     return (

@@ -194,13 +194,17 @@ class TunedTension(Module):
         return coenergy / self.strain_ratio, volume / self.strain_ratio
 
     def free_strain(self, pressure: BatchLike) -> Batch:
-        """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
+        """Strain $\\varepsilon_f$ [-] at which the tuned tension law's force vanishes at
+        `pressure` [Pa], solved with the offset $C_1$.
+        """
         P_e = self.tuning.effective_pressure(pressure)
         return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at) / self.strain_ratio
 
     @property
     def strain_ratio(self) -> Batch:
-        """Ratio of the bladder's strain to the muscle's [-] without a force."""
+        """Ratio of the bladder's strain to the muscle's [-] without a force: 1 unless the ends
+        are compliant, which take part of the length.
+        """
         return self.ends.strain_ratio(self.bladder.braid.length) if self.ends.is_compliant else 1.0
 
 

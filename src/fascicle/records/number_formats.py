@@ -40,7 +40,9 @@ class NumberFormat:
     unclear: str = ""
 
     def plain(self, cell: str) -> str:
-        """A number without signs between thousands; another cell as it is."""
+        """A number without signs between thousands; its decimal sign, and other cells, as they
+        are.
+        """
         if _OTHER_SIGNS[self.decimal].isdisjoint(cell):  # quick, as in most cells
             return cell
         match = _GROUPED.fullmatch(cell)

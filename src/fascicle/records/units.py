@@ -203,10 +203,10 @@ def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
 def check_pressures(
     column: Column, raw: np.ndarray, force: np.ndarray, zero: float, cell_error: CellError
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Gauge pressures [Pa] of raw readings, checked against the `force` [N], and notes.
+    """Gauge pressures [Pa]: raw readings less the transducer's `zero` [Pa], checked; and notes.
 
-    `zero`: reading without gauge pressure [Pa]. Noise below zero is set to zero. Raises what
-    `cell_error` returns for a unit that can't be right, and for pressures below zero.
+    Noise below zero is set to zero. Raises what `cell_error` returns for pressures below zero, and
+    for a unit that can't be right: pressures too high, or too low for the `force` [N].
     """
     pressure = to_si_units(raw, column.factor) - zero
     row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))

@@ -270,7 +270,9 @@ def _onset(column: Column) -> Batch:
 
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
-    """Curve (E6) from the arc strain `top` [-] to `bottom` [-]."""
+    """Load and strain along the bent branch, (E6), in cells from the arc strain `top` [-] to
+    `bottom` [-], each cut where the strain of the ends turns.
+    """
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
     low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
     return _subdivide(column, low, high, lambda state: state.strain_slope)

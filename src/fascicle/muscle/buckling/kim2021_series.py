@@ -151,7 +151,9 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _bow_state(column: Column, strain: BatchLike) -> _BowState:
-    """State at `strain` [-]: bent past the onset wherever the straight muscle would give way."""
+    """State of Kim's arc with a stretched bladder at `strain` [-]: bent past the onset wherever
+    the straight muscle would give way.
+    """
     L0 = column.rest_length
     # past the onset, where the straight muscle would give way
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0

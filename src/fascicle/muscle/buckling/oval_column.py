@@ -185,7 +185,9 @@ def _interpolate(
 
 
 def _follow(xp: Any, P: Any) -> tuple[Any, Any]:
-    """States at all nodes but the first, and their slopes in `P` and in the shortening."""
+    """Follow the oval column by Newton's method from one shortening to the next: states at all
+    nodes but the first, and their slopes in the numbers `P` of the column and in the shortening.
+    """
 
     def advance(x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
         x, jacobian = _newton(xp, P, x, w)

@@ -60,8 +60,9 @@ class _Branch(NamedTuple):
 
 
 class _State(NamedTuple):
-    """Mask of the bent muscle, the cell and the shortening $w$ of its bent arc, the arc's
-    $1 - \\varepsilon_a$ [-], and its pull by the tension law.
+    """State of a muscle whose section ovalizes: mask of the bent muscle, the cell and the
+    shortening $w$ of its bent arc, the arc's $1 - \\varepsilon_a$ [-], and its pull by the tension
+    law.
     """
 
     bent: BoolBatch
@@ -186,7 +187,7 @@ def _force_unit(column: Column) -> Batch:
 
 
 def _interpolate_load(column: Column, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
-    """Load $n$ [-] and its slope at a shortening `w` [-] in a `cell`."""
+    """Load $n$ [-] of the oval column and its slope at a shortening `w` [-] in a `cell`."""
     return interpolate_spline(column.branch.states.load, column.branch.slopes.load, cell, w)
 
 
