@@ -127,7 +127,7 @@ def select_model(
         options = replace(options, tune=tuning)
         fitted = fit_data(data, muscle, names, _priors_of(priors, names or ()), options)
         return Selection(
-            fitted, _marked(trials, best), (*reasons_of(trials, best, by_strain), *note)
+            fitted, _mark_chosen(trials, best), (*reasons_of(trials, best, by_strain), *note)
         )
     best = select([t for t in trials if t.candidate.method == "constants"], noise, loss)
     names = best.candidate.names
@@ -145,7 +145,7 @@ def select_model(
         *reasons_of(full_trials, final, by_strain),
         *note,
     )
-    candidates = (*_marked(trials, best), *_marked(full_trials, final))
+    candidates = (*_mark_chosen(trials, best), *_mark_chosen(full_trials, final))
     return Selection(fitted, candidates, reasons)
 
 
@@ -512,7 +512,8 @@ def _measured_levels(grid: Grid) -> np.ndarray:
     return np.flatnonzero(grid.measured.any(axis=1))
 
 
-def _marked(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
+def _mark_chosen(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
+    """Candidates of the `trials`, with that of the `best` marked as chosen."""
     return tuple(replace(trial.candidate, chosen=trial is best) for trial in trials)
 
 

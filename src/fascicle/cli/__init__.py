@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _run(arguments: list[str]) -> tuple[int, str]:
-    """Exit code of a command, and an error message."""
+    """Run the command line `arguments`; exit code, and one line for any error."""
     try:
         commands = import_module("fascicle.cli.commands")  # by name: commands import this package
         code = commands.app(arguments, prog_name="fascicle", standalone_mode=False)

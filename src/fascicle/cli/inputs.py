@@ -111,7 +111,7 @@ def _check_name(target: str, names: list[str]) -> None:
 
 
 def is_scenario(target: str) -> bool:
-    """True for the path or name of a scenario."""
+    """True for the name of a scenario, or the path of a file that has a `load`."""
     from ..files import scenarios
     from ..files.muscle_files import parse_file, read_text
 

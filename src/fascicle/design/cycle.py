@@ -195,7 +195,8 @@ def size_valves(
     fluid: Float[np.ndarray, " case"],
     margin: Float[np.ndarray, " case"],
 ) -> ValveSizing | None:
-    """Valves and hoses with which a design does the load cases within a time.
+    """Valves and hoses with which a design does the load cases that it reaches within a time;
+    `None` if it reaches none.
 
     **Arguments:**
 
@@ -207,7 +208,7 @@ def size_valves(
     - `fluid`: that each takes [m³].
     - `margin`: relative margin of each [-]; negative for one that isn't reached.
 
-    **Returns:** the sizing; `None` if no load case is reached. Of more than 64 load cases, those
+    **Returns:** the sizing, or `None`. Of more than 64 load cases, those
     that take most fluid and those with the least margin are run.
     """
     (successes,) = np.nonzero((margin >= 0) & pressurized.any(axis=1))

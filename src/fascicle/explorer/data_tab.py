@@ -309,8 +309,9 @@ class DataView(Tab):
         for download in buttons:
             download.disabled = not enabled
 
-    def _show_curves(self, result: tuple[MeasuredCurves, MeasuredCurves | None]) -> None:
-        before, after = result
+    def _show_curves(self, pair: tuple[MeasuredCurves, MeasuredCurves | None]) -> None:
+        """Show a muscle's curves before and after tuning, beside the readings."""
+        before, after = pair
         _, scale = self.unit("force")
         number = len(before.pressure)
         colors = pressure_colors(self.colors, number)

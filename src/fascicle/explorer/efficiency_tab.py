@@ -39,13 +39,13 @@ Outline = tuple[np.ndarray, np.ndarray]
 class Maps(NamedTuple):
     """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points.
 
-    `strips`: outlines (strain [-], force [N]) of the points that a recruitment state reaches
-    without resistance alone.
+    `resistance_gaps`: outlines (strain [-], force [N]) of the points that a recruitment state
+    reaches without resistance, but not with it.
     """
 
     resisted: EfficiencyMap
     free: EfficiencyMap
-    strips: tuple[Outline, ...]
+    resistance_gaps: tuple[Outline, ...]
 
     @property
     def difference(self) -> np.ndarray:
@@ -53,16 +53,16 @@ class Maps(NamedTuple):
         return self.free.efficiency - self.resisted.efficiency
 
     @property
-    def in_strips(self) -> np.ndarray:
+    def changes_state(self) -> np.ndarray:
         """True at points where resistance makes another recruitment state the best."""
         return np.isfinite(self.difference) & (self.free.state != self.resisted.state)
 
     @property
-    def difference_beside(self) -> np.ndarray:
-        """The `difference`; at points in the strips, which are thinner than a cell, that of the
-        nearest point below, or above, which is in none.
+    def filled_difference(self) -> np.ndarray:
+        """Efficiency lost to resistance [-]; where resistance changes the state, in strips thinner
+        than a cell, that of the nearest point below or above where it doesn't.
         """
-        values, empty = self.difference, self.in_strips.copy()
+        values, empty = self.difference, self.changes_state.copy()
         for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
             for i in rows:
                 fill = empty[i] & ~empty[i + step] & np.isfinite(values[i + step])
@@ -79,11 +79,13 @@ def efficiency_maps(bundle: Bundle, path: str) -> Maps:
     resisted = efficiency_map(bundle, path=path, resistance=True)
     force, strain = resisted.force, resisted.strain
     free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)
-    return Maps(resisted, free, _strips(bundle, strain))
+    return Maps(resisted, free, _resistance_gaps(bundle, strain))
 
 
-def _strips(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
-    """Outlines of `Maps` over the strains [-] of a map; none for units of independent pressures."""
+def _resistance_gaps(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
+    """Outlines of the points that a recruitment state reaches without resistance alone, over the
+    strains [-] of a map; none for units of independent pressures.
+    """
     if bundle.scheme.independent:
         return ()
     strain = np.r_[0.0, strain]
@@ -235,9 +237,9 @@ class EfficiencyView(Tab):
             return
         result, kind = self._result, self._kind.value
         unit, scale = self.unit("force")
-        is_loss, loss = kind == "difference", result.difference[result.in_strips]
-        values = result.difference_beside if is_loss else getattr(result, kind).efficiency
-        strips = result.strips if is_loss else ()
+        is_loss, loss = kind == "difference", result.difference[result.changes_state]
+        values = result.filled_difference if is_loss else getattr(result, kind).efficiency
+        strips = result.resistance_gaps if is_loss else ()
         note = (
             (
                 "In the outlined strip, which is thinner than a cell, resistance makes another"

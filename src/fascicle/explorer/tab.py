@@ -22,9 +22,10 @@ Outcome = tuple[Any, ValueError | str | None]  # of a computation: result, and e
 
 
 class Tab:
-    """A tab of the page with its `panel`.
+    """Base class of the page's tabs: `draw` draws the view anew, `follow` updates what is drawn.
 
-    `fields`: those of the view after whose change it is drawn anew; other changes it follows.
+    `panel`: of the tab. `fields`: of the view; after a change of one of them the tab is drawn anew,
+    after other changes updated.
     """
 
     name: ClassVar[str]

@@ -242,7 +242,7 @@ class TimeView(Tab):
                           else None)
             for model in self._player
         )  # fmt: skip
-        states = self._state_legend()
+        states = self._drawing_legend()
         drawing = column(
             self.drawn, self._scene.new_pane(), pane(states, sizing_mode="stretch_width"),
             self._table, row(*self.saves, kind="wrapped", sizing_mode=None, margin=(4, 4)),
@@ -591,7 +591,8 @@ class TimeView(Tab):
             **columns,
         }
 
-    def _state_legend(self) -> str:
+    def _drawing_legend(self) -> str:
+        """Explanation of the drawing: fills of muscles, marks of valves, the demand's line."""
         texts = (
             "Filled: the muscle pulls. Pale: it has buckled. Hatched: it has collapsed.",
             "▼ the valve is open to the supply, ▲ to the room, – shut.",

@@ -89,6 +89,7 @@ def compile_bundle_force(bundle: Bundle) -> PointFunction:
 
 
 def _casadi() -> tuple[Any, Any]:
+    """CasADi, and `Symbols` registered as the array library of its expressions."""
     require("casadi")
     import casadi as ca
 

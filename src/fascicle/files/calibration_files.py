@@ -249,6 +249,7 @@ def _parameter(estimate: Estimate) -> dict[str, Any]:
 
 
 def _force_text(force: Any) -> str:
+    """Text of a `force` [N] with the digits of a calibration's error."""
     return pretty(float(force), "force", _ERROR_DIGITS)
 
 

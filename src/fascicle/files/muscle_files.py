@@ -458,7 +458,7 @@ def _scalar(value: Any, key: str) -> float:
 
 
 def _plain_entry(value: Any, key: str, depth: int = 0) -> Any:
-    """A value of a `[calibration]` as Python's own types."""
+    """A value of a `[calibration]` to be saved, in Python's types instead of NumPy's and JAX's."""
     if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays
         value = value.tolist()
     if isinstance(value, Mapping) and depth == 0:

@@ -164,7 +164,7 @@ def fit(data: FitPlot) -> Figure:
         strain = data.strain[data.measured < 0.6 * push]
         margin = 0.03 * np.ptp(strain)
         axes[0, 1].set_xlim(np.min(strain) - margin, np.max(strain) + margin)
-    _label_pressures(figure, axes, data.pressure)
+    _add_pressure_scale(figure, axes, data.pressure)
     handles: list[Any] = []
     for label, style, paint, mask in _marks(data):
         if np.any(mask & np.isfinite(data.force)):
@@ -255,7 +255,7 @@ def residuals(data: FitPlot) -> Figure:
     axes[0, 0].set_ylabel("Measured less fitted force [N]")
     reach = max(np.nanmax(np.abs(data.residual), initial=0.0), 2 * data.noise)
     axes[0, 0].set_ylim(-1.12 * reach, 1.12 * reach)
-    _label_pressures(figure, axes, P)
+    _add_pressure_scale(figure, axes, P)
     handles = [
         Line2D([], [], color=GRAY, label="residual", linestyle="", marker="o", markersize=3),
         Line2D([], [], color=BLACK, linewidth=1.2, label="mean there"),
@@ -367,7 +367,8 @@ def _pressure_scale(pressure: np.ndarray) -> Normalize:
     return Normalize(pressure[0], max(pressure[-1], pressure[0] + 1.0))
 
 
-def _label_pressures(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
+def _add_pressure_scale(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
+    """Add a color bar of the pressures [Pa], or a title for a single one."""
     if pressure.size == 1:
         axes.flat[0].set_title(f"P = {in_kilopascals(pressure[0])}", loc="right")
         return

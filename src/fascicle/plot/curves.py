@@ -189,7 +189,8 @@ def components_legend(figure: Figure, ax: Axes) -> None:
 def force_comparison(
     muscles: Mapping[str, Muscle], pressures: Any, strains: Any, chosen_strain: float
 ) -> Figure:
-    """Figure of the force of several muscles over contraction, each at one pressure.
+    """Plot the force of several muscles over contraction in one figure, each at a pressure of its
+    own.
 
     **Arguments:**
 
@@ -365,7 +366,7 @@ def free_strain_states(
 def split_at_jumps(
     pressure: np.ndarray, strain: np.ndarray, curve: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[Line, list[Line]]:
-    """Split a curve of free strain wherever it jumps between two of its points.
+    """Curve of free strain with a gap (NaN) at each jump, and the two ends of each jump.
 
     **Arguments:**
 
@@ -397,7 +398,8 @@ def split_at_jumps(
 def split_at_reversal(
     pressure: np.ndarray, strain: np.ndarray, turn: Reversal
 ) -> tuple[Line, Line]:
-    """Split a curve of free strain at its reversal point, if it jumps there.
+    """Curve of free strain through its reversal point, with a gap (NaN) if it jumps there, and the
+    two ends of the jump.
 
     **Arguments:**
 

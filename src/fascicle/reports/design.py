@@ -88,7 +88,7 @@ def report(
         "design.html", title=f"Design: {objective_label(result.task.name)}", date=date,
         result=result, infeasible=infeasible, seconds=seconds, heads=HEADS, caption=caption,
         counts=counts, notes=notes, safety=result.safety,
-        rows=[_marked(row) for row in rows],
+        rows=[_mark_result(row) for row in rows],
         space=_plane(result, index, summary), files=files[:_LINKS], limit=_SHOWN,
         supply=pretty(result.task.supply_pressure, "pressure"),
         requirement=requirement, terms=_terms(result), **values,
@@ -230,15 +230,15 @@ def _section(result: SearchResult, index: int) -> dict[str, Any]:
         "name": f"{design_name(index)}: {composition_text(summary)}",
         "marks": design_text(result, index).splitlines()[1:],
         "facts": [f"{name}: {text}" for name, text in facts.items()],
-        "rows": [_marked(row) for row in rows],
+        "rows": [_mark_result(row) for row in rows],
         "caption": caption,
         "toml": dumps(result.designs.bundle(index, result.task)),
         "open": index == result.recommended,
     }
 
 
-def _marked(row: list[str]) -> list[Any]:
-    """Row of a load case with a mark for reached or missed."""
+def _mark_result(row: list[str]) -> list[Any]:
+    """Row of a load case whose last cell, reached or missed, is a mark."""
     return [*row[:-1], mark(row[-1] != MISSED, row[-1], row[-1], "fails")]
 
 

@@ -84,7 +84,8 @@ def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
 def force_comparison(
     muscles: Mapping[str, Muscle], pressures: Values, strains: Values, chosen_strain: float
 ) -> Table:
-    """Force of several muscles, each at one pressure, with what sets them apart.
+    """Force of several muscles over strain, each at a pressure of its own, with the sizes and laws
+    in which they differ.
 
     **Arguments:**
 

@@ -283,7 +283,9 @@ class Drive(Module):
     def advance(
         self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None
     ) -> Fluid:
-        """Step as `step` does, without warnings: arguments and result [SI] are the same."""
+        """Check the command and step MuJoCo's `data` as `step` does, but without a warning;
+        arguments and result [SI] are the same.
+        """
         count, indices = self.plant.commands if self.valved else self.units, list(self.actuators)
         if self.valved:
             values = np.asarray(validate_commands(command), float)

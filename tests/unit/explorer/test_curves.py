@@ -277,17 +277,19 @@ def test_a_curve_goes_through_its_turning_point_and_breaks_at_a_jump(jump, turn)
 def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
     view = replace(view_of(fs.example(name), name), tab="efficiency")
     maps = efficiency_tab.efficiency_maps(view.bundle, "isobaric")
-    i, j = np.nonzero(maps.in_strips)
+    i, j = np.nonzero(maps.changes_state)
     points = np.c_[maps.free.strain[j], maps.free.force[i]]
-    inside = [Path(np.c_[strain, force]).contains_points(points) for strain, force in maps.strips]
+    inside = [
+        Path(np.c_[strain, force]).contains_points(points) for strain, force in maps.resistance_gaps
+    ]
     assert len(points) and np.all(np.any(inside, axis=0))
     tab = efficiency_tab.EfficiencyView(Session(view), LIGHT)
     tab.refresh()
     tab._kind.value = "difference"
     (image,) = tab._image.data["image"]
-    others = maps.difference[~maps.in_strips]
+    others = maps.difference[~maps.changes_state]
     assert np.nanmax(np.abs(image)) == pytest.approx(np.nanmax(np.abs(others)), rel=1e-6)
-    assert tab._mapper.high < 0.1 < maps.difference[maps.in_strips].max()
+    assert tab._mapper.high < 0.1 < maps.difference[maps.changes_state].max()
     assert len(tab._strips.data["xs"]) == len(view.units) - 1
     tab._kind.value = "free"
     assert not tab._strips.data["xs"]

@@ -43,7 +43,7 @@ def run(
         pressures = states[0] if len(states) == 1 else states
         return bundle_force_strain(bundle, pressures, smooth(strains), resistance)
 
-    outputs.write(variables, lambda: _print(variables), figure, title=f"Bundle {file}")
+    outputs.write(variables, lambda: _print_forces(variables), figure, title=f"Bundle {file}")
     check_equilibria(variables)
 
 
@@ -89,7 +89,8 @@ def unstable_caption(rows: list[list[str]]) -> str:
     )
 
 
-def _print(variables: Any) -> None:
+def _print_forces(variables: Any) -> None:
+    """Print the free strains, and a table of force over strain by recruitment state."""
     print_states(variables)
     force = variables["force"].values
     decimals = count_decimals(force.ravel())
