@@ -49,6 +49,7 @@ from .widgets import (
 )
 
 
+_SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels of pressures
 _MARGIN, _MARGIN_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
 _EXAMPLE = "example.csv"
 _SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
@@ -352,11 +353,7 @@ class DataView(Tab):
             f" {before.pressure[-1] / pressure_scale:.3g} {unit}."
         )
         forces = np.r_[force, before.force.ravel()] / scale
-        gap = 0.06 * float(np.ptp(forces))
-        self.chart.set_ranges(
-            (float(before.strain[0]), float(before.strain[-1])),
-            (float(forces.min()) - gap, float(forces.max()) + gap),
-        )
+        self.chart.set_ranges(_widened(before.strain, _SIDE), _widened(forces, _GAP))
 
     def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
@@ -451,10 +448,18 @@ class DataView(Tab):
         if not all(parameter.identifiable for parameter in calibration.parameters):
             lines.append(_UNDETERMINED)
         warnings: Mapping[str, Any] = calibration.warnings_by_topic
+        names = {name for candidate in fit.selection.candidates for name in candidate.names}
+
+        def note(text: str) -> str:
+            """A `text` in HTML with the page's labels of constants."""
+            for name in names:
+                text = text.replace(name, name.replace("_", " "))
+            return text_html(text)
+
         self.fit_notes.object = "".join(
-            [status_line(text_html(line)) for line in lines if line]
+            [status_line(note(line)) for line in lines if line]
             + [
-                f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(text_html, texts)))}"
+                f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(note, texts)))}"
                 for topic, texts in warnings.items()
             ]
         )
@@ -503,3 +508,9 @@ def _empty_state(example: Any) -> Any:
     left = column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
     right = pane(form, 0, styles={"flex": "2 1 0", "min-width": "0"}, **_WIDE)
     return row(left, right, kind="stacked framed", margin=APART)
+
+
+def _widened(values: np.ndarray, fraction: float) -> tuple[float, float]:
+    """Range of `values`, wider on both sides by a `fraction` [-] of it."""
+    gap = fraction * float(np.ptp(values))
+    return float(np.min(values)) - gap, float(np.max(values)) + gap

@@ -103,7 +103,7 @@ class Header:
         switch.js_on_click(code=_SET_THEME % theme)
         inputs = row(self._example, self.file, self.save, *self._units.values(), self.undo,
                      self.reset, copy, switch, kind="header", margin=(0, 8))  # fmt: skip
-        self._wanted = ""  # example that waits for an answer
+        self._pending = ""  # example that waits for an answer
         self._question = pane(margin=(6, 8))
         answers = (button("Replace it", self._replace), button("Keep it", self._keep))
         self.question = row(self._question, *answers, kind="wrapped", visible=False)
@@ -149,7 +149,7 @@ class Header:
         if event.new in (_CUSTOM, self._session.view.name):  # set by the page itself
             return
         self.message.show("")
-        self._wanted = event.new
+        self._pending = event.new
         if self._session.view.name in named_muscles():
             self._replace()
             return
@@ -160,7 +160,7 @@ class Header:
     def _replace(self) -> None:
         """Open the example that was chosen."""
         self.question.visible = False
-        name = self._wanted
+        name = self._pending
         self._session.open(view_of(example(name), name, self._session.view))
 
     def _keep(self) -> None:

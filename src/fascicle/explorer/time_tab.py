@@ -425,7 +425,7 @@ class TimeView(Tab):
             return
         moments, samples = len(result.runs[0].table["time"].values), len(result.runs[0].rows)
         lines = [
-            f"The page has {samples} even samples of the run's {moments} moments; CSV and table"
+            f"The page has {samples} even samples of the run's {moments} times; CSV and table"
             " have all of them."
         ]
         if setup != self._setup:
@@ -515,7 +515,7 @@ class TimeView(Tab):
         if result.quantity:
             chart, scale = (forces, force) if result.quantity == "force" else (positions, length)
             demand = self._samples("demand") / scale
-            chart.insert(0, Curve(demand, "wanted", colors.ink, "dashed", 1.5))
+            chart.insert(0, Curve(demand, "demand", colors.ink, "dashed", 1.5))
         units = run.table["pressure"].values.shape[1]
         by_unit = [(f"unit {i + 1}", color) for i, color in
                    enumerate(cycle_colors(colors, units))]  # fmt: skip
@@ -555,9 +555,9 @@ class TimeView(Tab):
             curve_by_label = {curve.label: curve for curve in curves}
             columns[key] = curve_by_label[_run_name(run)].values
             numbers.append((name.lower(), key, unit))
-            if "wanted" in curve_by_label:
-                columns["demand"] = curve_by_label["wanted"].values
-                numbers.append(("wanted", "demand", unit))
+            if "demand" in curve_by_label:
+                columns["demand"] = curve_by_label["demand"].values
+                numbers.append(("demand", "demand", unit))
         top = drawing.extent[3]
         self._frames.tags = [{
             "muscles": drawing.muscles,

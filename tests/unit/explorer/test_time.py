@@ -141,12 +141,12 @@ def test_the_saved_scenario_gives_the_numbers_of_the_page(tab, result, tmp_path)
     run = scenario.run()
     rows = sample_rows(len(run.time))
     pressures = np.array(tab._curves[2].data["ys"][:2])  # kPa
-    wanted, position, *_ = tab._curves[1].data["ys"]
+    demand, position, *_ = tab._curves[1].data["ys"]
     reference = scenario.control.reference[np.minimum(rows, len(run.time) - 2)]
     force = np.sum(run.outputs.forces, axis=1)[rows]
     for shown, expected in (
         (pressures.T, run.outputs.pressures[rows] / 1e3),
-        (wanted, 1e3 * reference),
+        (demand, 1e3 * reference),
         (position, 1e3 * run.outputs.position[rows]),
         (tab._curves[0].data["ys"][0], force),
     ):
