@@ -64,7 +64,7 @@ _SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
 
 
 class ScenarioControl(NamedTuple):
-    """Controller of a scenario.
+    """Controller of a scenario with the demand that it follows, and how its policy was chosen.
 
     - `controller`, `reference`: the controller, and its demand at each step [SI].
     - `choice`: the comparison by which `auto` chose the policy, or `None`.

@@ -514,6 +514,7 @@ def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Mus
 
 
 def _product(section: ProductSection, length: float) -> Product:
+    """Price, mass and limits of a product at a `length` [m]."""
     for key, (limit, unit) in _MAX_VALUES.items():
         if (value := getattr(section, key)) is not None:
             check_interval(value, 0.0, limit, key, unit, closed=(False, True))

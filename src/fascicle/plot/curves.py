@@ -218,7 +218,8 @@ def force_comparison(
 def bundle_force_strain(
     bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
 ) -> Figure:
-    """Figure of a bundle's force over contraction: one state with its units, or several states.
+    """Figure of a bundle's force over contraction: one state with its units, several states, or,
+    without pressures, the workspace of all recruitment states.
 
     **Arguments:**
 

@@ -85,8 +85,8 @@ def outlines(
 def outline(
     muscle: Muscle, z: np.ndarray, y: np.ndarray, radius: float, angle: float, collapsed: bool
 ) -> Outline:
-    """Outline of `muscle` around `ARC_POINTS` points `z`, `y` of its centerline [m], with the
-    tube's `radius` [m] and the fibers' `angle` [rad].
+    """Outline of a muscle, creased in the middle if it has `collapsed`. `z`, `y`: its centerline
+    at `ARC_POINTS` points [m]; the tube's `radius` [m] and the fibers' `angle` [rad].
     """
     along = np.r_[0.0, np.cumsum(np.hypot(np.diff(z), np.diff(y)))]
     slope = np.arctan2(np.gradient(y, along), np.gradient(z, along))

@@ -61,7 +61,7 @@ def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
 
 
 def task_requirement(result: SearchResult) -> str:
-    """Requirement on every design of a search, after "must"."""
+    """Words after "must": reach every load case, or miss no more than a share of them."""
     miss = allowed_miss_fraction(result.limits)
     if miss <= 0:
         return "reach every load case"
@@ -226,7 +226,9 @@ def margin_warning(result: SearchResult, summary: Summary) -> str:
 
 
 def case_rows(summary: Summary, limit: int) -> tuple[list[list[str]], str]:
-    """Rows of load cases under `HEADS`, at most `limit` with the least to spare, and a caption."""
+    """Rows of load cases under `HEADS`, and a caption that counts the cases reached. The rows stay
+    in the task's order: all of them, or the `limit` with the least to spare.
+    """
     cases, task = summary.cases, summary.cases.task
     indices = np.arange(len(task))
     caption = f"{int(np.sum(cases.reached))} of {len(task)} reached"

@@ -14,7 +14,7 @@ _ON_FRONT = "true if no other design is better in all objectives"
 
 
 def front_variables(result: SearchResult) -> dict[str, Variable]:
-    """Table of the front, a design a row, and of the recommended design if it isn't on the front.
+    """Variables of the designs on the front, and of the recommended one if it isn't there.
 
     Objectives come first, then those under scatter if the `result` has any, composition and sizes.
     """
@@ -100,6 +100,7 @@ def design_variables(designs: Designs) -> Table:
 
 
 def _objectives(values: dict[str, np.ndarray], prefix: str = "", suffix: str = "") -> list[tuple]:
+    """Rows for `build_table`, one for each objective."""
     rows = []
     for name, column in values.items():
         unit, about = OBJECTIVES[name].unit, f"{prefix}{OBJECTIVES[name].about}"
