@@ -73,7 +73,7 @@ class Header:
 
     def __init__(self, session: Session, colors: Colors, theme_in_link: bool = False):
         """Build it for a `session`; `theme_in_link` keeps the theme in the address."""
-        self._session, self._pending = session, None
+        self._session, self._address_timer = session, None
         self._theme = ("dark" if colors.dark else "default") if theme_in_link or colors.dark else ""
         groups = {"Examples": shipped_names("examples"),
                   "Measured muscles": shipped_names("measured"), "Your own": [_CUSTOM]}  # fmt: skip
@@ -103,7 +103,7 @@ class Header:
         switch.js_on_click(code=_SET_THEME % theme)
         inputs = row(self._example, self.file, self.save, *self._units.values(), self.undo,
                      self.reset, copy, switch, kind="header", margin=(0, 8))  # fmt: skip
-        self._pending = ""  # example that waits for an answer
+        self._offer = ""  # example that waits for an answer
         self._question = pane(margin=(6, 8))
         answers = (button("Replace it", self._replace), button("Keep it", self._keep))
         self.question = row(self._question, *answers, kind="wrapped", visible=False)
@@ -149,7 +149,7 @@ class Header:
         if event.new in (_CUSTOM, self._session.view.name):  # set by the page itself
             return
         self.message.show("")
-        self._pending = event.new
+        self._offer = event.new
         if self._session.view.name in named_muscles():
             self._replace()
             return
@@ -160,7 +160,7 @@ class Header:
     def _replace(self) -> None:
         """Open the example that was chosen."""
         self.question.visible = False
-        name = self._pending
+        name = self._offer
         self._session.open(view_of(example(name), name, self._session.view))
 
     def _keep(self) -> None:
@@ -188,12 +188,12 @@ class Header:
         doc: Any = pn.state.curdoc
         if doc is None or not doc.session_context or pn.state.location is None:
             return
-        if self._pending is not None:
-            doc.remove_timeout_callback(self._pending)
-        self._pending = doc.add_timeout_callback(self._set_address, _QUIET)
+        if self._address_timer is not None:
+            doc.remove_timeout_callback(self._address_timer)
+        self._address_timer = doc.add_timeout_callback(self._set_address, _QUIET)
 
     def _set_address(self) -> None:
-        self._pending = None
+        self._address_timer = None
         query = to_query(self._session.view) | ({"theme": self._theme} if self._theme else {})
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
