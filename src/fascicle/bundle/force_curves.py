@@ -491,6 +491,7 @@ def _bracketed_root(
     fraction = f_low / (f_low - f_high)  # the secant, exact on a straight line
     for _ in range(100):  # bisection alone would need 53
         width = np.abs(x[1, index] - x[0, index])
+        # rounding of x as a share of the bracket; never zero, for a root at 0
         smallest = (2e-16 * np.abs(x[0, index]) + 1e-300) / np.where(width > 0, width, 1.0)
         best = np.minimum(np.abs(f[0, index]), np.abs(f[1, index]))
         active = (best > tolerance[index]) & (smallest < 0.5) & (width > 0)

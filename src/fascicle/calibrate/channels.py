@@ -87,7 +87,7 @@ def _force_step(record: Record) -> float:
     if len(record) < _MIN_READINGS or values.size < 3:
         return 0.0
     gaps = np.diff(values)
-    gaps = gaps[gaps > 1e-9 * top]
+    gaps = gaps[gaps > 1e-9 * top]  # closer values are the same, but for rounding
     # steps fill a range: most neighbors among the distinct values are one or two steps apart
     usual = float(np.median(gaps)) if gaps.size else 0.0
     if usual < _MIN_STEP * top / 2 or np.ptp(values) > usual * 8 * values.size:

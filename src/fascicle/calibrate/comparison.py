@@ -48,7 +48,7 @@ from .parameters import parameters_of, with_optional_laws
 SAROSI_DMSP_20_200N = np.array([
     -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
 ])  # fmt: skip
-_DIAMETER = 20e-3
+_DIAMETER = 20e-3  # m, of that muscle
 _MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
 _RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150
 _FIRST_NOISE = 0.02  # of the largest force: typical of a bench, and corrected in the next round
@@ -276,6 +276,7 @@ def deviance(grid: Grid, force: np.ndarray) -> float:
     Without clipped readings that number times the logarithm of the mean square error.
     """
     used, clipped = grid.measured, grid.used & grid.censored
+    # never zero, for the logarithm below
     n, top = int(np.sum(used)), float(np.max(np.abs(grid.force[used]), initial=1e-300))
     squares = float(np.sum(grid.count[used] * (grid.force - force)[used] ** 2))
     excess = (np.sqrt(grid.count) * (force - grid.force))[clipped]
@@ -289,6 +290,7 @@ def deviance(grid: Grid, force: np.ndarray) -> float:
     if not excess.size:
         return value(measured)
     bounds = (measured - _RANGE, measured + _RANGE)
+    # 1e-10 of the logarithm: a minimum can be found to 1e-8 at best, which then ends the search
     minimum = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
     return min(float(minimum.fun), value(measured))
 

@@ -327,6 +327,7 @@ def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarra
     kinds = int(kind.max()) + 1
     steps = max(max_readings // kinds, 1)
     low, high = strain.min(), strain.max()
+    # never divides by zero: a level at one strain has one step
     step = np.minimum((steps * (strain - low) / max(high - low, 1e-12)).astype(int), steps - 1)
     return np.unique(kinds * step + kind, return_inverse=True)[1]
 

@@ -360,7 +360,7 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     )
     if freedom < _MIN_FREEDOM:
         return diagnosis
-    y, squares = residuals.residual, max(residuals.squares, 1e-300)
+    y, squares = residuals.residual, max(residuals.squares, 1e-300)  # of a perfect fit: 0
     remainder = y - model @ (model.T @ y) - trend_space @ (trend_space.T @ y)
     variance = float(np.sum(remainder**2)) / freedom
 
@@ -403,6 +403,7 @@ def _trend_columns(residuals: Residuals) -> dict[str, np.ndarray]:
         kinds["time"] = _legendre(residuals, kinds["time"], 2)
     weight, scaled = residuals.weight**2, {}
     for along, columns in kinds.items():
+        # never divides by zero: if all weights are zero, no column is left
         square = np.sum(weight[:, None] * columns**2, axis=0) / max(float(weight.sum()), 1e-300)
         if np.any(square > 0):
             unit = columns[:, square > 0] / np.sqrt(square[square > 0])

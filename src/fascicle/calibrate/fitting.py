@@ -391,6 +391,7 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
     P = readings.pressure
     measured = P[readings.valid]
     rows = np.unique(np.concatenate([np.linspace(measured[0], measured[-1], _ROWS), measured]))
+    # a measured pressure may be an even step but for rounding
     rows = rows[np.concatenate([[True], np.diff(rows) > 1e-9 * rows[-1]])]
     c1, c2 = SmoothCurves(muscle, rows, max(float(P.max()), 1.0)).corrections(readings.coefficients)
     effective = np.maximum(rows - float(muscle.tuning.dead_band), 0.0)

@@ -156,6 +156,7 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
     used = middle if np.any(middle) else loops.width > -np.inf
     basis = np.stack([np.ones(used.sum()), loops.pressure[used] / top], axis=1)
     h, _ = nnls(basis, loops.width[used] / 2)
+    # a start inside the bounds below, also where the regression gives zero
     h = np.maximum(h, 1e-6 * max(h.max(), 1e-9))
     shortest, longest = np.log(min(loops.step, stroke / 4)), np.log(stroke)
 
@@ -170,12 +171,14 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
         return law(z).loop_width(loops.from_start, loops.from_end, loops.pressure) - loops.width
 
     limit = np.full(count, 5.0)
+    # a rise of zero beside a constant of zero would be a spring without stiffness
     low = np.concatenate([-limit, np.full(count, shortest), [0.0, 1e-9 * h.max()]])
     high = np.concatenate([limit, np.full(count, longest), [np.inf, np.inf]])
     scale = np.concatenate([np.ones(2 * count), np.full(2, h.sum())])
     results = []
     for fraction in (0.05, 0.4):  # of the stroke: the longest distance to begin with
         distances = np.linspace(shortest, np.log(fraction * stroke), count + 2)[1:-1]
+        # a start inside the bounds
         distances = np.clip(distances, shortest + 1e-3, longest)
         start = np.concatenate([np.zeros(count), distances, h])
         results.append(least_squares(residuals, start, bounds=(low, high), x_scale=scale))

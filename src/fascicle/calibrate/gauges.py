@@ -140,7 +140,7 @@ def default_deviations(
 
     `force`, `pressure`, `elapsed`: readings [N], [Pa], [s]; `length`: of the muscle [m].
     """
-    top = max(float(np.max(np.abs(force))), 1e-9)
+    top = max(float(np.max(np.abs(force))), 1e-9)  # N: a deviation is never zero
     duration = float(np.ptp(elapsed)) or 1.0
     return {
         "force_zero": _FORCE_ZERO * top,
@@ -183,6 +183,7 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     P, F, strain = record.pressure[vented], record.force[vented], record.strain[vented]
     # a transducer that writes its noise without the negative half has a mean below its deviation
     zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
+    # a zero that never changed is not exact: at least 1e-5 of the highest pressure
     deviations = {"pressure_zero": max(scatter / np.sqrt(count), 1e-5 * top)}
     if abs(zero) > max(scatter, _CLEAR * deviations["pressure_zero"]):
         zeros["pressure_zero"] = zero
@@ -196,6 +197,7 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     basis = np.stack([np.ones(count), push, *([elapsed] if drifts else [])], axis=1)
     best = np.linalg.lstsq(basis, F - push, rcond=None)[0]
     noise = np.linalg.norm(F - push - basis @ best) / np.sqrt(max(count - basis.shape[1], 1))
+    # never zero, as of readings without noise
     noise = max(float(noise), 1e-6 * float(np.max(np.abs(record.force))))
     precision = basis.T @ basis + np.diag([0.0, (noise / _PUSH_ERROR) ** 2, 0.0][: best.size])
     covariance = noise**2 * np.linalg.inv(precision)

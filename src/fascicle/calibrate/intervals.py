@@ -42,8 +42,8 @@ from .tuning import refit_tuning
 
 
 DRAWS = 199  # of which the 10th from either end are the ends of a 90 % interval
-_TAIL = 0.05
-_MIN_DRAWS = 19
+_TAIL = 0.05  # a 90 % interval lacks it at either end
+_MIN_DRAWS = 19  # of which the lowest and highest are the ends of a 90 % interval
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 _POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard deviations
 _TOLERANCE = 1e-4  # of a cost of some hundreds: 2 % of the critical rise, 1 % of its distance

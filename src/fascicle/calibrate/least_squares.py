@@ -302,8 +302,8 @@ def _soft_l1_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _cauchy_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    square = np.maximum(r**2, 1e-300)
-    factor = np.where(r**2 > 1e-12, np.sqrt(np.log1p(square) / square), 1.0)
+    square = np.maximum(r**2, 1e-300)  # no 0/0
+    factor = np.where(r**2 > 1e-12, np.sqrt(np.log1p(square) / square), 1.0)  # else 1 - r²/4
     return r * factor, 1 / ((1 + r**2) * factor)
 
 
@@ -429,6 +429,7 @@ def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
     settled.
     """
     basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
+    # a direction this much weaker than the strongest is rounding of the slopes
     projection = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
     return 0.5 * float(projection @ projection)
 
@@ -527,7 +528,7 @@ def solve_with_noise(
     if curves_covariance is not None:
         return problem, ends, best, minimum
     for _ in range(_NOISE_ROUNDS):
-        if abs(minimum.noise / problem.noise - 1) < 1e-3:
+        if abs(minimum.noise / problem.noise - 1) < 1e-3:  # far below an interval's two digits
             break
         problem = replace(problem, noise=minimum.noise)
         best = solve(problem, best[None], tolerance=tolerance).points[0]

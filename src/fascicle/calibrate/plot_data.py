@@ -164,7 +164,7 @@ def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
     kind = max(set(kinds), key=kinds.count)
     stroke_runs = [run for run in stroke_runs if run.kind == kind]
     levels = np.unique([run.level for run in stroke_runs])
-    gap = _SAME_LEVEL * max(float(np.ptp(levels)), 1e-12)
+    gap = _SAME_LEVEL * float(np.ptp(levels))
     groups = np.split(levels, np.flatnonzero(np.diff(levels) > gap) + 1)
     # loops at the ends and evenly between them
     index = np.linspace(0, len(groups) - 1, min(len(groups), _LOOPS)).round().astype(int)

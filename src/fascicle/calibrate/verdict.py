@@ -331,6 +331,7 @@ def _coverage_notices(calibration: Calibration) -> Iterator[Notice]:
     """Parts of the law that the data do not cover."""
     grid = calibration.grid
     strain = calibration.problem.strain(calibration.muscle)
+    # a reading at the free strain itself may lie past it by rounding
     past = grid.measured & (strain > calibration.free_strain[:, None] + 1e-9)
     if calibration.censored:
         text = (

@@ -270,6 +270,7 @@ class Cascade(Module):
             by_strain = (units.fluid_mass(P, eps + _STRAIN) - m) / _STRAIN
             flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
             into, out = units.valve_flows(P, measurement.supply_pressure + 0.0 * P)
+            # a valve without pressure difference has no flow: it opens wide
             opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
             # an idle unit is open to the room: shut, it would be sucked empty as it is shortened,
             # and its refill needn't come from the supply

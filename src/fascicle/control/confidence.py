@@ -76,5 +76,6 @@ def crossing_confidence(
         return CrossingConfidence(model, share, np.nan)
     base, *states = (transition(b, model.strain, unit, supply) for b in (bundle, *draws))
     lacks = [(s.dip - s.largest_force) - (base.dip - base.largest_force) for s in states]
+    # N: a transition may have no dip
     margin = float(np.quantile(lacks, CONFIDENCE)) / max(float(base.dip), 1e-12)
     return CrossingConfidence(model, share, margin)

@@ -102,6 +102,7 @@ def frequency_response(
     span, dt = float(check_positive(time, "time", "s")), float(controller.dt)
     if controller.of != "position":
         raise InvalidInputError("controller", "must be one of position", controller.of)
+    # whole but for rounding of the product, and not zero
     is_whole = (np.abs(f * span - np.round(f * span)) < 1e-9) & (f * span > 0.5)
     if not np.all(is_whole):
         rule = f"must have whole periods in {span:g} s"

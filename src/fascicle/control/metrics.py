@@ -206,7 +206,7 @@ def pareto_front(dips: Values, energies: Values) -> Marks:
     - `energies`: of each run [J].
     """
     costs = np.stack([np.asarray(dips, float), np.asarray(energies, float)], axis=-1)
-    tolerance = _EQUAL * np.maximum(np.max(np.abs(costs), axis=0), 1e-300)
+    tolerance = _EQUAL * np.max(np.abs(costs), axis=0)
     run, rival = costs[:, None, :], costs[None, :, :]
     as_good = np.all(rival <= run + tolerance, axis=-1)
     better = np.any(rival < run - tolerance, axis=-1)

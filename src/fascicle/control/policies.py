@@ -141,6 +141,7 @@ def cascade(
 def _whole_steps(value: Any, dt: float, name: str) -> int:
     """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
     steps = round(float(value) / dt)
+    # whole but for the rounding of numbers in a file
     if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
         rule = f"must be whole steps of {dt:g} s"
         raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
@@ -235,7 +236,7 @@ def _select(
     wait = max(
         (entry.deadline or 0.0) - (entry.end or 0.0) - (entry.fill_time or 0.0) for entry in needed
     )
-    if wait > 0 and np.ptp(path.strain) > 1e-6:
+    if wait > 0 and np.ptp(path.strain) > 1e-6:  # a held strain changes by rounding only
         why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
     return "hand_over", (

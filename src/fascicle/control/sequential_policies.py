@@ -105,6 +105,7 @@ class SequentialPolicy(Module):
         indices = xp.arange(units.count)
         top = minimum(demand.supply, units.branches.top)
         parked = minimum(capability.onset + _ABOVE * top, top)
+        # a sum of steps falls short of a whole by rounding
         k = minimum(maximum(xp.floor(memory.recruited + 1e-9), 1.0), float(units.count))
         fraction = memory.recruited - k
         # the last unit that is recruited and the next one; and those one back
@@ -143,7 +144,7 @@ class SequentialPolicy(Module):
         recruited = minimum(maximum(recruited, where(down, k - 1, k)), where(down, k, k + 1))
         recruited = minimum(recruited, float(units.count))
 
-        k = xp.floor(recruited + 1e-9)
+        k = xp.floor(recruited + 1e-9)  # a sum of steps falls short of a whole by rounding
         ramp = where(indices == k, (recruited - k) * parked, 0.0)
         low = where((indices > 0) & (indices < k), parked * self.parks, ramp)
         high = where(indices < k, top, ramp)
@@ -181,6 +182,7 @@ class SequentialPolicy(Module):
         deepest = select_unit(next_, capability.dip_pressure) / onset
         spare = reserve - dip
         late_force = self.margin * dip + select_unit(last, capability.shortfall)
+        # N: without any reserve a hand-over is as fast as its limit below
         spare = maximum(maximum(spare - late_force, spare / 2), 1e-9)
         needed = maximum(
             maximum(deepest - fraction, 0.0) * rise / spare,
@@ -221,6 +223,7 @@ def _first_below_onset(
     """
     xp = array_namespace(target)
     empty = xp.sum(units.counts * units.branches.force(target, demand.strains))
+    # N: where no unit has a dip, nothing divides by zero
     gap = (demand.force - empty) / maximum(capability.dip[0], 1e-9)
     lower = capability.onset + gap * (capability.onset - capability.dip_pressure)
     is_on = demand.pressures[0] > capability.dip_pressure[0]

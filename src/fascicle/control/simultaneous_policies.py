@@ -98,6 +98,7 @@ class EnergyAwarePolicy(Module):
         highest = full + xp.sum(capability.empty)
         suffices = highest >= demand.force
         present = memory.number.astype(int)
+        # sets that fall short come after all others, 1e3 kg; the strongest of them first
         cost = where(suffices, content, 1e3 - 1e-6 * highest)
         best = xp.argmin(cost)
         keep = (highest[present] >= demand.force) & (cost[best] > (1 - _SAVING) * cost[present])

@@ -131,11 +131,14 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     shortfall = where(adds_force, full - n * units.branches.force(CLOSE * top, eps), 0.0)
     _, out = units.valve_flows(_LATE * end, top)
     content = maximum(units.fluid_mass(end, eps) - units.fluid_mass(zero, eps), 0.0)
+    # floors against division by zero: a valve without flow fills no unit
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
     climb = _climb_time(units, demand, CLOSE * top)
+    # s: a unit at its end pressure needs no time
     speed = maximum(CLOSE * top - demand.pressures, 0.0) / maximum(climb, 1e-9)
     level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
     rise = full - shortfall - n * units.branches.force(level, eps)
+    # N/Pa: never zero, also where no pressure gives a force
     slope = maximum(rise / (CLOSE * top - level), _FLAT * absolute(full) / top + 1e-12)
     return UnitCapability(
         full, empty, adds_force, onset, n * depth, dip_pressure, largest, time, vent, climb, speed,
@@ -149,6 +152,7 @@ def _climb_time(units: ControlledUnits, demand: UnitDemand, end: Numbers) -> Num
     ends = level + _LEGS[:, None] * (end - level)
     content = units.fluid_mass(ends, demand.strains)
     flow, _ = units.valve_flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
+    # a valve without flow fills no unit
     legs = maximum(content[1:] - content[:-1], 0.0) / maximum(flow, 1e-12)
     return array_namespace(legs).sum(legs, axis=0)
 

@@ -278,6 +278,7 @@ def _conductances(
     """Conductance that each unit needs in each case [m³/(s·Pa)], and the hoses' bore [m] and volume
     [m³]; infinite conductances if no hose is wide enough.
     """
+    # times are inverse to the conductance, so any will do: 1 L/(s·bar)
     unit_valve = SonicValve(1e-8, cycle.b)
     valve_conductance = np.where(
         filled, 1e-8 * sum(contraction.times(unit_valve, unit_valve)) / cycle.time, 0.0
@@ -291,6 +292,7 @@ def _conductances(
         high = np.broadcast_to(line.conductance / _HOSE_SHARE, low.shape)
 
         def time(C: np.ndarray, line: Line = line, volume: float = volume) -> np.ndarray:
+            # a unit that stays empty has no time below, so any conductance will do
             valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
             return np.where(filled, sum(contraction.times(valve, valve, volume)), 0.0)
 

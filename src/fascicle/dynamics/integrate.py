@@ -176,12 +176,12 @@ def _scales(plant: Plant, state: State) -> Numbers:
     top = np.full(plant.units, plant.supply_pressure)
     full = plant.chambers_at(top, 0.0)
     swept = np.asarray(plant.muscles.at(top, plant.strains(0.0)).volume)
-    energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)
+    energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)  # J, never zero
     ledger = np.full(len(LEDGER), energy)
     ledger[LEDGER.index("mass")] = np.sum(full[..., 0])
     stroke = np.float64(high - low)
     sizes = State(
         stroke, stroke, np.ones(plant.spool.state_count(plant.units)), full, top,
-        np.maximum(np.abs(state.supply), 1e-12),
+        np.maximum(np.abs(state.supply), 1e-12),  # never zero: no step would meet it
     )  # fmt: skip
     return _pack_row(sizes, ledger)

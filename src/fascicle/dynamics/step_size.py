@@ -56,6 +56,7 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
         s, fluid = _rest_evaluations(plant, P, positions=7)
         rate, no_flow = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
         rise = fluid.pressure_rate(rate - no_flow, np.zeros(1))  # of pressure with mass [Pa/kg]
+        # small beside each pressure, and never zero
         step = 1e-4 * np.maximum(P, 1e-6 * top)
         filling, venting = (
             np.abs(flow(P + room + step) - flow(P + room - step)) / (2 * step)

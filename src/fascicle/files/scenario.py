@@ -43,6 +43,7 @@ from ..fluid import (
     conductance_from_nominal_flow,
     validate_commands,
 )
+from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..muscle import Muscle
 from ..table_model import did_you_mean
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
@@ -395,7 +396,7 @@ def _parts(
         if kind is SonicValve and gas and medium is not AIR:
             # the same hole, for another gas
             ratio = AIR.specific_gas_constant / medium.specific_gas_constant
-            density = float(SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
+            density = REFERENCE_DENSITY * float(np.sqrt(ratio))
             table.setdefault("reference_density", density)
         if key == "supply":
             parts[key] = _supply(table, kind, medium, room, root)

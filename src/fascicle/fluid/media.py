@@ -39,7 +39,9 @@ class Gas(Module):
         "specific_gas_constant", Range("J/(kg·K)", 10.0, 30.0, 4200.0, 1e4)
     )
     heat_capacity_ratio: Batch = positive_field(
-        "heat_capacity_ratio", Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0)
+        # 5/3, of a monatomic gas, is usual however it is rounded
+        "heat_capacity_ratio",
+        Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0),
     )
     source: str = static(default="")
 

@@ -155,7 +155,7 @@ def fit(data: FitPlot) -> Figure:
     for ax in axes[0]:
         _draw_fit(ax, data)
     low, high = float(np.nanmin(data.force)), float(np.nanmax(data.force))
-    span = max(high - min(low, 0.0), 1e-9)
+    span = max(high - min(low, 0.0), 1e-9)  # N: forces may all be zero
     axes[0, 0].set_ylim(min(low, 0.0) - 0.06 * span, high + 0.06 * span)
     axes[0, 0].margins(x=0.02)
     if data.resists:  # forces up to a pull as large as the push
@@ -226,6 +226,7 @@ def residuals(data: FitPlot) -> Figure:
     # readings of one level side by side in the order of their strain, as far as there is room
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0))
     lowest = np.nanmin(data.strain)
+    # readings may have a single strain
     span = max(np.nanmax(data.strain) - lowest, 1e-12)
     for i, pressure in enumerate(P):
         valid = np.flatnonzero(np.isfinite(data.residual[i]))

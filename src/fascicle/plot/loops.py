@@ -149,7 +149,7 @@ def laws(data: LawsPlot) -> Figure:
                     markerfacecolor="none" if clipped else BLACK)  # fmt: skip
         # a law that is far off must not flatten the others
         low, high = float(np.nanmin(data.force[i])), float(np.nanmax(data.force[i]))
-        margin = 0.25 * max(high - low, 1e-9)
+        margin = 0.25 * max(high - low, 1e-9)  # N: forces may all be equal
         ax.set_ylim(low - margin, high + margin)
         if i % columns:
             ax.set_ylabel("")

@@ -223,6 +223,7 @@ def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
         jacobian = _jacobian(xp, P, x)
         step = xp.linalg.solve(jacobian, _gradient(xp, P, x, w)[..., None])[..., 0]
         longest = xp.max(xp.abs(step[..., :_SINES]), axis=-1, keepdims=True)
+        # a step of zero is not divided by
         step = step * xp.minimum(1.0, _LARGEST_SLOPE_STEP / xp.maximum(longest, 1e-300))
         return i + 1, x - step, step, jacobian
 
