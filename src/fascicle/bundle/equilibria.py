@@ -35,8 +35,9 @@ _PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
 
 @with_table_repr(equilibria_table)
 class Equilibria(NamedTuple):
-    """Strains of zero force [-], rising along the last axis, which ends in NaN where there
-    are fewer. `stable`: the force falls with strain there. `count`: their number.
+    """Strains [-] at which the force is zero or equals the load, rising along the last axis, which
+    ends in NaN where there are fewer. `stable`: the force falls with strain there. `count`: their
+    number.
     """
 
     strain: Float[AnyArray, "*#points zero"]

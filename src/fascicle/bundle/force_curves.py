@@ -49,7 +49,8 @@ Residual = Callable[[Array, Array], Array]
 
 
 class MuscleCurves:
-    """Force of one kind of muscle over level: its pressure over the supply's, from 0 to 1.
+    """Force of one kind of muscle, by its law, over level: its pressure over the supply's, from 0
+    to 1. A grid of levels says which region a muscle is in and where searches start.
 
     `kinks`: for each kind of kink, by number, the muscle's strain there [-] at the grid's nodes.
     """
@@ -130,7 +131,7 @@ class MuscleCurves:
 
 
 class StateCurves:
-    """Force over level of every state of a bundle, (B8), at any strain."""
+    """Force over level of every state of a bundle, (B8), at any strain, by the muscles' laws."""
 
     def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
         """**Arguments:** `bundle` of NumPy's numbers; `supply`: $P_s$ [Pa]; `states` of the scheme:

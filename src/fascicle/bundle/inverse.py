@@ -253,7 +253,9 @@ def _least_energy(
 
 
 def _status(is_reached: Array, value: Array, force: Array) -> Array:
-    """Status of each demand of a `force` [N], of which the nearest reached is `value` [N]."""
+    """Status of each demand of a `force` [N]: reached, or above or below the nearest `value` [N]
+    that the bundle reaches.
+    """
     return np.where(is_reached, REACHED, np.where(value < force, ABOVE, BELOW))
 
 

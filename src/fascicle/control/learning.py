@@ -128,7 +128,9 @@ class CorrectedMuscles(MuscleWrapper):
         return self.muscles.columns
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-], with corrected forces."""
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-], with corrected forces.
+        """
         surface = self.muscles.at(pressure, strain)
         xp = array_namespace(pressure, strain)
         forces, nodes, eps = map(xp.asarray, (self.forces, self.pressures, self.grid_strains))

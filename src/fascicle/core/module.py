@@ -119,9 +119,9 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
 
 class cached_number(cached_property):  # noqa: N801 as `cached_property`
-    """A cached property of NumPy's numbers.
+    """A property that is cached if its value is NumPy's, and computed anew if it is JAX's.
 
-    Arrays of JAX are computed again: a tracer must not outlive its trace.
+    A tracer must not outlive its trace.
     """
 
     def __get__(self, instance: Any, owner: type | None = None) -> Any:

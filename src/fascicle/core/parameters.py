@@ -36,7 +36,9 @@ POSITIVE = Transform(log, exp)  # of a positive constant: a fit moves it by fact
 
 
 def symmetric_scale(scale: float) -> Transform:
-    """Scale in fits of a constant of either sign; `scale` [SI]: a large step."""
+    """Linear scale in fits of a constant of either sign: its coordinate is the value over `scale`
+    [SI], a large step.
+    """
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
 
 

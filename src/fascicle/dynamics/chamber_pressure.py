@@ -72,7 +72,8 @@ class ChamberEvaluation(NamedTuple):
 
     @property
     def pressure_slope(self) -> Numbers:
-        """Slope of the residual by pressure as walls do work, the denominator of (T4):
+        """Slope of the residual by pressure, when the walls' work changes the state as the volume
+        follows pressure, the denominator of (T4):
         $g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI].
         """
         return self.residual.by_pressure + self.volume_sensitivity * self.by_pressure
@@ -110,7 +111,9 @@ class ChamberEvaluation(NamedTuple):
 def evaluate_chambers(
     plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers
 ) -> ChamberEvaluation:
-    """Evaluate `chambers` [SI] of a `plant` at `strains` [-] and `pressures` [Pa]."""
+    """Volumes and residual (F12) of `chambers` [SI] of a `plant` at `strains` [-] and given
+    `pressures` [Pa], which aren't solved for.
+    """
     return assemble_chambers(plant, chambers, pressures, *muscle_volumes(plant, strains, pressures))
 
 
@@ -177,8 +180,9 @@ class ProjectedChambers(NamedTuple):
 def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
-    """Conserved states $k$ [SI], which no motion of the walls changes, (T6), of states `chambers`
-    [SI] of a `chamber` at `pressures` [Pa], with `volumes` of muscles [m³].
+    """Conserved states $k$ [SI], (T6), of states `chambers` [SI] of a `chamber` at `pressures`
+    [Pa], with `volumes` of muscles [m³]: mass, and $U + p V$ where the state holds an energy. Their
+    rates have no term in the rate of volume.
     """
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 

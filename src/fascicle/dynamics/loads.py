@@ -42,7 +42,8 @@ _field_of_any_sign = partial(interval_field, low=-np.inf, high=np.inf, default=0
 
 
 class Stop(Module):
-    """Stop with two ends of a stroke, equation (T2), with $s_0$ of a millimeter or milliradian.
+    """Stop with a spring and a damper at each of two ends of a stroke, equation (T2): the damper
+    comes in with depth, half of it at a depth $s_0$ of a millimeter or milliradian.
 
     `low`, `high`: the ends, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
@@ -86,9 +87,9 @@ class Stop(Module):
 class AbstractLoad(Module):
     """Load with one coordinate.
 
-    `arms`: contraction of each bundle's plates at $q = 0$ [m], and per unit of $q$ [m/m or m/rad];
-    by default one bundle contracts as $q$ rises. `unit`: of the coordinate. `prescribed`: the
-    motion is given.
+    `arms`: how much shorter the distance of each bundle's plates is at $q = 0$ [m], and per unit of
+    $q$ [m/m or m/rad]; by default one bundle contracts as $q$ rises. `unit`: of the coordinate.
+    `prescribed`: the motion is given.
     """
 
     unit: ClassVar[str] = "m"
@@ -97,7 +98,9 @@ class AbstractLoad(Module):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """For each bundle its contraction at $q = 0$ [m] and per unit of $q$ [SI]: one, (0, 1)."""
+        """For each bundle the shortening of its plates' distance at $q = 0$ [m] and per unit of $q$
+        [SI], by default of one bundle (0, 1).
+        """
         return ((0.0, 1.0),)
 
     @property
@@ -233,7 +236,9 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """For each bundle its contraction at $q = 0$ [m] and the radius, with its sign [m/rad]."""
+        """For each bundle the shortening of its plates' distance at $q = 0$ [m] and the radius,
+        with its sign [m/rad].
+        """
         return (self.contraction, self.radius), (self.contraction, -self.radius)
 
     @property

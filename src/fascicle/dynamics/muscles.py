@@ -44,7 +44,9 @@ class AbstractMuscles(Module):
 
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-]."""
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-].
+        """
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
@@ -91,7 +93,9 @@ class MuscleTables(AbstractMuscles):
         return cls(surface, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-], (V3)."""
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-], (V3).
+        """
         return lookup(self.table, pressure, strain, self.indices)
 
     @property
@@ -130,7 +134,9 @@ class ExactMuscles(AbstractMuscles):
         return cls(groups, indices, strains, np.full(len(muscles), highest_pressure))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-], (V2)."""
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-], (V2).
+        """
         P = minimum(maximum(pressure, 0.0), self.highest_pressure)
         eps = minimum(maximum(strain, self.strains[0]), self.strains[1])
         surfaces = [
@@ -218,8 +224,8 @@ class GeometricMuscles(MuscleWrapper):
     walls: Numbers
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-], with the wrapped muscles'
-        volume.
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-], with the wrapped muscles' volume.
         """
         return self.muscles.at(pressure, strain)
 

@@ -77,7 +77,9 @@ def observe(
 
 
 def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
-    """Status of each unit's chamber and muscles, as bits of `STATUS`."""
+    """Status of a plant, as bits of `STATUS`: one set by any unit's chamber or muscles counts for
+    all, beside those of supply and stop.
+    """
     q, P, eps = evaluation.position, evaluation.fluid.pressures, evaluation.strains
     xp = array_namespace(q, P)
     flags, stop = xp.any, plant.load.stop

@@ -162,7 +162,7 @@ class Plant(Module):
 
     @property
     def gains(self) -> Numbers:
-        """Ratio $g_i$ of each unit's contraction to the load's coordinate [SI]."""
+        """Slope $g_i$ of each unit's strain by the load's coordinate [SI]: 1/m, or 1/rad."""
         return self._arms(1) / self.lengths
 
     @property
@@ -183,8 +183,8 @@ class Plant(Module):
         return commands
 
     def chambers_at(self, pressures: Numbers, position: Batch) -> Numbers:
-        """States of its chambers [SI] at `pressures` [Pa], as warm as the room, with the load at
-        `position` [SI].
+        """States of its chambers [SI] at `pressures` [Pa], at the temperature of the chamber's
+        `state_at`, with the load at `position` [SI].
         """
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = self.strains(np.asarray(position)[..., None])

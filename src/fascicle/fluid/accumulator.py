@@ -104,7 +104,7 @@ class Accumulator(AbstractSupply):
         return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
     def pressure_at(self, state: Numbers) -> Batch:
-        """Gauge pressure [Pa] in a `state` [SI], equation (F18)."""
+        """Gauge pressure [Pa] of a `state` [SI], the mass of liquid; (F18) by Newton's method."""
         m, n, room = state[..., 0], self.exponent, self.room_pressure
         p_0 = self.precharge + room
         fill = minimum(m / (self.liquid.reference_density * self.volume), _FULL)
@@ -140,7 +140,7 @@ class Accumulator(AbstractSupply):
         return mass * self.liquid.stored_energy(pressure) + gas - self.room_pressure * V_l
 
     def stored_energy(self, state: Numbers) -> Batch:
-        """Energy [J] of a `state` [SI], equation (F19)."""
+        """Energy [J] of a `state` [SI], the mass of liquid, over the empty one's, (F19)."""
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
@@ -148,7 +148,9 @@ class Accumulator(AbstractSupply):
         return state[..., 0] <= 0
 
     def _log_ratio(self, pressure: BatchLike) -> Batch:
-        """Logarithm $x$ of the compression, (F18) [-], at gauge `pressure` [Pa]."""
+        """Logarithm $x$ of the gas's volume without liquid over its volume at gauge `pressure`
+        [Pa], (F18) [-].
+        """
         p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
         return log(guarded(p > 0, p, p_0) / p_0) / self.exponent
 

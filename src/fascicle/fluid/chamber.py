@@ -74,7 +74,9 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
+        """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room, or, for
+        `Polytropic`, as its law (F15) makes it.
+        """
 
     @abc.abstractmethod
     def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:

@@ -50,7 +50,9 @@ class AbstractGasChamber(AbstractChamber):
         return self.gas.specific_gas_constant * self.room_temperature
 
     def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:
-        """Mass [kg] at gauge `pressure` [Pa] and the room's temperature in a `volume` [m³]."""
+        """Mass [kg] at gauge `pressure` [Pa] and the room's temperature in a `volume` [m³] and the
+        dead volume.
+        """
         rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
         return rho * (volume + self.dead_volume)
 

@@ -62,8 +62,8 @@ class LiquidChamber(AbstractMassChamber):
         return StateResidual(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
 
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding
-        above the vapor pressure.
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, by Newton's
+        method: exact to rounding where it is above the vapor pressure, not limited to it.
         """
         P = 0.0 * (state[..., 0] + volume)
         for _ in range(_STEPS):

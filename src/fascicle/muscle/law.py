@@ -132,6 +132,7 @@ class LawRegistry(Mapping[str, type[Law]]):
         raise InvalidInputError(self._argument, rule, value)
 
     def _modules(self) -> list[str]:
+        """Names of the modules in the registry's package, sorted."""
         return sorted(module.name for module in pkgutil.iter_modules(self._path))
 
     def _load_all(self) -> None:

@@ -75,13 +75,13 @@ def muscle_line(muscle: Any) -> str:
 
 def law_text(law: Any) -> str:
     """Name of a law with its constants and switches."""
-    numbers = _constants(law)
+    numbers = _constants_text(law)
     return f"{law.name}: {numbers}" if numbers else law.name
 
 
 def material_text(material: Any) -> str:
     """Name of a material with its constants."""
-    name, numbers = _material_name(material), _constants(material) or type(material).__name__
+    name, numbers = _material_name(material), _constants_text(material) or type(material).__name__
     return f"{name}: {numbers}" if name else numbers
 
 
@@ -113,6 +113,7 @@ def _material_name(material: Any) -> str:
 
 
 def _spaced(name: str) -> str:
+    """The `name` with spaces for underscores."""
     return name.replace("_", " ")
 
 
@@ -121,7 +122,8 @@ def _range_text(owner: Any, name: str, dimension: str) -> str:
     return format_range(getattr(owner, name), lambda x: pretty(x, dimension))
 
 
-def _constants(law: Declared) -> str:
+def _constants_text(law: Declared) -> str:
+    """Text of the constants and switches of a `law`, with the values that this object has."""
     numbers = [
         f"{_spaced(c.name)} {_range_text(law, c.name, c.dimension)}" for c in law.constants()
     ]

@@ -146,8 +146,8 @@ def check_strain(
 
 
 def extension_message(strain: Batch, straight: Batch) -> str:
-    """Warning of a negative `strain` [-], an extension past 2 %, else an empty text; `straight`:
-    strain at which fibers are straight [-], which broadcasts.
+    """Warning if the lowest `strain` [-] extends the muscle by more than 2 %, else an empty text;
+    `straight`: strain at which fibers are straight [-], which broadcasts.
     """
     if not is_concrete(strain) or not np.size(strain):
         return ""

@@ -55,7 +55,9 @@ class SoftEnds(MuscleWrapper):
         return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Surface of each at its `pressure` [Pa] and `strain` [-]."""
+        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+        [Pa] and `strain` [-].
+        """
         low, K = self.muscles.strains[0], self.edge_stiffness
         edge = self.muscles.at(pressure, maximum(strain, low))
         past = minimum(strain - low, 0.0)

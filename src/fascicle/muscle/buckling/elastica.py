@@ -178,7 +178,9 @@ class Elastica(AbstractBuckling):
 
 
 class _State(NamedTuple):
-    """Bent state at an arc's strain: load $G$, chord $c$ and strain [-], with slopes in it."""
+    """Bent state at an arc's strain: load $G$, chord over arc $c$ and the ends' strain [-], with
+    slopes in the arc's strain.
+    """
 
     pull: Pull
     load: Batch
@@ -190,7 +192,9 @@ class _State(NamedTuple):
 
 
 def _state_at_arc(column: Column, arc: Batch) -> _State:
-    """State (E6) whose arc has the strain `arc` [-]; straight where $G$ is above $\\pi^2/4$."""
+    """Load, chord and ends' strain, with slopes, of the elastica (E6) whose arc has the strain
+    `arc` [-]; where its load $G$ is above $\\pi^2/4$ it can't bend, and the chord is the arc.
+    """
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)

@@ -67,7 +67,7 @@ class AbstractEnds(AbstractLaw):
 
     @property
     def compliance(self) -> Batch:
-        """Compliance of both ends together [m/N]."""
+        """Compliance of both ends together [m/N]; zero by default."""
         return 0.0
 
     def strain_ratio(self, length: BatchLike) -> Batch:
@@ -78,7 +78,9 @@ class AbstractEnds(AbstractLaw):
         return 1.0
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
+        """Force [N] of the `tension` law and its slope at `pressure` [Pa] and the muscle's `strain`
+        [-], which by default is the bladder's.
+        """
         return tension.bladder_pull(pressure, strain)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
@@ -145,7 +147,9 @@ class Compliant(AbstractEnds):
         return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
+        """Force [N] of the `tension` law and its slope at `pressure` [Pa] and the muscle's `strain`
+        [-]: (E8) is solved for the bladder's strain, at which the law is evaluated.
+        """
         L0 = tension.bladder.braid.length
         pull = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
         s = self.strain_ratio(L0)
