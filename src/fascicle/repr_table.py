@@ -29,7 +29,7 @@ class ReprTable(NamedTuple):
         width = max((len(name) for name, _ in self.facts), default=0)
         blocks = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
         if self.rows:
-            blocks.append(_lines(self.heads, _ends(self.rows)))
+            blocks.append(_aligned_lines(self.heads, _ends(self.rows)))
         if self.notes:
             blocks.append([f"  {note}" for note in self.notes])
         return "\n\n".join("\n".join(block) for block in blocks)
@@ -37,23 +37,23 @@ class ReprTable(NamedTuple):
     def html(self) -> str:
         """Table as a piece of HTML."""
         facts = "".join(
-            f'<tr><th style="text-align:left;padding-right:1em">{_safe(name)}</th>'
-            f'<td style="text-align:left">{_safe(value)}</td></tr>'
+            f'<tr><th style="text-align:left;padding-right:1em">{_escape(name)}</th>'
+            f'<td style="text-align:left">{_escape(value)}</td></tr>'
             for name, value in self.facts
         )
         # digits are aligned, also on a page without a style for tables
         style = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
-        heads = "".join(f"<th {style}>{_safe(head)}</th>" for head in self.heads)
+        heads = "".join(f"<th {style}>{_escape(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td {style}>{_safe(entry)}</td>" for entry in row) + "</tr>"
+            "<tr>" + "".join(f"<td {style}>{_escape(entry)}</td>" for entry in row) + "</tr>"
             for row in _ends(self.rows)
         )
         table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
         return (
-            f"<div><strong>{_safe(self.title)}</strong>"
+            f"<div><strong>{_escape(self.title)}</strong>"
             + (f"<table><tbody>{facts}</tbody></table>" if facts else "")
             + (table if rows else "")
-            + "".join(f"<p>{_safe(note)}</p>" for note in self.notes)
+            + "".join(f"<p>{_escape(note)}</p>" for note in self.notes)
             + "</div>"
         )
 
@@ -71,7 +71,7 @@ def with_table_repr(
             kind.__repr__ = _if_concrete(line, default)
         kind.__str__ = _if_concrete(lambda obj: table(obj).text(), default)
         kind._repr_html_ = _if_concrete(
-            lambda obj: table(obj).html(), lambda obj: f"<pre>{_safe(default(obj))}</pre>"
+            lambda obj: table(obj).html(), lambda obj: f"<pre>{_escape(default(obj))}</pre>"
         )
         kind._repr_pretty_ = lambda obj, printer, _: printer.text(str(obj))
         return kind
@@ -119,7 +119,7 @@ def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
     return [*rows[:half], [omission, *[""] * (len(rows[0]) - 1)], *rows[-half:]]
 
 
-def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+def _aligned_lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     table = [heads, *rows]
     widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
     return [
@@ -128,7 +128,7 @@ def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     ]
 
 
-def _safe(text: str) -> str:
+def _escape(text: str) -> str:
     import html  # rarely needed
 
     return html.escape(text)

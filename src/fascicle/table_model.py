@@ -96,12 +96,12 @@ def validation_message(
     # a single muscle's name is empty
     keys = [key for i, key in enumerate(path) if key != "" or i != 1 or path[0] != "muscle"]
     if kind == "extra_forbidden":
-        field = _field(model, location[:-1])
+        field = _field_at(model, location[:-1])
         section: Any = next(iter(_models(getattr(field, "annotation", None))), model)
         hint = did_you_mean(str(keys[-1]), section.known_keys(value_at(data, path[:-1])))
         return location_message(source, keys, f"unknown key{hint}")
     if kind == "missing":
-        examples = getattr(_field(model, location), "examples", None) or [""]
+        examples = getattr(_field_at(model, location), "examples", None) or [""]
         example = examples[0] if examples[0][:1] == "[" else f"{keys[-1]} = {examples[0]}"
         remedy = f", write {example}" if examples[0] else ""
         return location_message(source, keys, f"missing{remedy}.")
@@ -150,7 +150,7 @@ def _toml_key(key: Any) -> str:
     return quoted if len(quoted) <= 42 else quoted[:40] + "…"
 
 
-def _field(model: type[BaseModel], location: Sequence[Any]) -> Any:
+def _field_at(model: type[BaseModel], location: Sequence[Any]) -> Any:
     """Field of the model at a path, without names and indices that aren't fields."""
     field = None
     for key in location:

@@ -81,7 +81,7 @@ def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibr
     start = lowest_free if load is None else pressurized.least_strain + zero
     target = zero if load is None else load[:, None]
     kinks = np.clip(pressurized.kinks[:, :, 0], start, end)
-    nodes, force = _nodes(
+    nodes, force = _separating_nodes(
         pressurized, target[:, 0], np.sort(np.concatenate([start, *kinks, end], axis=1), axis=1)
     )
     pulls = force > 0
@@ -109,7 +109,9 @@ def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibr
     return Equilibria(strain, np.pad(falls, padding), count)
 
 
-def _nodes(bundles: PressurizedBundle, load: Numbers, ends: Numbers) -> tuple[Numbers, Numbers]:
+def _separating_nodes(
+    bundles: PressurizedBundle, load: Numbers, ends: Numbers
+) -> tuple[Numbers, Numbers]:
     """Strains [-] of nodes with one equilibrium at most between two, and the force beyond a `load`
     [N] there, for each bundle in order; `ends`: of its stretches, rising [-].
     """

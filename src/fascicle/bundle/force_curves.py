@@ -339,12 +339,12 @@ def _find_roots(
         # a kink moves through the cells between two columns of the table
         slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
         cells = _may_reach_zero(forces - target[:, None], slack)
-    row, level, _ = _search(searches, cells, np.zeros(len(demand)))
+    row, level, _ = _roots_in_cells(searches, cells, np.zeros(len(demand)))
     unreached = np.flatnonzero(~np.isin(demand, demand[row]))
     exact = np.ones(len(row), bool)
     if len(unreached):
         remaining = Searches(curves, *(x[unreached] for x in searches[1:]))
-        index, levels, points = _search(remaining, every_cell[: len(unreached)], None)
+        index, levels, points = _roots_in_cells(remaining, every_cell[: len(unreached)], None)
         owner, distance = remaining.demand[points.row], np.abs(points.excess)
         smallest = np.full(len(force), np.inf)
         np.minimum.at(smallest, owner, distance)
@@ -359,7 +359,9 @@ def _find_roots(
     return Roots(demand[row], state[row], level[order], exact[order])
 
 
-def _search(searches: Searches, cells: Array, slack: Array | None) -> tuple[Array, Array, Points]:
+def _roots_in_cells(
+    searches: Searches, cells: Array, slack: Array | None
+) -> tuple[Array, Array, Points]:
     """Roots by row and level [-] in some cells, and all points that were evaluated. `slack`: how
     far from the target [N] an extremum is of interest; `None`: as far as the nearest node.
     """

@@ -106,7 +106,7 @@ def recruit(
         P = bundle._check_pressures(present)
         arrays.append((P, (units,)))
         shapes["present"] = np.shape(P)[:-1]
-    shape, solve, xp = broadcast_shape(**shapes), _solve, np
+    shape, solve, xp = broadcast_shape(**shapes), _solve_demands, np
     if not (bundle.is_numpy and is_numpy(supply, *(x for x, _ in arrays))):
         import jax.numpy as xp
 
@@ -115,7 +115,7 @@ def recruit(
     return solve(bundle, supply, *values, scheme=scheme, resistance=bool(resistance))
 
 
-def _solve(
+def _solve_demands(
     bundle: Bundle, supply: Any, force: Array, strain: Array, *present: Array,
     scheme: AbstractScheme, resistance: bool,
 ) -> RecruitmentResult:  # fmt: skip
@@ -181,7 +181,7 @@ def _best_solution(
         pressures=states.pressures(state, roots.level[best], curves.supply),
         state=state + 1,
         force=forces[best],
-        status=_status(roots.exact[best], forces[best], force),
+        status=_demand_status(roots.exact[best], forces[best], force),
         stable=slopes[best] < 0,
         solutions=solutions,
         count=count,
@@ -248,11 +248,11 @@ def _least_energy(
         np.where(is_reached, state, 0)[:, None],
         (is_reached & stable)[:, None],
     )
-    status, count = _status(is_reached, value, force), is_reached.astype(int)
+    status, count = _demand_status(is_reached, value, force), is_reached.astype(int)
     return RecruitmentResult(pressures, state, value, status, stable, solutions, count, unit + 1)
 
 
-def _status(is_reached: Array, value: Array, force: Array) -> Array:
+def _demand_status(is_reached: Array, value: Array, force: Array) -> Array:
     """Status of each demand of a `force` [N]: reached, or above or below the nearest `value` [N]
     that the bundle reaches.
     """
@@ -306,7 +306,7 @@ def _solve_traced(
     slots = 1 if states.independent else _SLOTS_PER_STATE * states.size + 2
 
     def solve(*arguments: Any) -> RecruitmentResult:
-        result = _solve(*arguments, scheme=scheme, resistance=resistance)
+        result = _solve_demands(*arguments, scheme=scheme, resistance=resistance)
         return result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
 
     backend = jax_backend()

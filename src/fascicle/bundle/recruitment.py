@@ -108,7 +108,7 @@ class Workspace:
         force where the bundle would push.
         """
         low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
-        return _outline(self.strain, low, high, self.high[state - 1] >= 0)
+        return _boundary(self.strain, low, high, self.high[state - 1] >= 0)
 
 
 @dataclass(frozen=True)
@@ -131,10 +131,10 @@ class Overlap:
     def outline(self, pair: int) -> Outline:
         """Outline of the overlap in row `pair`: strain [-] and force [N]; empty without one."""
         low, high = self.low[pair], self.high[pair]
-        return _outline(self.strain, low, high, np.isfinite(low))
+        return _boundary(self.strain, low, high, np.isfinite(low))
 
 
-def _outline(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
+def _boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
     """Strains [-] there and back, with the `high` edge [N] there and the `low` one back."""
     strain, low, high = strain[inside], low[inside], high[inside]
     return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]

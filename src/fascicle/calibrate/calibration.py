@@ -328,7 +328,7 @@ def estimates(
         return ()
     z, deviations = np.asarray(coordinates), np.sqrt(np.diag(covariance))
     fitted, start = value_of(problem, z), value_of(problem, problem.center)
-    rows, prior = [], _default_deviations(problem)
+    rows, prior = [], _prior_deviations(problem)
     for i, (parameter, deviation) in enumerate(zip(problem.parameters, deviations, strict=True)):
         if parameter.linear:
             slope = slope_of(problem, z)[i]
@@ -347,7 +347,7 @@ def estimates(
     return tuple(rows)
 
 
-def _default_deviations(problem: Problem) -> np.ndarray:
+def _prior_deviations(problem: Problem) -> np.ndarray:
     """Deviations of the priors; of gauge errors the defaults, before readings without pressure."""
     grid, length = problem.grid, float(problem.muscle.length)
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)

@@ -236,7 +236,7 @@ def tension_fits(
 def row(label: str, calibration: Calibration) -> Row:
     """Row of a calibration with this `label`."""
     forces = calibration.force, left_out_force(calibration)
-    return _row(label, len(calibration.names), forces, calibration, calibration.status)
+    return _row_from_forces(label, len(calibration.names), forces, calibration, calibration.status)
 
 
 def ranked(rows: Sequence[Row]) -> list[Row]:
@@ -246,7 +246,7 @@ def ranked(rows: Sequence[Row]) -> list[Row]:
     return sorted(relative, key=lambda row: row.aic)
 
 
-def _row(
+def _row_from_forces(
     label: str,
     free: int,
     forces: tuple[np.ndarray, np.ndarray],
@@ -308,8 +308,8 @@ def compare_published(calibration: Calibration) -> list[tuple[Row, np.ndarray]]:
         label += ": {} wide, this muscle {}".format(*widths)
     again = (refitted, left_out)
     return [
-        (_row(label, 0, (published, published), calibration, "not fitted"), published),
-        (_row("Sárosi, refitted", 6, again, calibration, "converged"), refitted),
+        (_row_from_forces(label, 0, (published, published), calibration, "not fitted"), published),
+        (_row_from_forces("Sárosi, refitted", 6, again, calibration, "converged"), refitted),
     ]
 
 

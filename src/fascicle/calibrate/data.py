@@ -274,7 +274,7 @@ def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) ->
     rows = np.split(order, np.flatnonzero(np.diff(level[order])) + 1)
     column = np.zeros(len(record), dtype=int)
     for points in rows:
-        column[points] = _columns(record, points, max_readings)
+        column[points] = _assign_columns(record, points, max_readings)
     shape = len(rows), int(column.max()) + 1
     flat = level * shape[1] + column
     count = np.bincount(flat, minlength=shape[0] * shape[1]).astype(float).reshape(shape)
@@ -315,7 +315,7 @@ def assign_levels(pressure: np.ndarray) -> np.ndarray:
     return levels
 
 
-def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarray:
+def _assign_columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarray:
     """Columns of a level's readings: one for each, or one for each step of strain."""
     if points.size <= max_readings:
         return np.arange(points.size)

@@ -138,11 +138,11 @@ def _profile(
 def _crossings(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:
     """Values where a profile first crosses the critical rise on either side of its lowest point."""
     middle = int(np.argmin(rise))
-    cross = partial(_crossing, value, rise)
+    cross = partial(_interval_end, value, rise)
     return cross(range(middle, -1, -1), -np.inf), cross(range(middle, rise.size), np.inf)
 
 
-def _crossing(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: float) -> float:
+def _interval_end(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: float) -> float:
     for inner, outer in itertools.pairwise(indices):
         if rise[outer] > _CRITICAL:
             # deviations are nearly linear in the value, their squares are not

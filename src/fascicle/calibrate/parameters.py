@@ -278,15 +278,15 @@ def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> 
 
 def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
     """Values of `parameters` in a `muscle` [SI unit of each]."""
-    return _stack([parameter.value(muscle) for parameter in parameters])
+    return _stack_or_empty([parameter.value(muscle) for parameter in parameters])
 
 
 def coordinates(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
     """Coordinates of `parameters` in a `muscle` [-]."""
-    return _stack([parameter.coordinate(muscle) for parameter in parameters])
+    return _stack_or_empty([parameter.coordinate(muscle) for parameter in parameters])
 
 
-def _stack(numbers: Sequence[Batch]) -> Batch:
+def _stack_or_empty(numbers: Sequence[Batch]) -> Batch:
     xp = array_namespace(*numbers)
     return xp.stack(numbers) if numbers else xp.zeros(0)
 

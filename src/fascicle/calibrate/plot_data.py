@@ -82,8 +82,8 @@ def fit_plot(
     """
     grid, readings = calibration.grid, calibration.readings
     P, noise = grid.pressure[:, 0], calibration.problem.noise
-    strain, force, curve = _strains(grid, points)
-    fitted = _curve(calibration, curve)
+    strain, force, curve = _plot_strains(grid, points)
+    fitted = _curve_forces(calibration, curve)
     scatter = np.full(curve.shape, noise)
     if readings is not None:
         scatter = np.where(curve <= calibration.free_strain[:, None], readings.noise, noise)
@@ -136,7 +136,7 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     """
     grid = tabulate(record).grid
     P = np.clip(grid.pressure, 0.0, HIGHEST_PRESSURE)
-    strain, force, curve = _strains(grid)
+    strain, force, curve = _plot_strains(grid)
     errors = force - np.asarray(muscle.force(P, np.where(grid.used, strain, 0.0)))
     residual = np.where(grid.measured, errors, np.nan)
     return plot.FitPlot(
@@ -190,8 +190,8 @@ def laws_plot(calibration: Calibration, comparison: LawComparison) -> loops.Laws
     levels = np.flatnonzero(grid.measured.any(axis=1))
     if levels.size > _PANELS:
         levels = levels[np.linspace(0, levels.size - 1, _PANELS).round().astype(int)]
-    strain, force, curve = _strains(grid)
-    curves = {label: _curve(fit, curve)[levels] for label, fit in comparison.fits.items()}
+    strain, force, curve = _plot_strains(grid)
+    curves = {label: _curve_forces(fit, curve)[levels] for label, fit in comparison.fits.items()}
     for label, constants in comparison.published.items():
         curves[label] = sarosi(constants, replace(grid, strain=curve))[levels]
     return loops.LawsPlot(
@@ -201,14 +201,14 @@ def laws_plot(calibration: Calibration, comparison: LawComparison) -> loops.Laws
     )  # fmt: skip
 
 
-def _strains(grid: Grid, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _plot_strains(grid: Grid, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Strains [-] and forces [N] of a `grid`, NaN for padding, and strains of its curves [-]."""
     strain, force = (np.where(grid.used, values, np.nan) for values in (grid.strain, grid.force))
     low, high = np.nanmin(strain, axis=1), np.nanmax(strain, axis=1)
     return strain, force, np.linspace(low, high, points, axis=1)
 
 
-def _curve(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
+def _curve_forces(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     """Forces [N] of the fitted muscle; without measured pushes, up to the free strain only."""
     # a corrected pressure may lie a little below zero
     muscle, P = calibration.muscle, np.maximum(calibration.grid.pressure, 0.0)

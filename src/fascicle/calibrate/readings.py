@@ -112,14 +112,14 @@ def read(muscle: Muscle, grid: Grid) -> Readings:
     # a first line through readings that certainly pull gives the strain at which the pull ends
     w = np.where(grid.measured, count, 0.0)
     certain = w * (_PULLING * np.max(np.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
-    ends = invert_force(law, P, _line(T, F, certain, count).offset)
+    ends = invert_force(law, P, _regress(T, F, certain, count).offset)
     pulling = w * (strain <= ends[:, None])
 
     scale = safe(_WINDOW * ends[:, None])
     start_weight = pulling * np.exp(-0.5 * (strain / scale) ** 2)
     end_weight = pulling * np.exp(-0.5 * ((strain - ends[:, None]) / scale) ** 2)
-    start, end = _line(T, F, start_weight, count), _line(T, F, end_weight, count)
-    noise = _scatter(T, F, pulling * pressurized[:, None])
+    start, end = _regress(T, F, start_weight, count), _regress(T, F, end_weight, count)
+    noise = _reading_scatter(T, F, pulling * pressurized[:, None])
 
     blocked = start.value + start.slope * (blocked_law - start.center)
     blocked_deviation = noise * np.sqrt(start.variance(blocked_law))
@@ -200,7 +200,7 @@ def _top(pressure: np.ndarray) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
+class _Regression:
     """Weighted straight lines through measured forces over the law's, level by level.
 
     `value` [N] at a `center` [N] and `slope` [-]; `spread`: variance of the value, covariance, and
@@ -223,7 +223,7 @@ class _Line:
         return a + 2 * dT * b + dT**2 * c
 
 
-def _line(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Line:
+def _regress(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Regression:
     """Regress `F` [N] on `T` [N] with `weight`, for means of `count` readings."""
 
     def mean(values: np.ndarray) -> np.ndarray:
@@ -239,10 +239,10 @@ def _line(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -
     square = weight**2 / np.where(count > 0, count, np.inf)
     sums = [np.sum(square * dT**power, axis=1) for power in range(3)]
     spread = sums[0] / total**2, sums[1] / (total * moment), sums[2] / moment**2
-    return _Line(center, value, slope, spread)
+    return _Regression(center, value, slope, spread)
 
 
-def _scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
+def _reading_scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
     """Standard deviation of a reading of `F` [N], about a parabola in `T` [N] at each level."""
     t = T / safe(np.max(np.abs(T), axis=1, keepdims=True))
     basis = np.stack([np.ones_like(t), t, t**2], axis=-1) * np.sqrt(weight)[..., None]

@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     warnings.showwarning = _warning_printer()
     hook, sys.unraisablehook = sys.unraisablehook, _exit_on_interrupt
     try:
-        code, message = _run(arguments)
+        code, message = _run_command(arguments)
     except KeyboardInterrupt:
         code, message = _INTERRUPTED, ""
     finally:
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(code)
 
 
-def _run(arguments: list[str]) -> tuple[int, str]:
+def _run_command(arguments: list[str]) -> tuple[int, str]:
     """Run the command line `arguments`; exit code, and one line for any error."""
     try:
         commands = import_module("fascicle.cli.commands")  # by name: commands import this package

@@ -80,7 +80,7 @@ def read_target(target: str) -> Any:
 
     if not is_path(target) and target in scenarios():
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    _check_name(target, named_muscles())
+    _check_target(target, named_muscles())
     load_laws()
     from ..files.muscle_files import load_muscle  # `files.load` reads scenarios, too: needs JAX
 
@@ -92,7 +92,7 @@ def read_scenario(target: str) -> Any:
     """Read a `Scenario` by path or name; a file of that name comes first."""
     from ..files import example, scenarios
 
-    _check_name(target, list(scenarios()))
+    _check_target(target, list(scenarios()))
     load_laws()
     from ..files import load_scenario  # imports JAX, whose settings come first
 
@@ -100,7 +100,7 @@ def read_scenario(target: str) -> Any:
         return load_scenario(target) if is_path(target) else example(target)
 
 
-def _check_name(target: str, names: list[str]) -> None:
+def _check_target(target: str, names: list[str]) -> None:
     """Refuse a target that is neither a path nor one of the `names`."""
     if is_path(target) or target in names:
         return

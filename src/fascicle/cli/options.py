@@ -132,7 +132,7 @@ class Command(TyperCommand):
         for parameter, count in Counter[Any](order).items():
             single = parameter.param_type_name == "option" and not parameter.is_flag
             if count > 1 and single and not parameter.multiple:
-                name, remedy = _name(parameter), "give it once"
+                name, remedy = _longest_spelling(parameter), "give it once"
                 if parameter.metavar == "LIST":
                     remedy = f"pass one comma-separated list: {name} VALUE,VALUE"
                 times = "twice" if count == 2 else f"{count} times"
@@ -170,10 +170,10 @@ class Command(TyperCommand):
         for parameter in self.get_params(ctx):
             value = ctx.params.get(parameter.name)
             if isinstance(value, str) and parameter.metavar in OUTPUTS:
-                outputs[_name(parameter)] = value
+                outputs[_longest_spelling(parameter)] = value
                 is_folder = parameter.metavar in _FOLDERS and self.name != "export"
                 if is_folder or value.endswith(".zarr"):
-                    folders.append(_name(parameter))
+                    folders.append(_longest_spelling(parameter))
         paths = {}
         for name, text in outputs.items():
             with contextlib.suppress(OSError, RuntimeError, ValueError):  # no path, such as a NUL
@@ -194,7 +194,7 @@ class Command(TyperCommand):
         text, cause = str(error), error.__cause__
         if not isinstance(cause, InvalidInputError):
             return text
-        names = {p.name: _name(p) for p in self.params if p.param_type_name == "option"}
+        names = {p.name: _longest_spelling(p) for p in self.params if p.param_type_name == "option"}
         names |= {argument: names[p] for argument, p in _PARAMETERS.items() if p in names}
         if cause.argument == "supply_pressure" and cause.value is None and "supply" in names:
             return f"--supply is required: {cause.remedy}; give one, such as --supply 400kPa."
@@ -203,7 +203,7 @@ class Command(TyperCommand):
         return re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), text)
 
 
-def _name(parameter: Any) -> str:
+def _longest_spelling(parameter: Any) -> str:
     """Longest spelling of an option, the first of several."""
     return max(parameter.opts, key=len)
 

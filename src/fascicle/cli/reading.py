@@ -144,7 +144,7 @@ def read_record(
                     assumed = True
             record = join(records)
         except MissingMetadataError as error:
-            raise ValueError(error.message(_option)) from None
+            raise ValueError(error.message(_record_option)) from None
     notes = tuple(
         note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
         for note in record.notes
@@ -160,7 +160,7 @@ def read_record(
     return record, (remark,) if assumed else ()
 
 
-def _option(argument: str, role: str, value: str) -> str:
+def _record_option(argument: str, role: str, value: str) -> str:
     """An argument of `records.load` as options of the command line."""
     if argument == "constants" and role == "pressure":
         return f"--pressure '{value}'"

@@ -184,8 +184,8 @@ class Learner(NamedTuple):
         draws = [draw_bundles(bundle) for bundle in plant.bundles] if draws is None else draws
         first, parts = 0, []
         for bundle, drawn in zip(plant.bundles, draws, strict=True):
-            model = _unit_forces(bundle, grid)
-            rows = np.stack([_unit_forces(bundle, grid) - model for bundle in drawn])
+            model = _muscle_forces(bundle, grid)
+            rows = np.stack([_muscle_forces(bundle, grid) - model for bundle in drawn])
             n, last = rows[0].size, first + rows[0].size
             rows = rows.reshape(len(rows), n)
             parts.append((slice(first, last), rows.T @ rows / len(rows)))
@@ -262,7 +262,7 @@ def _blocked_forces(plant: Plant) -> Numbers:
     return np.asarray(plant.muscles.at(zero + plant.supply_pressure, zero).force)
 
 
-def _unit_forces(bundle: Bundle, grid: Correction) -> Numbers:
+def _muscle_forces(bundle: Bundle, grid: Correction) -> Numbers:
     """Force of one muscle of each unit at the nodes of a `grid` [N]; zero off its domain."""
     unique, indices = unique_indices([unit.muscle for unit in bundle.motor_units])
     forces = []

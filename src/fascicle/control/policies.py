@@ -204,10 +204,10 @@ def select_policy(
             share = 1 - failures / len(draws)
             if share < CONFIDENCE:  # the remaining draws, seconds each, can't change the choice
                 break
-    return PolicyChoice(*_select(plant, path, crossings, share), crossings, share)
+    return PolicyChoice(*_select_by_crossings(plant, path, crossings, share), crossings, share)
 
 
-def _select(
+def _select_by_crossings(
     plant: Plant, path: Path, crossings: tuple[Crossing, ...], share: float
 ) -> tuple[str, str]:
     """Policy for a plant of one bundle by its `crossings`, and the reason for it."""

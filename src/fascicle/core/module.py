@@ -158,7 +158,7 @@ class Module(ABC):
         }
         _CLASSES.append(cls)
         if (jax := imported_jax()) is not None:
-            _register(cls, jax)
+            _register_pytree(cls, jax)
 
     def __post_init__(self) -> None:
         # a check of all fields together is inherited
@@ -236,7 +236,7 @@ def repr_fields(module: Module) -> str:
     return f"{type(module).__name__}({', '.join(values)})"
 
 
-def _register(kind: type[Module], jax: Any) -> None:
+def _register_pytree(kind: type[Module], jax: Any) -> None:
     """Tell JAX the leaves and static values of a `kind` of module."""
     leaf_names, static_names = kind.leaf_names, kind.static_names
     keys = [jax.tree_util.GetAttrKey(name) for name in leaf_names]
@@ -257,7 +257,7 @@ def _register(kind: type[Module], jax: Any) -> None:
     jax.tree_util.register_pytree_with_keys(kind, flatten_with_keys, unflatten, flatten)
 
 
-call_on_import("jax", lambda jax: [_register(kind, jax) for kind in _CLASSES])
+call_on_import("jax", lambda jax: [_register_pytree(kind, jax) for kind in _CLASSES])
 
 
 def _value_text(value: Any) -> str:

@@ -82,7 +82,7 @@ def refine_sizes(
     design = design.take(np.array([0]), int(design.units[0]))
     demand, counts, sizes = Demand.from_task(task), design.counts[0], design.sizes(0)
     drawing = list(design.drawings.values())[int(design.kind[0])]
-    low, high, first = _coordinates(sizes, bounds)
+    low, high, first = _size_coordinates(sizes, bounds)
     initial = float(evaluate(design, task, [name])[name][0]) or 1.0
     sign = (1.0 if sense == "min" else -1.0) / abs(initial)
 
@@ -135,7 +135,7 @@ def refine_sizes(
     return replace(copies, length=length[:, 0], radius=radius, wall=wall, angle=angle), best
 
 
-def _coordinates(
+def _size_coordinates(
     sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[Array, Array, np.ndarray]:
     """Least and largest value and first coordinate $z$ of each size in `bounds`, for all units."""

@@ -111,7 +111,7 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
         result = replace(result, cheapest=None, nearest=row)
     draws = _budget(uncertainty, _MOST_REPORTED) // len(result.reported)
     draws = max(_FEWER_DRAWS[0], min(uncertainty.draws, draws))
-    reported = _spread(result, result.reported, uncertainty, draws)
+    reported = _spread_of_rows(result, result.reported, uncertainty, draws)
     return replace(result, safety=Safety(uncertainty, probability, judged, complete, reported))
 
 
@@ -130,7 +130,7 @@ def _first_that_holds(
         rows, positions = block, judged + 1 + np.arange(len(block))
         judged += len(rows)
         for draws in (n for n in _FEWER_DRAWS if n < all_draws):
-            probabilities = _spread(result, rows, uncertainty, draws, ()).probability
+            probabilities = _spread_of_rows(result, rows, uncertainty, draws, ()).probability
             budget -= draws * len(rows)
             best = int(np.argmax(probabilities))
             surest = max(surest, (draws, float(probabilities[best]), int(rows[best])))
@@ -140,13 +140,17 @@ def _first_that_holds(
             if not rows.size:
                 break
         for row, position in zip(rows, positions, strict=True):
-            probability = _spread(result, row[None], uncertainty, all_draws, ()).probability.item()
+            probability = _spread_of_rows(
+                result, row[None], uncertainty, all_draws, ()
+            ).probability.item()
             budget -= all_draws
             surest = max(surest, (all_draws, probability, int(row)))
             if probability >= threshold:
                 return int(row), probability, int(position), True
     row = surest[2]
-    probability = _spread(result, np.array([row]), uncertainty, all_draws, ()).probability.item()
+    probability = _spread_of_rows(
+        result, np.array([row]), uncertainty, all_draws, ()
+    ).probability.item()
     return row, probability, judged, judged == int(result.allowed.sum())
 
 
@@ -169,7 +173,7 @@ def _budget(uncertainty: Uncertainty, count: int) -> int:
     return count // (1 if uncertainty.muscles is None else _SLOWER)
 
 
-def _spread(
+def _spread_of_rows(
     result: SearchResult,
     rows: Int[np.ndarray, " design"],
     uncertainty: Uncertainty,

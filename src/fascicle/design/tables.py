@@ -71,7 +71,7 @@ def largest_force_table(
             force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
             full[block] = where(pushes[block], force[-1], full[block])
             largest[block] = maximum(largest[block], force.max(axis=0))
-        return _table(muscle, demand, needs, vented, vented_force, full, largest[None])
+        return _force_table(muscle, demand, needs, vented, vented_force, full, largest[None])
 
 
 def every_level_table(
@@ -97,11 +97,11 @@ def every_level_table(
         force = pressurized.force(strain)[0]
         levels = force[:, :points]
         vented = muscle.law.at(zero) if "size" in needs else None
-        table = _table(muscle, demand, needs, vented, levels[0], levels[-1], levels)
+        table = _force_table(muscle, demand, needs, vented, levels[0], levels[-1], levels)
     return table, force[:, points:]
 
 
-def _table(
+def _force_table(
     muscle: Muscle,
     demand: Demand,
     needs: tuple[str, ...],

@@ -99,7 +99,7 @@ def integrate(
     solution_rows, times = np.concatenate(row_blocks), np.concatenate(time_blocks)
     commands = schedule.at(times)
     arrays = (jnp.asarray(x) for x in (times, solution_rows, commands))
-    outputs, ledger, states = to_numpy(_observe(plant, *arrays))
+    outputs, ledger, states = to_numpy(_observe_rows(plant, *arrays))
     end = State(*(x[-1] for x in states))
     return Trajectory(times, outputs, commands, ledger, 0, None, end)
 
@@ -131,7 +131,7 @@ def _integrate_command(
 
 
 @jax.jit
-def _observe(
+def _observe_rows(
     plant: Plant, times: Numbers, rows: Numbers, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers, State]:
     """Outputs, the ledger with its $P V$ terms since the first row, and states at `times` [s]."""

@@ -71,12 +71,12 @@ def observe(
         flows.vented,
         flows.supply_pressure[..., 0] + 0.0 * evaluation.position,
         store,
-        _status(plant, state, evaluation, store),
+        _status_bits(plant, state, evaluation, store),
         state.supply,
     )
 
 
-def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
+def _status_bits(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
     """Status of a plant, as bits of `STATUS`: one set by any unit's chamber or muscles counts for
     all, beside those of supply and stop.
     """

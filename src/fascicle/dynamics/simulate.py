@@ -198,7 +198,7 @@ def simulate(
         length = 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], length - steps, axis=0)])
     numbered = plant, numbers, memory, inputs, begin, np.float64(dt), count
-    history, commands, last = _run(*numbered, (fixed, kind), int(substeps))
+    history, commands, last = _run_rows(*numbered, (fixed, kind), int(substeps))
     xp = jnp
     if is_concrete_run:
         history, commands, last = to_numpy((history, commands, last))
@@ -245,7 +245,7 @@ def _prepare_controller(
 
 
 @partial(jax.jit, static_argnames=("fixed", "substeps"))
-def _run(
+def _run_rows(
     plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip

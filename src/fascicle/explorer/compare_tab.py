@@ -198,7 +198,9 @@ class CompareView(Tab):
         self._hover.tooltips = [
             ("", "@label"), ("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")
         ]  # fmt: skip
-        entries = (f"<span>{self._sample(i)}{_name(pin)}</span>" for i, pin in enumerate(view.pins))
+        entries = (
+            f"<span>{self._sample(i)}{_name_html(pin)}</span>" for i, pin in enumerate(view.pins)
+        )
         self._legend.object = f'<div class="legend">{"".join(entries)}</div>'
         self.notes.object = _notes_html(view)
         self._show_strain(view)
@@ -238,7 +240,7 @@ class CompareView(Tab):
         unit = self.unit("force")[0] if quantity.dimension == "force" else ""
         heads = "".join(f"<th>{text}</th>" for text in ("curve", "value", "difference", "percent"))
         lines = "".join(
-            f"<tr><th><div>{self._sample(i)}<span>{_name(pin)}</span></div></th>"
+            f"<tr><th><div>{self._sample(i)}<span>{_name_html(pin)}</span></div></th>"
             + "".join(f"<td>{text}</td>" for text in texts)
             + "</tr>"
             for i, (pin, texts) in enumerate(zip(pins, quantity_texts(quantity, unit), strict=True))
@@ -305,7 +307,7 @@ def _dash(index: int) -> list[int]:
     return [round(length * _LINE_WIDTH) for length in DASHES[index]]
 
 
-def _name(pin: Pin) -> str:
+def _name_html(pin: Pin) -> str:
     return html.escape(pin.name)
 
 

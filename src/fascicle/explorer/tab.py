@@ -97,7 +97,7 @@ class LatestResult:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
         self._latest, doc = compute, pn.state.curdoc
         if doc is None or not doc.session_context:  # a notebook, or a test
-            self._finish(_attempt(compute))
+            self._finish(_result_or_error(compute))
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)
 
@@ -121,7 +121,7 @@ class LatestResult:
             if doc.session_context and not doc.session_context.destroyed:
                 doc.add_next_tick_callback(lambda: deliver(future.result()))
 
-        future = self._workers.submit(_attempt, compute)
+        future = self._workers.submit(_result_or_error, compute)
         _RUNNING.add(future)
         future.add_done_callback(done)
 
@@ -134,7 +134,7 @@ class LatestResult:
                 self._fail(error)
 
 
-def _attempt(compute: Callable[[], Any]) -> Outcome:
+def _result_or_error(compute: Callable[[], Any]) -> Outcome:
     """Result of `compute`, or its `ValueError`; any other error is logged, a sentence shown."""
     try:
         return compute(), None

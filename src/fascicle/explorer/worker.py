@@ -90,7 +90,7 @@ class _Worker:
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the server's sockets
         self._connection, child_end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(child_end,), daemon=True)
+        self._process = context.Process(target=_run_calls, args=(child_end,), daemon=True)
         self._process.start()
         child_end.close()
 
@@ -115,7 +115,7 @@ class _Worker:
         self._process.join()
 
 
-def _serve(connection: Connection) -> None:
+def _run_calls(connection: Connection) -> None:
     """Run the calls that come through a `connection` until it closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's
     warnings.simplefilter("ignore")  # a function collects its own

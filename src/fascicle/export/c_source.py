@@ -51,7 +51,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
             remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
             raise InvalidInputError("buckling", rule, muscle.buckling.name, remedy)
     terms, kinds = unique_indices(muscles)
-    laws, work = _laws([muscles[i] for i in terms], name)
+    laws, work = _law_values([muscles[i] for i in terms], name)
     ratios = length_ratios(bundle)
     lowest = max(
         1 - (1 - float(lowest_strain(*strain_domain(muscle)))) / ratio
@@ -80,7 +80,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     }
     kind = "bundle" if isinstance(target, Bundle) else "muscle"
     pressure_argument = "pressure" if kind == "bundle" else "pressure[0]"
-    values |= _inverse(bundle, [muscles[i] for i in terms], name, pressure_argument)
+    values |= _inverse_values(bundle, [muscles[i] for i in terms], name, pressure_argument)
     doubles = work + 4 * len(muscles) + len(terms) * (2 * values["nodes"] + 2 * _KINKS)
     doubles += _LOCALS + _LIMITS * (len(terms) + len(muscles))
     values["stack"] = f"{doubles * 8 / 1024:.1f}"
@@ -108,7 +108,7 @@ def write_c(
     return write_c_files(c_code(target, name), folder, name)
 
 
-def _inverse(
+def _inverse_values(
     bundle: Bundle, muscles: list[Muscle], name: str, pressure_argument: str
 ) -> dict[str, Any]:
     """Values of the templates for the inverse of a bundle with these different `muscles`."""
@@ -121,7 +121,7 @@ def _inverse(
     return values | {"nodes": len(pressures), "node_pressures": join(pressures), "kinks": _KINKS}
 
 
-def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
+def _law_values(muscles: list[Muscle], name: str) -> tuple[str, int]:
     """Laws of different muscles as C, and the number of doubles that they need on the stack."""
     try:
         import casadi as ca

@@ -119,7 +119,7 @@ def write_fmu(
         if folder is None:
             raise UnbuiltUnitError("this machine has no name in FMI 2.0")
         library = f"binaries/{folder}/{name}.{_SUFFIXES[folder]}"
-        files[library] = _build(sources, name, folder)
+        files[library] = _build_library(sources, name, folder)
     except UnbuiltUnitError as error:
         unbuilt = error
     content = BytesIO()
@@ -220,7 +220,7 @@ def _description(tables: MuscleTables, name: str, guid: str, step: float) -> byt
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
-def _build(sources: dict[str, str], name: str, platform: str) -> bytes:
+def _build_library(sources: dict[str, str], name: str, platform: str) -> bytes:
     """The shared library of the C sources for a `platform`, by the first compiler that is
     installed.
     """

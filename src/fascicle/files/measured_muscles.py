@@ -69,14 +69,14 @@ class MeasuredRange(NamedTuple):
         return f"pressure {texts[0]}, contraction {texts[1]}"
 
 
-def _table(entry: "CatalogEntry") -> ReprTable:
+def _entry_table(entry: "CatalogEntry") -> ReprTable:
     facts = [(name, getattr(entry, name)) for name in ("maker", "sizes", "measured", "basis")]
     facts += [("error", str(entry.error)), ("range", str(entry.range))]
     facts += [(name, getattr(entry, name)) for name in ("source", "url", "license")]
     return ReprTable(entry.title, facts, notes=[f"Assumed: {text}" for text in entry.assumed])
 
 
-@with_table_repr(_table, lambda entry: f"<CatalogEntry {entry.name!r}: {entry.title}>")
+@with_table_repr(_entry_table, lambda entry: f"<CatalogEntry {entry.name!r}: {entry.title}>")
 @dataclass(frozen=True, eq=False)
 class CatalogEntry:
     """A muscle that somebody measured.

@@ -349,7 +349,7 @@ def _muscle_tables(muscle: Muscle) -> Tables:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     names = (name for name, named in MATERIALS.items() if material == named)
     entries: dict[str, Any] = {
-        name: _quantity(getattr(muscle, name), dimension, name)
+        name: _quantity_text(getattr(muscle, name), dimension, name)
         for name, dimension in _SIZES.items()
     }
     entries["material"] = next(names, None) or _constants(material)
@@ -359,7 +359,7 @@ def _muscle_tables(muscle: Muscle) -> Tables:
             table = _law_entries(law, kind)
             entries[kind] = table if len(table) > 1 else table["law"]
     collapse = _law_entries(muscle.collapse, "collapse")
-    rate = _number(muscle.transition_rate, "transition_rate")
+    rate = _plain_number(muscle.transition_rate, "transition_rate")
     name = collapse.pop("law")
     tables = {"": entries, "collapse": {"law": name, "transition_rate": rate, **collapse}}
     tuning = _tuning_entries(muscle.tuning)
@@ -379,15 +379,15 @@ def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
             entries[key] = [exact(x, dimension) for x in numbers] if dimension else numbers
     for key in ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor"):
         if _scalar(getattr(tuning, key), key) != 1:
-            entries[key] = _number(getattr(tuning, key), key)
+            entries[key] = _plain_number(getattr(tuning, key), key)
     key = "hinge_stiffness_factor"
     if slope := _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope"):
         constant = _scalar(tuning.hinge_stiffness_factor, key)
         entries[key] = {"constant": constant, "slope": exact(slope, "inverse_pressure")}
     if tuning.transition_rate is not None:
-        entries["transition_rate"] = _number(tuning.transition_rate, "transition_rate")
+        entries["transition_rate"] = _plain_number(tuning.transition_rate, "transition_rate")
     if _scalar(tuning.dead_band, "dead_band"):
-        entries["dead_band"] = _quantity(tuning.dead_band, "pressure", "dead_band")
+        entries["dead_band"] = _quantity_text(tuning.dead_band, "pressure", "dead_band")
     return entries
 
 
@@ -406,9 +406,11 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
         lines += [*_table_lines(name, table), ""]
     entries = {"scheme": serializable_name(bundle.scheme)}
     if (supply := bundle.supply_pressure) is not None:
-        entries = {"supply_pressure": _quantity(supply, "pressure", "supply_pressure")} | entries
+        entries = {
+            "supply_pressure": _quantity_text(supply, "pressure", "supply_pressure")
+        } | entries
     if bundle.plate_distance is not None:
-        entries["length"] = _quantity(bundle.plate_distance, "length", "length")
+        entries["length"] = _quantity_text(bundle.plate_distance, "length", "length")
     lines += _table_lines("bundle", {"": entries})
     for entries in motor_units:
         if len(tables) == 1:
@@ -436,15 +438,17 @@ def _constants(owner: Any) -> dict[str, Any]:
     for constant in owner.constants():
         key, dimension = constant.name, constant.dimension
         unitless, value = DIMENSIONS[dimension].unitless, getattr(owner, key)
-        constants[key] = _number(value, key) if unitless else _quantity(value, dimension, key)
+        constants[key] = (
+            _plain_number(value, key) if unitless else _quantity_text(value, dimension, key)
+        )
     return constants
 
 
-def _quantity(value: Any, dimension: str, key: str) -> str:
+def _quantity_text(value: Any, dimension: str, key: str) -> str:
     return exact(_scalar(value, key), dimension)
 
 
-def _number(value: Any, key: str) -> float:
+def _plain_number(value: Any, key: str) -> float:
     number = _scalar(value, key)
     # beyond 10^15 a float is no exact whole number
     return int(number) if number.is_integer() and abs(number) < 1e15 else number

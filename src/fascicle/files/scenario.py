@@ -221,7 +221,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     schema, classes = choose_schema(data, root)
     file = validate(schema, data, source)
     bundles = _bundles(data, source, root, folder)
-    tables = {key: _values(getattr(file, key)) for key in classes}
+    tables = {key: _table_values(getattr(file, key)) for key in classes}
     units = sum(len(bundle.motor_units) for bundle in bundles)
     sides = 2 if classes["load"] is AntagonisticJoint else 1
     if len(bundles) != sides:
@@ -295,7 +295,7 @@ def _with_measured_friction(
     return data | {"hysteresis": {"kind": kind} | {key: springs[key] for key in _SPRINGS}}
 
 
-def _values(section: BaseModel) -> dict[str, Any]:
+def _table_values(section: BaseModel) -> dict[str, Any]:
     """Values of a table by key, without the names of classes."""
     names = {"kind": True, "chamber": True, "pump": {"kind"}}
     return section.model_dump(exclude_none=True, exclude=names)
@@ -529,7 +529,11 @@ def _control(
     from ..control import Correction, Gains, cascade
 
     output, reference = _reference(file, dt, duration, root)
-    values, location, default = _values(file.control), root.child("control", kind="part"), Gains()
+    values, location, default = (
+        _table_values(file.control),
+        root.child("control", kind="part"),
+        Gains(),
+    )
     policy, name, learns = (values.pop(key, None) for key in ("policy", "correction", "learn"))
     values.pop("model", None)
     if learns and name is None:

@@ -169,7 +169,7 @@ def choose_schema(
         if classes.get(name) is PumpedAccumulator:
             table = _pumped_table(pump_class(data, location))
         elif name in classes:
-            table = _table(part, classes[name], rotary and name == "load")
+            table = _table_model(part, classes[name], rotary and name == "load")
         if name == "fluid" and name in classes:
             table = create_model("FluidSection", __base__=table, medium=_NAME)
         required = (table, Field(examples=[f"[{name}]"]))
@@ -210,7 +210,7 @@ def _key(
     return kind, Field(None, **limits)
 
 
-def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
+def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
     """Table of a class: the arguments of its constructor."""
     keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
     dimensions = _CLASS_DIMENSIONS.get(kind, _ROTARY_DIMENSIONS if rotary else {})
@@ -218,7 +218,7 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
         if name in part.supplied:
             continue
         if name in INNER:
-            inner: Any = _table(_NAMELESS, INNER[name], rotary)
+            inner: Any = _table_model(_NAMELESS, INNER[name], rotary)
             keys[name] = (inner | None, None)
             continue
         dimension = dimensions.get(name) or _DIMENSIONS[name]
@@ -234,10 +234,10 @@ def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
 def _pumped_table(pump: type) -> type[TableModel]:
     """Table of an accumulator with a class of pump."""
     keys: dict[str, Any] = {
-        name: (_table(_NAMELESS, kind) | None, None) for name, kind in PUMPED.items()
+        name: (_table_model(_NAMELESS, kind) | None, None) for name, kind in PUMPED.items()
     }
-    keys["pump"] = (_table(_PUMPS, pump), Field(examples=["[supply.pump]"]))
-    store = _table(PARTS["supply"], Accumulator)
+    keys["pump"] = (_table_model(_PUMPS, pump), Field(examples=["[supply.pump]"]))
+    store = _table_model(PARTS["supply"], Accumulator)
     return create_model("PumpedSection", __base__=store, **keys)
 
 

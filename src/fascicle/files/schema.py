@@ -162,7 +162,7 @@ def _or_table(plain: Any, table: Any) -> Any:
     ]
 
 
-def _law(kind: str) -> Any:
+def _law_type(kind: str) -> Any:
     """A law by name, or by a table."""
     default = LAWS[kind].default.name
     law: Any = (StrictStr, Field(examples=[f'"{default}"']))
@@ -191,7 +191,7 @@ else:
     Material = _or_table(StrictStr, MaterialSection)
     Hinge = _or_table(Number, HingeSection)
     Tension, Buckling, PostCollapse, Ends = map(
-        _law, ("tension", "buckling", "post_collapse", "ends")
+        _law_type, ("tension", "buckling", "post_collapse", "ends")
     )
 
 
@@ -302,11 +302,11 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
     return Price(amount / size, sign or code)
 
 
-def _price(dimension: str | None) -> BeforeValidator:
+def _price_parser(dimension: str | None) -> BeforeValidator:
     return BeforeValidator(lambda text, info: parse_price(text, str(info.field_name), dimension))
 
 
-def _quantities(dimension: str) -> BeforeValidator:
+def _quantity_parser(dimension: str) -> BeforeValidator:
     """Parser of a quantity, a list or range in the command line's syntax, or a list of these."""
 
     def parse_quantities(value: Any, info: Any) -> tuple[float, ...]:
@@ -321,7 +321,7 @@ def _quantities(dimension: str) -> BeforeValidator:
     return BeforeValidator(parse_quantities)
 
 
-def _entries(kind: type, rule: str) -> BeforeValidator:
+def _entry_validator(kind: type, rule: str) -> BeforeValidator:
     """Validator of an entry of a `kind` or a list of them, to a tuple; `rule`: such as "a name"."""
 
     def check_entries(value: Any, info: Any) -> tuple[Any, ...]:
@@ -333,16 +333,16 @@ def _entries(kind: type, rule: str) -> BeforeValidator:
     return BeforeValidator(check_entries)
 
 
-PriceEach = Annotated[Price, _price(None)]
-Names = Annotated[tuple[str, ...], _entries(str, "a name")]
-Integers = Annotated[tuple[int, ...], _entries(int, "a whole number")]
-Lengths = Annotated[tuple[float, ...], _quantities("length")]
-Angles = Annotated[tuple[float, ...], _quantities("angle")]
-Forces = Annotated[tuple[float, ...], _quantities("force")]
-Pressures = Annotated[tuple[float, ...], _quantities("pressure")]
-Strains = Annotated[tuple[float, ...], _quantities("strain")]
-Times = Annotated[tuple[float, ...], _quantities("time")]
-Numbers = Annotated[tuple[float, ...], _quantities("number")]
+PriceEach = Annotated[Price, _price_parser(None)]
+Names = Annotated[tuple[str, ...], _entry_validator(str, "a name")]
+Integers = Annotated[tuple[int, ...], _entry_validator(int, "a whole number")]
+Lengths = Annotated[tuple[float, ...], _quantity_parser("length")]
+Angles = Annotated[tuple[float, ...], _quantity_parser("angle")]
+Forces = Annotated[tuple[float, ...], _quantity_parser("force")]
+Pressures = Annotated[tuple[float, ...], _quantity_parser("pressure")]
+Strains = Annotated[tuple[float, ...], _quantity_parser("strain")]
+Times = Annotated[tuple[float, ...], _quantity_parser("time")]
+Numbers = Annotated[tuple[float, ...], _quantity_parser("number")]
 
 
 def _check_ends(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -412,7 +412,7 @@ class ProductSection(TableModel):
     least_length: Length | None = None
     most_length: Length | None = None
     price: PriceEach | None = None
-    price_per_length: Annotated[Price, _price("length")] | None = None
+    price_per_length: Annotated[Price, _price_parser("length")] | None = None
     mass: Annotated[float, Quantity("mass")] | None = None
     mass_per_length: Annotated[float, Quantity("linear_density")] | None = None
     largest_pressure: Pressure | None = None
@@ -432,8 +432,8 @@ class PricesSection(TableModel):
 
     valve: PriceEach | None = None
     muscle: PriceEach | None = None
-    air: Annotated[Price, _price("volume")] | None = None
-    energy: Annotated[Price, _price("energy")] | None = None
+    air: Annotated[Price, _price_parser("volume")] | None = None
+    energy: Annotated[Price, _price_parser("energy")] | None = None
 
 
 class DesignSection(TableModel):

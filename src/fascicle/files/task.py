@@ -157,7 +157,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
         check_search(senses, with_reach_limits(limits))
     design, location = file.design, root.child("design", kind="design")
     offer = _offer(design, location, folder)
-    space = _space(design, location, limits, folder, offer)
+    space = _design_space(design, location, limits, folder, offer)
     prices = file.prices or PricesSection()
     catalog = _catalog(prices, root.child("prices"), design.density, offer)
     block = (file.sweep and file.sweep.block) or _BLOCK
@@ -281,7 +281,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
     return limits, least_margin
 
 
-def _space(
+def _design_space(
     section: DesignSection,
     location: FileLocation,
     limits: Mapping[str, Limit],

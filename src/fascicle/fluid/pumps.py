@@ -44,7 +44,7 @@ _SPEED = Range("1/s", 1e-3, 0.1, 1e3, 1e5)  # usually up to 60 000 turns a minut
 _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
 
 
-def _efficiency(name: str) -> Any:
+def _efficiency_field(name: str) -> Any:
     """Field of an efficiency in (0, 1], by default without loss."""
     return interval_field(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
 
@@ -90,8 +90,8 @@ class FixedPump(_Pump):
     `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`.
     """
 
-    volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
-    mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
+    volumetric_efficiency: Batch = _efficiency_field("volumetric_efficiency")
+    mechanical_efficiency: Batch = _efficiency_field("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
     def fraction(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
@@ -110,8 +110,8 @@ class VariablePump(_Pump):
 
     pressure: Batch = positive_field("pressure", _PRESSURE)
     band: Batch = positive_field("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
-    volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
-    mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
+    volumetric_efficiency: Batch = _efficiency_field("volumetric_efficiency")
+    mechanical_efficiency: Batch = _efficiency_field("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
     def fraction(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:

@@ -103,9 +103,9 @@ class UnitSurface(Module):
         )
         if len(shape) != 2 or min(shape) < 3:
             raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
-        strain = _strains(muscle, strains, int(shape[1]))
+        strain = _strain_nodes(muscle, strains, int(shape[1]))
         roots = np.linspace(0.0, math.sqrt(float(top)), int(shape[0]))
-        return _table(muscle, tuple(roots.tolist()), tuple(strain.tolist()))
+        return _build_surface(muscle, tuple(roots.tolist()), tuple(strain.tolist()))
 
     @property
     def highest_pressure(self) -> Batch:
@@ -204,7 +204,7 @@ class _Nodes(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have equal muscles
-def _table(
+def _build_surface(
     muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
 ) -> UnitSurface:
     """The table of a `muscle` at roots of pressure [√Pa] and strains [-]."""
@@ -224,7 +224,7 @@ def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) ->
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
     from ..core.jax_backend import compile_law
 
-    values, slopes = compile_law(_integrate)(muscle, pressure, strain)
+    values, slopes = compile_law(_integrate_force)(muscle, pressure, strain)
     coenergy, work, force = map(np.asarray, values)
     volume, volume_change, force_slope = map(np.asarray, slopes)
     L0, V0 = float(muscle.length), float(muscle.volume(0.0))
@@ -238,7 +238,7 @@ def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) ->
     )
 
 
-def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
+def _integrate_force(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
     """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
     pressures last; and their slopes in pressure.
     """
@@ -305,7 +305,7 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     return np.abs(surface.force - force), np.abs(surface.volume - law.by_pressure[:, between])
 
 
-def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
+def _strain_nodes(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Evenly spaced strains [-] from end to end, zero among them."""
     straight = float(lowest_strain(*strain_domain(muscle)))
     if ends is None:

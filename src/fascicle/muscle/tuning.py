@@ -88,7 +88,7 @@ class Tuning(Module):
 
         **Raises:** `ValueError` for an impossible table or factor.
         """
-        self.pressures, self.c1, self.c2 = _table(pressures, c1, c2)
+        self.pressures, self.c1, self.c2 = _tuning_table(pressures, c1, c2)
         self.youngs_modulus_factor = check_size(youngs_modulus_factor, "youngs_modulus_factor")
         self.collapse_moment_factor = check_size(collapse_moment_factor, "collapse_moment_factor")
         self.hinge_stiffness_factor = check_size(hinge_stiffness_factor, "hinge_stiffness_factor")
@@ -208,7 +208,7 @@ class TunedTension(Module):
         return self.ends.strain_ratio(self.bladder.braid.length) if self.ends.is_compliant else 1.0
 
 
-def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
+def _tuning_table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with a row at zero pressure, checked where it is concrete."""
     pressures, c1 = to_si(pressures, "pressures", "Pa"), to_si(c1, "c1", "N")
     xp = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)

@@ -197,12 +197,14 @@ def _draw_fit(ax: Axes, data: FitPlot) -> None:
     """Draw points, fitted curves and bands of force over strain, a color for each pressure."""
     force_strain_axes(ax)
     norm, levels = _pressure_scale(data.pressure), data.pressure.size
-    with_curve = _spread(levels, _CURVES)
-    with_band = with_curve if levels < _CROWDED else _spread(levels, _BANDS)
+    with_curve = _even_indices(levels, _CURVES)
+    with_band = with_curve if levels < _CROWDED else _even_indices(levels, _BANDS)
     for i, pressure in enumerate(data.pressure):
         color = _COLORS(norm(pressure))
         for _, style, paint, mask in _marks(data):
-            points = _thinned(np.flatnonzero(mask[i] & np.isfinite(data.force[i])), data.strain[i])
+            points = _subsample(
+                np.flatnonzero(mask[i] & np.isfinite(data.force[i])), data.strain[i]
+            )
             ax.plot(data.strain[i][points], data.force[i][points], **style, **{paint: color})
         strain = data.curve_strain[i]
         if data.low is not None and data.high is not None and i in with_band:
@@ -211,7 +213,7 @@ def _draw_fit(ax: Axes, data: FitPlot) -> None:
             ax.plot(strain, data.curve_force[i], color=color, linewidth=1.0)
 
 
-def _spread(levels: int, count: int) -> set[int]:
+def _even_indices(levels: int, count: int) -> set[int]:
     """Indices of at most `count` of the `levels`, evenly."""
     return set(np.linspace(0, levels - 1, min(levels, count)).round().astype(int).tolist())
 
@@ -230,7 +232,7 @@ def residuals(data: FitPlot) -> Figure:
     span = max(np.nanmax(data.strain) - lowest, 1e-12)
     for i, pressure in enumerate(P):
         valid = np.flatnonzero(np.isfinite(data.residual[i]))
-        points = _thinned(valid, data.strain[i], max(_POINTS, _RESIDUALS // P.size))
+        points = _subsample(valid, data.strain[i], max(_POINTS, _RESIDUALS // P.size))
         strain = data.strain[i][points]
         columns = [strain, (pressure + room * (2 * (strain - lowest) / span - 1)) / 1e3]
         if timed and data.time is not None:
@@ -382,7 +384,7 @@ def _add_pressure_scale(figure: Figure, axes: np.ndarray, pressure: np.ndarray) 
         bar.set_ticks(list(pressure / 1e3), labels=[f"{p / 1e3:.4g}" for p in pressure])
 
 
-def _thinned(indices: np.ndarray, strain: np.ndarray, limit: int = _POINTS) -> np.ndarray:
+def _subsample(indices: np.ndarray, strain: np.ndarray, limit: int = _POINTS) -> np.ndarray:
     """At most `limit` of the `indices` of readings, evenly by their `strain` [-]."""
     if indices.size <= limit:
         return indices

@@ -167,7 +167,7 @@ def _half_way(
     names = ("force", "censored", level)
     up, down = (
         {
-            name: _interpolate(grid, swept[side], getattr(record, name)[rows].astype(float))
+            name: _values_on_grid(grid, swept[side], getattr(record, name)[rows].astype(float))
             for name in names
         }
         for side, rows in indices.items()
@@ -183,7 +183,7 @@ def _half_way(
     return replace(record, **arrays, time=None, moment_arm=None), down["force"] - up["force"]
 
 
-def _interpolate(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _values_on_grid(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values on the `grid`, from readings at `x` in any order; dense ones are averaged in cells."""
     if x.size > _DENSE * grid.size:
         cells = np.searchsorted((grid[1:] + grid[:-1]) / 2, x)

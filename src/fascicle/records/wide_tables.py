@@ -148,7 +148,7 @@ def _column_names(rows: Sequence[Sequence[str]], i: int, kind: str) -> list[str]
         if k != i and row not in unit_rows and sum(map(bool, row)) > 1
         and not any(map(_PLAIN.fullmatch, row))
     ]  # fmt: skip
-    label, names = _label(rows[i]), []
+    label, names = _label_index(rows[i]), []
     for j, cell in enumerate(rows[i]):
         header_text = next((row[j] for row in reversed(other_rows) if row[j]), "")
         is_pressure = j == label and score(cell, "", "pressure")
@@ -167,15 +167,15 @@ def _likely_role(text: str) -> str:
 
 def _levels(row: Sequence[str], kind: str) -> list[tuple[float, str] | None]:
     """Pressure or length, as the `kind`, and its unit in each cell of a `row` of a header."""
-    label = _label(row)
+    label = _label_index(row)
     if label is not None and kind == "pressure":
         unit = next((unit for _, unit in read_header(row[label]) if is_unit(unit, (kind,))), "")
-        return [(_number(cell), unit) if _PLAIN.fullmatch(cell) else None for cell in row]
+        return [(_parse_number(cell), unit) if _PLAIN.fullmatch(cell) else None for cell in row]
     matches = (_level(cell, kind) for cell in row)
-    return [(_number(match[1]), match[2]) if match else None for match in matches]
+    return [(_parse_number(match[1]), match[2]) if match else None for match in matches]
 
 
-def _label(row: Sequence[str]) -> int | None:
+def _label_index(row: Sequence[str]) -> int | None:
     """Index of the name of pressures or contractions before a row of numbers, `None` for others."""
     cells = [j for j, cell in enumerate(row) if cell]
     numbers = [j for j in cells if _PLAIN.fullmatch(row[j])]
@@ -202,7 +202,7 @@ def _residue(cell: str, kind: str) -> str:
     return re.sub(r"[\s_]+", " ", text).strip(" -,;:@=/")
 
 
-def _number(text: str) -> float:
+def _parse_number(text: str) -> float:
     return float(text.replace(",", "."))
 
 

@@ -128,7 +128,7 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
             ending = "one holds" if passed_over == 1 else "ones hold"
             reason = f"{reason.removesuffix('.')}; {passed_over} cheaper {ending} in too few draws."
     take = f"Take {design_name(index)}: {composition_text(summary)}, {sizes}."
-    return [take, f"margin: {_margin(summary)}.", *safety_lines(result), reason]
+    return [take, f"margin: {_margin_text(summary)}.", *safety_lines(result), reason]
 
 
 def low_margin_heads(result: SearchResult) -> list[str]:
@@ -156,7 +156,7 @@ def safety_lines(result: SearchResult) -> list[str]:
     ]
 
 
-def _margin(summary: Summary) -> str:
+def _margin_text(summary: Summary) -> str:
     cases = summary.cases
     if not cases.reached.all():
         short = pretty(-float(cases.spare[cases.worst]), "force")
@@ -258,9 +258,9 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
         + (", where vented units bow out" if summary.valves > 1 else ""),
         "mass": _mass(summary, catalog.density),
         fluid: _fluid(summary),
-        **({} if summary.sizing is None else {"valves": _valves(summary, summary.sizing)}),
+        **({} if summary.sizing is None else {"valves": _valves_text(summary, summary.sizing)}),
         f"cost of {fluid}": f"{_UNKNOWN}give [prices] {'air or ' * (fluid == 'air')}energy",
-        "price": _price(result, summary),
+        "price": _price_text(result, summary),
         "life": "unknown; no source gives cycles for this muscle",
     }
     if summary.cost_of_a_cycle is not None:
@@ -305,7 +305,7 @@ def _fluid(summary: Summary) -> str:
     return f"{figures(mean, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
 
 
-def _valves(summary: Summary, sizing: ValveSizing) -> str:
+def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
     """Valves and hoses for the cycle, the air that it takes, and the run in time."""
     cycle, text = sizing.cycle, ""
     hose = "" if cycle.hose_length is None else pretty(cycle.hose_length, "length", 3)
@@ -371,7 +371,7 @@ def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
     return f"{verdict}{text}released after {pretty(run.released, 'time', 3)}"
 
 
-def _price(result: SearchResult, summary: Summary) -> str:
+def _price_text(result: SearchResult, summary: Summary) -> str:
     catalog = result.catalog
     if summary.price is not None:
         return f"{figures(summary.price, 6)} {catalog.currency}, of muscles and valves"

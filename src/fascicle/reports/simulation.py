@@ -129,13 +129,13 @@ def control_text(scenario: "Scenario") -> str:
     )
     values = {
         "force_gain": figures(float(gains.force)),
-        "force_integral_time": _inverse(float(gains.force_integral)),
+        "force_integral_time": _time_text(float(gains.force_integral)),
         "pressure_time": pretty(float(gains.pressure_time), "time"),
     }
     if controller.of == "position":
         values = {
             "position_gain": pretty(float(gains.position), f"{prefix}stiffness"),
-            "integral_time": _inverse(float(gains.integral) / (float(gains.position) or 1.0)),
+            "integral_time": _time_text(float(gains.integral) / (float(gains.position) or 1.0)),
             "velocity_gain": pretty(float(gains.velocity), f"{prefix}damping"),
             "pressure_time": values["pressure_time"],
         }
@@ -144,7 +144,7 @@ def control_text(scenario: "Scenario") -> str:
     return f"Control of {quantity} by {controlled.policy} ({texts})"
 
 
-def _inverse(rate: float) -> str:
+def _time_text(rate: float) -> str:
     """Text of the time that a `rate` [1/s] is the inverse of."""
     return "none" if rate == 0 else pretty(1 / rate, "time")
 

@@ -55,7 +55,7 @@ def trace_route(
     **Raises:** `InvalidInputError` for unknown names, and a joint without a range.
     """
     names = [model.tendon(i).name for i in range(model.ntendon)]
-    index = names.index(_check_name(tendon, names, "tendon"))
+    index = names.index(_check_known_name(tendon, names, "tendon"))
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
     rest_position = data.qpos.copy()
@@ -68,13 +68,13 @@ def trace_route(
     kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
     single = [i for i in range(model.njnt) if int(model.jnt_type[i]) in kinds]
     adr = {model.joint(i).name: int(model.jnt_qposadr[i]) for i in single}
-    limits = {model.joint(i).name: _limits(model, i, ranges) for i in single}
+    limits = {model.joint(i).name: _joint_limits(model, i, ranges) for i in single}
     moving_joints = [name for name in adr if _moves(length, rest_position, adr[name], limits[name])]
     if not moving_joints:
         rule = f"{tendon!r} isn't moved by any hinge or slide joint"
         raise InvalidInputError("tendon", rule, tendon, shown="")
     for name in (*(ranges or {}), *([] if joint is None else [joint])):
-        _check_name(name, moving_joints, "joint")
+        _check_known_name(name, moving_joints, "joint")
     if joint is None and len(moving_joints) > 1:
         rule = f"must be named for {tendon!r}, which several move: {', '.join(moving_joints)}"
         raise InvalidInputError("joint", rule, None)
@@ -96,7 +96,7 @@ def trace_route(
     return Route(tuple(moving_joints), about, poses, lengths, arms, hinge, not fixed)
 
 
-def _check_name(name: str, names: list[str], argument: str) -> str:
+def _check_known_name(name: str, names: list[str], argument: str) -> str:
     """The `name` if it is among `names`; else `InvalidInputError` suggests one."""
     if name in names:
         return name
@@ -108,7 +108,9 @@ def _check_name(name: str, names: list[str], argument: str) -> str:
     raise InvalidInputError(argument, rule, name, remedy, shown="")
 
 
-def _limits(model: Any, joint: int, ranges: dict[str, Any] | None) -> tuple[float, float] | None:
+def _joint_limits(
+    model: Any, joint: int, ranges: dict[str, Any] | None
+) -> tuple[float, float] | None:
     """Ends of a joint's coordinate [rad or m], from `ranges` or the model; `None` without any."""
     name = model.joint(joint).name
     hinge = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_HINGE)

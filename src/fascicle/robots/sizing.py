@@ -53,7 +53,7 @@ class Candidate:
         return self.count * np.asarray(self.muscle.force(pressure, strain))
 
 
-def _table(sizing: "Sizing") -> ReprTable:
+def _sizing_table(sizing: "Sizing") -> ReprTable:
     route, chosen = sizing.route, sizing.chosen
     low, high = sizing.strains
     arms = 1e3 * route.moment_arms
@@ -74,7 +74,9 @@ def _table(sizing: "Sizing") -> ReprTable:
     return ReprTable(f"A muscle for {sizing.tendon!r}", facts, heads, rows)
 
 
-@with_table_repr(_table, lambda s: f"<Sizing of {s.tendon!r}: {s.chosen.count} × {s.chosen.name}>")
+@with_table_repr(
+    _sizing_table, lambda s: f"<Sizing of {s.tendon!r}: {s.chosen.count} × {s.chosen.name}>"
+)
 @dataclass(frozen=True, eq=False)
 class Sizing:
     """A muscle for a `tendon`, from `size`.
@@ -183,7 +185,7 @@ def size(
         tried = [
             candidate
             for name, entry in named.items()
-            for candidate in _fit(
+            for candidate in _shortest_muscles(
                 name, _muscle_of(entry), route, needed, P, counts, margin, stretch_ratio, room
             )
         ]
@@ -255,7 +257,7 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
     return np.divide(demand, route.moment_arms, out=np.zeros_like(demand), where=demand != 0)
 
 
-def _fit(
+def _shortest_muscles(
     name: str, muscle: Muscle, route: Route, needed: np.ndarray, pressure: float,
     counts: Sequence[int], margin: float, stretch: float, room: float,
 ) -> list[Candidate]:  # fmt: skip

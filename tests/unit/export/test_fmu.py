@@ -214,7 +214,7 @@ def test_on_a_full_disk_the_former_unit_stays(bundle, tmp_path, monkeypatch, is_
 
     path = tmp_path / "knee.fmu"
     path.write_bytes(b"former")
-    monkeypatch.setattr("fascicle.export.fmu._build", build)
+    monkeypatch.setattr("fascicle.export.fmu._build_library", build)
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))
     try:

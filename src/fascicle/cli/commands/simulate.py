@@ -64,7 +64,7 @@ def run(
         if not compare:
             update(f"simulating {study.duration:g} s in {round(study.duration / study.dt)} steps")
             return _simulate(study, outputs, report)
-    return _compare(study, outputs, report)
+    return _compare_policies(study, outputs, report)
 
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
@@ -111,7 +111,7 @@ def _learn(study: Any, result: Any, outputs: Outputs) -> None:
         print_line(f"wrote {path}: forces of a muscle corrected by up to {largest:.3g} N")
 
 
-def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
+def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
     """Run all policies on one scenario; returns the exit code."""
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")

@@ -66,7 +66,7 @@ def run(
         print(f"no front: {count} designs are more than {_FRONT}, too many for the memory")
     else:
         with user_errors():
-            code = _conclude(store, task, folder / "front.nc", overwrite or resume)
+            code = _report_result(store, task, folder / "front.nc", overwrite or resume)
     print_line(f"wrote {count} designs in {designs.blocks} blocks: {folder / 'designs.zarr'}")
     return code
 
@@ -87,7 +87,7 @@ def _resumable(folder: Path) -> Iterator[None]:
         raise UserError(f"{path}: {error.strerror or error}; remove the cause; {hint}") from None
 
 
-def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
+def _report_result(store: Any, task: Any, path: Path, overwrite: bool) -> int:
     """Print and write the recommended design and the front; returns the exit code."""
     import numpy as np
 

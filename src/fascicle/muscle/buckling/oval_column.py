@@ -253,7 +253,7 @@ class _Section(NamedTuple):
     sunk: Any
 
 
-def _section(xp: Any, P: Any, x: Any) -> _Section:
+def _middle_section(xp: Any, P: Any, x: Any) -> _Section:
     """Column in the middle of the section at the points, from its sines and cosines `x`."""
     b = _basis()
     t, z = x[..., :_SINES], x[..., _SINES:-1]
@@ -266,7 +266,7 @@ def _section(xp: Any, P: Any, x: Any) -> _Section:
 
 def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
     """Gradient of (O1) for half the column, with its multiplier."""
-    b, section = _basis(), _section(xp, P, x)
+    b, section = _basis(), _middle_section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     z, load = x[..., _SINES:-1], x[..., -1:]
     bending = 0.5 * section.kappa**2 * section.soft_slope
@@ -280,7 +280,7 @@ def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
 
 def _jacobian(xp: Any, P: Any, x: Any) -> Any:
     """Jacobian of the gradient."""
-    b, section = _basis(), _section(xp, P, x)
+    b, section = _basis(), _middle_section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     load = x[..., -1:]
     sine = (h * xp.sin(section.theta) @ b.S)[..., None]
