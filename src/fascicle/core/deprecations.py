@@ -114,7 +114,9 @@ _Class = TypeVar("_Class", bound=type)
 
 
 def warn_renamed(old: str, new: str, verb: str = "is now", level: int = 3) -> None:
-    """Warn that a name is another one now, at the line of the `level`th caller."""
+    """Warn that a name is another one now; `level`: of the line that is shown, as `stacklevel` of
+    `warnings.warn`.
+    """
     message = f"`{old}` {verb} `{new}`. The former name goes with fascicle {REMOVAL}."
     warnings.warn(message, DeprecationWarning, stacklevel=level)
 

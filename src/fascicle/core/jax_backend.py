@@ -14,7 +14,7 @@ from jax import eval_shape, jit, lax  # noqa: F401 imported from here
 from jax.lax import stop_gradient
 
 from .array_namespace import where
-from .roots import STEPS, Residual, init_search, newton_step, safe_slope, search_step
+from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -73,7 +73,7 @@ def search_root(
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     """Root of a residual near `x`, with its implicit derivatives by `theta`."""
-    return newton_step(*residual(theta, x), x)
+    return polish_root(*residual(theta, x), x)
 
 
 @implicit_root.defjvp

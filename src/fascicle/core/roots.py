@@ -77,12 +77,14 @@ def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     if not is_jax_array(x):
         value, slope = residual(theta, x)
         if not is_jax_array(value):
-            return newton_step(value, slope, x)
+            return polish_root(value, slope, x)
     return jax_backend().implicit_root(residual, theta, x)
 
 
-def newton_step(value: Batch, slope: Batch, x: Batch) -> Batch:
-    """One Newton step from a root `x`."""
+def polish_root(value: Batch, slope: Batch, x: Batch) -> Batch:
+    """A nearly exact root `x` after one more Newton step, or as it is where the step would be long
+    or the residual flat. In JAX, this step carries the root's derivatives.
+    """
     regular, slope = safe_slope(value, slope, x)
     return where(regular, x - value / slope, x)
 

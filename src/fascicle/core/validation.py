@@ -311,8 +311,8 @@ def check_signed(value: Values, name: str) -> Batch:
 
 
 def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
-    """Return a number or array [SI] if it is in `limits`, or else in the range of its `name`, in
-    their unit; warn of an unusual one.
+    """Return a number or array [SI] as it is; refuse one outside of `limits` (default: the range of
+    its `name`), warn of an unusual one, and let JAX's tracers pass.
     """
     unit, least, low, high, largest = RANGES[name] if limits is None else limits
     if (isinstance(value, float) and low <= value <= high) or not is_concrete(value):

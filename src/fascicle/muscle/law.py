@@ -28,7 +28,7 @@ ENTRY_POINTS = "fascicle.laws"  # group of other packages' laws: name of the law
 
 
 class Declared(Module):
-    """A module that declares its constants at its fields."""
+    """A module that declares its constants and switches at its fields."""
 
     @classmethod
     def constants(cls) -> tuple[Constant, ...]:

@@ -313,11 +313,13 @@ class Muscle(Module):
     def plot(
         self, pressures: Values = None, strains: Values = None, components: bool = False
     ) -> Any:
-        """Plot the force over contraction, a curve for each pressure.
+        """Plot the force over contraction: a curve for each pressure, or with `components` a panel
+        for each.
 
         **Arguments:**
 
-        - `pressures`: gauge pressures [Pa]; left out, five up to 400 kPa, or to the tuning's last.
+        - `pressures`: gauge pressures [Pa]; left out, five (four with components) up to 400 kPa,
+          or to the tuning's last.
         - `strains`: contractions [-], rising; left out, to past the largest free strain.
         - `components`: a panel for each of at most four pressures, with the force's parts.
 

@@ -253,7 +253,9 @@ def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
 
 
 def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """Approximate $\\xi$ [-] of a reduced moment `m`: that of small moments, then Newton steps."""
+    """Approximate compression $\\xi$ [-] with a reduced moment `m`: that of small moments, then two
+    Newton steps. `c`: slenderness; `peak`: the compression with the largest moment, never passed.
+    """
     # of (16a) times its denominators, with h of the previous b; near the peak they are short
     xp = array_namespace(c, m, peak)
     g = m**2

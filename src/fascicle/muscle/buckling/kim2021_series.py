@@ -79,7 +79,10 @@ class Kim2021Series(AbstractBuckling):
         return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Components of the force [N], negative where it pushes, at `strain` [-], (12s)."""
+        """Components of the force [N] past the free strain, at `strain` [-], (12s): the tension
+        law's at the arc's strain, in series with the bow, so that bending adds none; negative where
+        it pushes.
+        """
         state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
         T = state.pull.force
         by_arc = state.pull.slope - 8 * np.pi**2 * EI * L0 / state.chord**3
@@ -166,8 +169,8 @@ def _bow_state(column: Column, strain: BatchLike) -> _BowState:
 
 
 def _force_excess_at_moment(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """Excess [N] of the bow's force over the arc's compression at a `strain` [-], and its slope;
-    `theta`: column and $(M/4\\pi EI)^2$ [1/m²].
+    """Excess [N] of the force of a bow with a given moment over its arc's compression, (12s), at
+    the muscle's `strain` [-], and its slope; `theta`: column and $(M/4\\pi EI)^2$ [1/m²].
     """
     column, square = theta
     EI, L0 = column.bending_stiffness, column.rest_length

@@ -140,16 +140,19 @@ def _solve_states(numbers: bytes) -> np.ndarray:
     x, slopes = _follow(np, P[indices])
     if len(indices) < len(P):
         with np.errstate(all="ignore"):  # of corrections that diverge, after which Newton's begins
-            x = _interpolate(P, distance, indices, x, slopes)
+            x = _interpolate_and_correct(P, distance, indices, x, slopes)
     x = x[:, np.argsort(order, kind="stable")]
     x.setflags(write=False)  # it is cached
     return x
 
 
-def _interpolate(
+def _interpolate_and_correct(
     P: np.ndarray, distance: np.ndarray, indices: np.ndarray, x: np.ndarray, slopes: np.ndarray
 ) -> np.ndarray:
-    """States of all columns, by `distance` along a line, from states `x` of those at `indices`."""
+    """States of all columns at each shortening: interpolated by `distance` along a line between the
+    states `x` of those at `indices`, then corrected by Newton's method. `P`: numbers of each
+    column.
+    """
     # cubics along the line between two neighbors, linear off it; then corrected with the inverse
     # Jacobian of the nearer neighbor
     numbers, columns = P[..., 0], np.arange(len(P))

@@ -103,7 +103,9 @@ class AbstractTension(AbstractLaw):
         return zero, zero
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Highest pressure [Pa] at which the law is valid for a muscle with this `bladder`."""
+        """Highest pressure [Pa] at which the law is valid for a muscle with this `bladder`: that of
+        the domain, unless the law has a limit of its own.
+        """
         return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
 
     def components(
