@@ -26,7 +26,7 @@ class UserError(Exception):
 
 
 class StoppedError(UserError):
-    """A command that was stopped from outside, in one line."""
+    """A command that got no workers, or lost them or its scheduler, in one line."""
 
     code = 1
 

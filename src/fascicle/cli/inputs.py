@@ -42,6 +42,7 @@ def load_laws() -> None:
 
 
 def _configure_jax(jax: Any) -> None:
+    """Set JAX to the CPU unless `JAX_PLATFORMS` is set, and to cache compiled functions."""
     if not os.environ.get("JAX_PLATFORMS"):
         jax.config.update("jax_platforms", "cpu")  # always present; others take time to start
     if (folder := cache_folder()) is not None:
@@ -60,7 +61,7 @@ def jax_environment() -> dict[str, str]:
 
 
 def cache_folder() -> Path | None:
-    """Folder of compiled functions; `None` if it can't be written."""
+    """Folder of compiled functions; `None` if it can't be written or `FASCICLE_NO_CACHE` is set."""
     if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
         return None
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
@@ -140,7 +141,7 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
 
 
 def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
-    """Read a bundle, or a muscle as a bundle of one; `supply`: [Pa], `None` for the bundle's."""
+    """Read a bundle, or a muscle as a bundle of one; refuse a muscle where `supply` is `None`."""
     muscle_or_bundle = read_target(target)
     if is_bundle(muscle_or_bundle):
         return muscle_or_bundle

@@ -50,7 +50,7 @@ _SCENE_HEIGHT = "clamp(240px, min(100vh - 540px, 90vw), 900px)"
 
 
 class UnitInputs(NamedTuple):
-    """Inputs of a motor unit."""
+    """Inputs of a motor unit: count and radius of its muscles, and its pressure."""
 
     count: Any
     radius: Field
@@ -324,6 +324,7 @@ class BundleView(Tab):
         self._request_recruitments(view)
 
     def _request_state(self, view: View) -> None:
+        """Request force curves, equilibria and drawing at the pressures of a `view`."""
         top = self._top
         strain = min(view.strain, top)
 
@@ -336,6 +337,7 @@ class BundleView(Tab):
         self._state.request(compute)
 
     def _show_state(self, result: tuple[View, BundleState, float, BundleSolids]) -> None:
+        """Show force curves, equilibria, drawing, and numbers at the view's point."""
         view, state, force, scene = result
         unit, scale = self.unit("force")
         self.status.object = ""
@@ -413,6 +415,7 @@ class BundleView(Tab):
         )
 
     def _show_recruitments(self, result: tuple[list[Recruitment], str]) -> None:
+        """Show a table of all pressures that carry the load, and a button to set each of them."""
         several, remark = result
         (unit, _), (volume, _) = self.unit("pressure"), volume_unit(self.unit("length")[0])
         heads = ("state", f"pressures [{unit}]", "load", f"fluid [{volume}]", "η [–]")

@@ -143,7 +143,7 @@ def curve_marks(curves: MuscleCurves, top: float, scale: float, unit: str) -> di
 
 
 def alternative_laws(muscle: Muscle) -> list[str]:
-    """Laws that the muscle could have, such as `buckling:elastica`; `untuned` where it is tuned."""
+    """Keys of the other laws, such as `buckling:elastica`, and `untuned` for a tuned muscle."""
     keys = [
         f"{kind}:{name}"
         for kind, laws in LAWS.items()
@@ -159,7 +159,7 @@ def law_label(key: str) -> str:
 
 
 def with_alternative(muscle: Muscle, key: str) -> Muscle:
-    """The muscle with the law that a `key` of `alternative_laws` names."""
+    """The muscle with the law that a `key` of `alternative_laws` names, or without its tuning."""
     if key == UNTUNED:
         return muscle.replace(tuning=Tuning())
     kind, _, name = key.partition(":")

@@ -321,7 +321,7 @@ class MuscleView(Tab):
 
 
 def _chosen_alternatives(view: View) -> list[str]:
-    """Laws chosen in the view to compare with, save those that the muscle has or can't have."""
+    """Keys of laws chosen in the view to compare with, save those that the muscle has."""
     alternatives = alternative_laws(view.muscle)
     return [key for key in view.alternatives if key in alternatives]
 

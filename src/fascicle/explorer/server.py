@@ -112,7 +112,9 @@ per_app_patterns[:] = [
 
 
 def start_server(view: View, host: str, port: int | None) -> Any:
-    """Server, not yet started, on the `port` or the first free one from 5006; `OSError` without."""
+    """Server, not yet started, on the `port`; by default the first free one of 5006 to 5025, else
+    any. `OSError` where it can't listen.
+    """
     drawing = asyncio.Lock()
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:

@@ -88,7 +88,7 @@ def muscle_solid(
 
 @cache
 def face_corners() -> np.ndarray:
-    """Corners of a solid's faces, the tube's then the fittings': rows of four point numbers."""
+    """Corners of a solid's faces, the tube's then the fittings': rows of four point indices."""
     faces, first = [], 0
     for count in (RINGS, 4, 4):
         for i in range(count - 1):
@@ -210,7 +210,9 @@ def _columns(names: Sequence[str], points: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _face_columns(colors: Sequence[str], fitting: str) -> dict[str, np.ndarray]:
-    """Corners and colors of the faces of solids with tubes of these `colors`, by column."""
+    """Columns of the faces of solids, whose tubes have these `colors`: point indices of the four
+    corners, `a` to `d`, and `red`, `green` and `blue`.
+    """
     corners = face_corners()
     number = corners.max() + 1
     all_corners = np.concatenate([corners + i * number for i in range(len(colors))])

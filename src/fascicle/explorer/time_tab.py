@@ -436,7 +436,7 @@ class TimeView(Tab):
         lines += [text_html(note) for note in dict.fromkeys(notes)]
         lines += [f"{text_html(note[:1].upper() + note[1:])}." for note in result.notes]
         doubts = "".join(
-            f'<p class="warning">{html.escape(_run_name(run))} can\'t be trusted:'
+            f'<p class="warning">{html.escape(_run_label(run))} can\'t be trusted:'
             f" {text_html('; '.join(run.doubts))}.</p>"
             for run in result.runs if run.doubts
         )  # fmt: skip
@@ -496,7 +496,7 @@ class TimeView(Tab):
         """Curves of each chart, on a page of these `colors`."""
         result, run = self.result, self.drawn_run
         assert result is not None
-        labels = [_run_name(item) for item in result.runs]
+        labels = [_run_label(item) for item in result.runs]
         styles = [*zip(labels, cycle_colors(colors, len(labels)),
                        [_DASHES[i % len(_DASHES)] for i in range(len(labels))],
                        strict=True)]  # fmt: skip
@@ -553,7 +553,7 @@ class TimeView(Tab):
         numbers, columns = [], {}
         for (name, unit, curves), key in ((force, "force"), (contraction, "position")):
             curve_by_label = {curve.label: curve for curve in curves}
-            columns[key] = curve_by_label[_run_name(run)].values
+            columns[key] = curve_by_label[_run_label(run)].values
             numbers.append((name.lower(), key, unit))
             if "demand" in curve_by_label:
                 columns["demand"] = curve_by_label["demand"].values
@@ -633,7 +633,8 @@ class TimeView(Tab):
         return stem, setup.text(policy).encode()
 
 
-def _run_name(run: PolicyResult) -> str:
+def _run_label(run: PolicyResult) -> str:
+    """Label of a run: its policy, or "reached" for a schedule."""
     return run.policy or "reached"
 
 

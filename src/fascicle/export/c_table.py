@@ -74,7 +74,9 @@ class MuscleTables(NamedTuple):
 
     @property
     def limits_as_text(self) -> dict[str, str]:
-        """Limits of strain [-] and pressure [Pa] as text, by their names in templates."""
+        """Limits of strain [-] and pressure [Pa], rounded for comments and messages in C, by their
+        names in templates.
+        """
         low, high = self.strains
         lowest, highest = self.pressures
         return {"low": f"{low:.6f}", "high": f"{high:.6f}", "lowest_pressure": f"{lowest:.0f}",

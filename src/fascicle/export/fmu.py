@@ -47,11 +47,11 @@ _UNITS: dict[str, dict[str, str]] = {
 
 
 class UnbuiltUnitError(Exception):
-    """A unit that was written without a binary, and the reason."""
+    """An FMU that has its sources alone, without a binary, and the reason."""
 
 
 class Variable(NamedTuple):
-    """A number of the unit: its `name`, SI `unit` (none of an integer), whether it is an input, its
+    """A number of the FMU: its `name`, SI `unit` (none of an integer), whether it is an input, its
     `description`, and its initial value, `start` [SI].
     """
 
@@ -69,7 +69,7 @@ def write_fmu(
     sample_time: Values = None,
     platform: str | None = None,
 ) -> Path:
-    """Write a muscle, a bundle or a controller with its bundle as a unit for co-simulation.
+    """Write a muscle, a bundle or a controller with its bundle as an FMU for co-simulation.
 
     **Arguments:**
 
@@ -133,7 +133,7 @@ def write_fmu(
 
 
 def variables(tables: MuscleTables) -> list[Variable]:
-    """The numbers of a unit, in the order of their references."""
+    """The numbers of an FMU, in the order of their references."""
     units = range(1, len(tables.kinds) + 1)
     supply = _supply_pressure(tables)
     inputs = [Variable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
@@ -175,7 +175,7 @@ def _supply_pressure(tables: MuscleTables) -> float:
 
 
 def _description(tables: MuscleTables, name: str, guid: str, step: float) -> bytes:
-    """The unit's `modelDescription.xml`."""
+    """The FMU's `modelDescription.xml`."""
     root = ET.Element(
         "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,
         description="Fluidic artificial muscles, force and volume from one table of co-energy",

@@ -163,7 +163,7 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
 
 
 def _theme(colors: Any) -> dict[str, Any]:
-    """Colors of the figures of a page with these `colors`."""
+    """Colors by name for the page's scripts, which draw its figures, from these `colors`."""
     from ..plot.theme import VERMILION, mix
 
     return {

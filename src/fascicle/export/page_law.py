@@ -65,8 +65,8 @@ class AnyPostCollapse(AbstractPostCollapse):
 
 
 def function_key(muscle: Muscle) -> str:
-    """Name of the module's function for the laws of a `muscle`, such as
-    `kim2021/klute_hannaford/rigid`.
+    """Name of the WebAssembly module's function for a `muscle`: its laws but those of collapse,
+    such as `kim2021/klute_hannaford/rigid`.
     """
     shear = getattr(muscle.buckling, "shear", "none")
     names = [muscle.buckling.name, muscle.tension.name, muscle.ends.name]
@@ -74,7 +74,7 @@ def function_key(muscle: Muscle) -> str:
 
 
 def general_muscle(muscle: Muscle) -> Muscle:
-    """The `muscle` with one row of tuning, and with laws that have a choice."""
+    """The `muscle` with one row of tuning, and with collapse laws chosen by a number."""
     collapse, post_collapse = (
         float(list(laws).index(law.name))
         for laws, law in (
@@ -99,13 +99,13 @@ def general_muscle(muscle: Muscle) -> Muscle:
 
 @cache
 def manifest() -> dict[str, Any]:
-    """Functions of the module: their names, and the sizes of constants and states."""
+    """Functions of the WebAssembly module: their names, and the sizes of constants and states."""
     return json.loads(MANIFEST.read_text(encoding="utf-8"))
 
 
 def muscle_data(muscle: Muscle) -> dict[str, Any]:
-    """Numbers of a `muscle` for the module: `law`, `constants` and the tuning's `table` [SI];
-    `InvalidInputError` for laws that the module has not.
+    """Data of a `muscle` for the WebAssembly module [SI], such as `law`, its function, `constants`
+    and the tuning's `table`; `InvalidInputError` for laws that the module has not.
     """
     key = function_key(muscle)
     if key not in manifest():

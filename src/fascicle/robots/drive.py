@@ -371,7 +371,9 @@ class Drive(Module):
     def _runge_kutta_step(
         self, model: Any, data: Any, fluid: Fluid, command: Numbers, act: Any
     ) -> Fluid:
-        """A Runge-Kutta step, with pulls evaluated at each of its stages."""
+        """Step MuJoCo's `data` by Runge-Kutta, with pulls by the function `act`, plain or compiled
+        `Drive.act`, at each stage; returns the fluid of the first stage.
+        """
         stages: list[Fluid] = []
 
         def pull(lengths: Numbers) -> Numbers:

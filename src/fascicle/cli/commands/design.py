@@ -202,7 +202,9 @@ def _write(
     folder: Path,
     overwrite: bool,
 ) -> list[str]:
-    """Write report, data and bundles; returns their paths, the report's first."""
+    """Write report, data and bundles; returns their paths, the report's first. `answer`: by
+    `summarize_search`.
+    """
     from ...files import dumps
     from ...reports.design import report
     from ...results import design_tables

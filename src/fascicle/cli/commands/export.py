@@ -127,6 +127,7 @@ def _read_target(file: str, law: str) -> Any:
 
 
 def _check_c(flag: str, folder: str, name: str, overwrite: bool) -> None:
+    """Refuse header and source that can't be written, before the work begins."""
     from ...io.atomic import check_writable
 
     with user_errors(f"{flag} "):
@@ -137,6 +138,7 @@ def _check_c(flag: str, folder: str, name: str, overwrite: bool) -> None:
 
 
 def _write_c(flag: str, folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
+    """Write the `texts` of header and source, and print their paths; errors name the `flag`."""
     with user_errors(f"{flag} "):
         Path(folder).mkdir(parents=True, exist_ok=True)
     paths = [Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c")]

@@ -68,6 +68,7 @@ def run(
 
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
+    """Run a scenario once, print and write the results; returns the exit code."""
     from ...dynamics.audit import audit_run
     from ...results.tables import simulated
 
