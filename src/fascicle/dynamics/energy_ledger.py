@@ -131,8 +131,9 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
 def stored_energies(
     plant: Plant, state: State, friction_memory: FrictionMemory, evaluation: PlantEvaluation
 ) -> Numbers:
-    """Energies [J] named in `STORES` of a `plant` in a `state` [SI], with its
-    `friction_memory` [SI] and the `evaluation` of that state [SI].
+    """Energies [J] stored in fluid, muscles, motion, load, stop and friction (`STORES`), without
+    the supply's, of a `plant` in a `state` [SI], with its `friction_memory` [SI] and the
+    `evaluation` of that state [SI].
     """
     q, v, load = evaluation.position, evaluation.velocity, plant.load
     P, muscles = evaluation.fluid.pressures, evaluation.fluid.muscles

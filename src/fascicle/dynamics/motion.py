@@ -183,7 +183,7 @@ def update_friction(
     plant: Plant, friction_memory: FrictionMemory, position: Batch, pressures: Numbers
 ) -> tuple[FrictionMemory, Batch]:
     """Memory of friction after a step to a `position` [SI] at `pressures` [Pa] from the last
-    one's `friction_memory` [SI], and the energy lost meanwhile [J].
+    one's `friction_memory` [SI], and the energy that laws with a memory lost meanwhile [J].
     """
     step = friction_step(plant, friction_memory, position, pressures)
     loss = array_namespace(step.loss).sum(plant.counts * step.loss, axis=-1)

@@ -216,8 +216,8 @@ class MuscleWrapper(AbstractMuscles):
 
 
 class GeometricMuscles(MuscleWrapper):
-    """Muscles that change `muscles` to the volume of their straight `braid`, (V), buckled or not;
-    `walls`: volumes of their bladders [m³].
+    """Muscles with the force of `muscles`, and the volume of their straight `braid`, (V), whether
+    they buckle or not; `walls`: volumes of their bladders [m³].
     """
 
     braid: Braid

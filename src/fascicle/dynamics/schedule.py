@@ -79,7 +79,7 @@ class Schedule:
             )
 
     def at(self, time: Values) -> Numbers:
-        """Commands [-] at each `time` [s], held since their last change, on the last axis."""
+        """Commands [-] in force at each `time` [s]; a column for each command on the last axis."""
         # 1e-9 s: a step that misses a time by rounding has its command
         index = np.searchsorted(self.times, np.asarray(time) + 1e-9, side="right") - 1
         return self.commands[np.maximum(index, 0)]

@@ -227,7 +227,9 @@ class _OpenLoop(Module):
 def _prepare_controller(
     plant: Plant, controller: Any, reference: Values, dt: float, duration: float | None
 ) -> tuple[Any, Any, Numbers]:
-    """Controller, its first memory, and a row for each step."""
+    """Controller, its first memory, and its input at each step: the `reference`, or the commands of
+    a schedule or array, which run open loop.
+    """
     if callable(controller):
         if reference is None:
             rule = "must have a row for each step"
@@ -335,7 +337,7 @@ def _observe_step(
 def _observe_run_jax(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """Outputs and ledger terms as of `_observe_step`, of all steps of a run, by JAX; `dt` [s]."""
+    """Outputs and `pressure_volume_term` [J] at each step of a run, by JAX; `dt` [s]."""
     times = dt * jnp.arange(len(commands))
     return jax.vmap(partial(_observe_step, plant))(times, history, commands)
 
@@ -343,7 +345,7 @@ def _observe_run_jax(
 def _observe_run_numpy(
     plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """Outputs and ledger terms as of `_observe_step`, of all steps of a run, by NumPy; `dt` [s]."""
+    """Outputs and `pressure_volume_term` [J] at each step of a run, by NumPy; `dt` [s]."""
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
     chunks = []

@@ -65,7 +65,7 @@ class Recruitment(NamedTuple):
 
 
 class BundleSolids(NamedTuple):
-    """Muscles of a bundle between its plates.
+    """Solids of a bundle's muscles for the drawing in space.
 
     The motor unit of each (`owners`), their `positions` (angle [rad], x and y [m]), and the radius
     [m] of their `envelope`.

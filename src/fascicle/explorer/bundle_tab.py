@@ -194,6 +194,8 @@ class BundleView(Tab):
         )  # fmt: skip
         space = column(self.chart.new_pane(), self.message.pane, kind="equal")
         self._solution_column = column()
+        for demand_field in (self._load, self._load_strain):
+            demand_field.message.pane.param.watch(self._hide_stale, "visible")
         demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
         parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
                  self._solution_column)  # fmt: skip
@@ -413,6 +415,11 @@ class BundleView(Tab):
         self._recruitments.request(
             lambda: recruitments(view.bundle, load, strain, view.resistance, view.path)
         )
+
+    def _hide_stale(self, *_: Any) -> None:
+        """Hide the pressures of the last load while a field of the demand shows an error."""
+        fields = self._load, self._load_strain
+        self._solution_column.visible = not any(x.message.pane.visible for x in fields)
 
     def _show_recruitments(self, result: tuple[list[Recruitment], str]) -> None:
         """Show a table of all pressures that carry the load, and a button to set each of them."""

@@ -63,6 +63,7 @@ class PinButton:
         self.result = column(self._status, self._message.pane)
 
     def _pin(self) -> None:
+        """Pin the muscle shown at its pressure, or show an error below."""
         view = self._session.view
         try:
             _pin_muscle(self._session, view.name, view.muscle, view.pressure)

@@ -245,6 +245,7 @@ def _parse_strain(text: str) -> float:
 
 
 def _parse_display_units(text: str) -> dict[str, str]:
+    """Units by dimension of a link's `show`: of pressure, length and force, such as `kPa,mm,N`."""
     units = text.split(",")
     display_units = dict(zip(DISPLAY_UNITS, units, strict=False))
     if len(units) != len(DISPLAY_UNITS) or any(

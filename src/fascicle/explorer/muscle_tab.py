@@ -327,7 +327,7 @@ def _chosen_alternatives(view: View) -> list[str]:
 
 
 def _bending_moment_text(moment: float, units: Mapping[str, str]) -> str:
-    """Text of a bending `moment` [N m] in the `units` shown of force and length."""
+    """Text of a bending `moment` [N m] in the `units` shown of force and length; in m for mm."""
     length = "m" if units["length"] == "mm" else units["length"]  # N·m, the field's unit
     scale = unit_factor(units["force"], "force") * unit_factor(length, "length")
     return f"{moment / scale:.4g} {units['force']}·{length}"

@@ -164,6 +164,7 @@ class Session:
         self.input_names: set[str] = set()  # of files that were read: no output may have one
         self._callbacks: list[Callable[[View, View], None]] = []
         self._past: list[tuple[View, View]] = []  # views, and what was opened
+        self._oldest = 0  # in the past, of the views to which undo may go back
         self._last: tuple[set[str], float] = (set(), -math.inf)  # fields changed, and when [s]
 
     def watch(self, callback: Callable[[View, View], None]) -> None:
@@ -193,11 +194,15 @@ class Session:
     @property
     def can_undo(self) -> bool:
         """True if there is a change to undo."""
-        return bool(self._past)
+        return len(self._past) > self._oldest
+
+    def limit_undo(self, limited: bool) -> None:
+        """Let undo go back to the present view at most, or again to all before it."""
+        self._oldest = len(self._past) if limited else 0
 
     def undo(self) -> None:
         """Show the view before the last change; the tab and the units shown stay."""
-        if self._past:
+        if self.can_undo:
             view, self.opened = self._past.pop()
             self._last = set(), -math.inf
             self._set(self._with_display(view))

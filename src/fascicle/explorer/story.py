@@ -24,7 +24,17 @@ from .widgets import button, format_quantity
 TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens the reach")
 _OFFER = "See in four steps why a buckled muscle resists"
 _PROMISE = "Move the sliders as you like. Your own inputs come back at the end."
-_SET_FIELDS = ("tab", "supply", "units", "pressures", "pressure", "strain", "resistance")
+_SET_FIELDS = (
+    "tab",
+    "name",
+    "muscle",
+    "supply",
+    "units",
+    "pressures",
+    "pressure",
+    "strain",
+    "resistance",
+)
 _TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
 _SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
 _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
@@ -39,6 +49,7 @@ class Story:
     def __init__(self, session: Session, offer: bool = False):
         """Story of a `session`; with an `offer`, which browsers show until it is dismissed."""
         self._session, self._before, self.scene = session, session.view, 0
+        self._opened = session.opened
         self._text = pane(margin=0, css_classes=["live", "scene-text"], sizing_mode="stretch_width")
         self._texts = LatestResult(self._show_text, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
@@ -69,16 +80,17 @@ class Story:
     def start(self) -> None:
         """Show the first scene."""
         if not self.scene:
-            self._before = self._session.view
+            self._before, self._opened = self._session.view, self._session.opened
+            self._session.limit_undo(True)
         self._show_scene(1)
 
     def end(self) -> None:
         """Hide the story, and set its inputs as they were before it."""
         self.scene = 0
-        view, before = self._session.view, self._before
-        if view.muscle is before.muscle:
-            inputs = {name: getattr(before, name) for name in _SET_FIELDS}
-            self._session.show(replace(view, **inputs))
+        self._session.limit_undo(False)
+        if self._session.opened is self._opened:
+            inputs = {name: getattr(self._before, name) for name in _SET_FIELDS}
+            self._session.show(replace(self._session.view, **inputs))
         self._running.visible = False
 
     def _move(self, step: int) -> None:

@@ -80,7 +80,7 @@ def is_computing() -> bool:
 
 
 class LatestResult:
-    """Result of the latest request; results of earlier ones are dropped."""
+    """Runs one computation at a time in a thread, and shows the result of the latest request."""
 
     def __init__(
         self,

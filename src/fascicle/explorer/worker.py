@@ -31,7 +31,8 @@ class CanceledError(ValueError):
 
 
 class Job:
-    """A call of `function(progress, *arguments)` in a worker process.
+    """A call of `function(progress, *arguments)` that runs in a worker process when the job is
+    called, and can be canceled.
 
     `progress` takes the stage, in words. Function, arguments and result are pickled.
     """

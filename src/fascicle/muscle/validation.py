@@ -181,8 +181,9 @@ def validate_braid_angle(value: Values) -> Batch:
         degrees, top = np.degrees(np.asarray(value, dtype=float)), np.degrees(NEUTRAL_ANGLE)
         bad = degrees[~((degrees > 0) & (degrees < top))].flat[0]
         number = math.radians(bad)
-        # a number that would do in degrees
-        remedy = f'numbers are in rad, write "{number:g} deg"' if math.pi / 2 < number < top else ""
+        # a number that would be usual in degrees
+        is_degrees = _ANGLE.low <= number < top
+        remedy = f'numbers are in rad, write "{number:g} deg"' if is_degrees else ""
         rule = f"must lie in (0, {top:.4f}) deg to contract"
         raise InvalidInputError("braid_angle", rule, bad, remedy, shown=f"{bad:g} deg") from None
     check_plausible(np.degrees(angle) if is_concrete(angle) else angle, "braid_angle", _ANGLE)

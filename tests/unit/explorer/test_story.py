@@ -105,9 +105,24 @@ def test_a_muscle_that_is_opened_meanwhile_stays():
     story = Story(session)
     story.start()
     other = view_of(fs.example("festo-dmsp-20-300"), "festo", session.view)
-    session.show(other)
+    session.open(other)
     story.end()
     assert session.view is other
+
+
+def test_undo_stays_in_the_story_and_own_sizes_come_back():
+    session = Session(VIEW)
+    session.change(muscle=VIEW.muscle.replace(braid_angle=0.5))
+    own = session.view
+    story = Story(session)
+    story.start()
+    assert session.can_undo  # the scene's own inputs
+    for _ in range(5):
+        session.undo()
+    assert session.view.muscle is own.muscle and not session.can_undo
+    session.change(muscle=VIEW.muscle.replace(braid_angle=0.6))
+    story.end()
+    assert session.view == own and session.can_undo
 
 
 def test_the_text_names_its_scene_and_the_last_button_says_done():
