@@ -37,23 +37,23 @@ class ReprTable(NamedTuple):
     def html(self) -> str:
         """Table as a piece of HTML."""
         facts = "".join(
-            f'<tr><th style="text-align:left;padding-right:1em">{_escape(name)}</th>'
-            f'<td style="text-align:left">{_escape(value)}</td></tr>'
+            f'<tr><th style="text-align:left;padding-right:1em">{_escape_html(name)}</th>'
+            f'<td style="text-align:left">{_escape_html(value)}</td></tr>'
             for name, value in self.facts
         )
         # digits are aligned, also on a page without a style for tables
         style = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
-        heads = "".join(f"<th {style}>{_escape(head)}</th>" for head in self.heads)
+        heads = "".join(f"<th {style}>{_escape_html(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td {style}>{_escape(entry)}</td>" for entry in row) + "</tr>"
+            "<tr>" + "".join(f"<td {style}>{_escape_html(entry)}</td>" for entry in row) + "</tr>"
             for row in _ends(self.rows)
         )
         table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
         return (
-            f"<div><strong>{_escape(self.title)}</strong>"
+            f"<div><strong>{_escape_html(self.title)}</strong>"
             + (f"<table><tbody>{facts}</tbody></table>" if facts else "")
             + (table if rows else "")
-            + "".join(f"<p>{_escape(note)}</p>" for note in self.notes)
+            + "".join(f"<p>{_escape_html(note)}</p>" for note in self.notes)
             + "</div>"
         )
 
@@ -71,7 +71,7 @@ def with_table_repr(
             kind.__repr__ = _if_concrete(line, default)
         kind.__str__ = _if_concrete(lambda obj: table(obj).text(), default)
         kind._repr_html_ = _if_concrete(
-            lambda obj: table(obj).html(), lambda obj: f"<pre>{_escape(default(obj))}</pre>"
+            lambda obj: table(obj).html(), lambda obj: f"<pre>{_escape_html(default(obj))}</pre>"
         )
         kind._repr_pretty_ = lambda obj, printer, _: printer.text(str(obj))
         return kind
@@ -128,7 +128,7 @@ def _aligned_lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[
     ]
 
 
-def _escape(text: str) -> str:
+def _escape_html(text: str) -> str:
     import html  # rarely needed
 
     return html.escape(text)

@@ -108,9 +108,9 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         try:
             view = _apply_key(view, key, query[key], query)
         except ValueError as error:
-            errors.append(_error_text(key, str(error)))
+            errors.append(_link_error_text(key, str(error)))
         except Exception:  # noqa: BLE001 whatever a link holds, the page opens
-            errors.append(_error_text(key, f"`{key}` can't be read."))
+            errors.append(_link_error_text(key, f"`{key}` can't be read."))
     if len(view.pressures) != len(view.units):
         view = replace(view, pressures=(view.supply,) * len(view.units))
     if max(view.pressure, *view.pressures) > view.supply:
@@ -119,11 +119,11 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         if "pressure" in query or "pressures" in query:
             supply = _exact_text(view.supply, "pressure", view.display_units["pressure"])
             text = f"`pressure` must be at most the supply's, {supply}."
-            errors.append(_error_text("pressure", text, "It is lowered."))
+            errors.append(_link_error_text("pressure", text, "It is lowered."))
     return view, [message_in_units(line, view.display_units) for line in errors]
 
 
-def _error_text(key: str, error: str, result: str = "It is left out.") -> str:
+def _link_error_text(key: str, error: str, result: str = "It is left out.") -> str:
     """Sentences on the `error` of a link's `key` and its `result`, in the words of the page."""
     label = _LABELS[key]
     text = re.sub(r"^`\w+`", label, error)

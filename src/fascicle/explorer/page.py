@@ -230,7 +230,7 @@ def build(
         # made when it is first opened: most visitors never open most of them
         if name not in views:
             views[name] = _VIEWS[name](session, colors)
-            contents[name].objects = [views[name].panel, *_download_buttons(session, name, story)]
+            contents[name].objects = [views[name].panel, *_download_row(session, name, story)]
         views[name].refresh()
 
     def follow(before: View, after: View) -> None:
@@ -246,7 +246,7 @@ def build(
     )
 
 
-def _download_buttons(session: Session, name: str, story: Story) -> list[Any]:
+def _download_row(session: Session, name: str, story: Story) -> list[Any]:
     """A row of download buttons of the tab with a `name`; none for compare and data."""
     if name not in EXPORTS:  # those of curves and of data need some first, and have their own
         return []

@@ -65,7 +65,7 @@ def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) 
     from ..control import pareto_front
     from ..reports import simulation as reports
 
-    study, notes = _read_scenario(progress, text, name)
+    study, notes = _read_limited_scenario(progress, text, name)
     results, runs = [], {}
     for variant, label in _variants(progress, study, policies):
         result, run = _run_policy(variant, label, [] if results else notes)
@@ -96,7 +96,7 @@ def picture(progress: Progress, text: str, name: str, policies: Sequence[str], k
     from ..plot.trajectory import policies as draw_policies
     from ..reports import simulation as reports
 
-    study, _ = _read_scenario(progress, text, name)
+    study, _ = _read_limited_scenario(progress, text, name)
     runs = {}
     for variant, label in _variants(progress, study, policies):
         run = variant.run()
@@ -112,7 +112,9 @@ def picture(progress: Progress, text: str, name: str, policies: Sequence[str], k
     return to_bytes(draw_policies(study.plant, pairs, costs), kind)
 
 
-def _read_scenario(progress: Progress, text: str, name: str) -> tuple["Scenario", list[str]]:
+def _read_limited_scenario(
+    progress: Progress, text: str, name: str
+) -> tuple["Scenario", list[str]]:
     """A scenario within the page's limits, and warnings about it."""
     progress("loading the simulator")
     for library in ("jax", "matplotlib"):

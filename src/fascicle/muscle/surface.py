@@ -224,7 +224,7 @@ def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) ->
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
     from ..core.jax_backend import compile_law
 
-    values, slopes = compile_law(_integrate_force)(muscle, pressure, strain)
+    values, slopes = compile_law(_force_and_coenergy)(muscle, pressure, strain)
     coenergy, work, force = map(np.asarray, values)
     volume, volume_change, force_slope = map(np.asarray, slopes)
     L0, V0 = float(muscle.length), float(muscle.volume(0.0))
@@ -238,7 +238,7 @@ def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) ->
     )
 
 
-def _integrate_force(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
+def _force_and_coenergy(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
     """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
     pressures last; and their slopes in pressure.
     """

@@ -108,7 +108,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
     try:
         book = load_workbook(io.BytesIO(raw), data_only=True)
     except Exception as error:  # noqa: BLE001 of several libraries
-        raise ValueError(f"{source}: can't be read as .xlsx: {_error_line(error)}") from None
+        raise ValueError(f"{source}: can't be read as .xlsx: {_message_line(error)}") from None
     for sheet in book.worksheets:
         if sheet.max_row * sheet.max_column > _MAX_CELLS:
             size = f"{sheet.max_row} rows and {sheet.max_column} columns"
@@ -131,7 +131,7 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
     try:
         file = TdmsFile.read(io.BytesIO(raw))
     except Exception as error:  # noqa: BLE001 of the library's own kinds
-        raise ValueError(f"{source}: can't be read as .tdms: {_error_line(error)}") from None
+        raise ValueError(f"{source}: can't be read as .tdms: {_message_line(error)}") from None
     tables = {}
     for group in file.groups():
         columns = {}
@@ -154,7 +154,7 @@ def _structures(raw: bytes, source: str) -> dict[str, bytes]:
     except Exception as error:  # noqa: BLE001 of SciPy's own kinds
         remedy = "save it with save(…, '-v7'), or export its readings as CSV"
         raise ValueError(
-            f"{source}: can't be read as .mat: {_error_line(error)}: {remedy}."
+            f"{source}: can't be read as .mat: {_message_line(error)}: {remedy}."
         ) from None
     tables: dict[str, bytes] = {}
     _visit({k: v for k, v in content.items() if not k.startswith("__")}, "variables", tables)
@@ -220,5 +220,5 @@ def _tabbed_text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
     return frame.to_csv(sep="\t", index=False, header=header).encode()
 
 
-def _error_line(error: Exception) -> str:
+def _message_line(error: Exception) -> str:
     return " ".join(str(error).split()).rstrip(".")

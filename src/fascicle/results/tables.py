@@ -391,7 +391,7 @@ def _tracking_variables(controller: "Cascade", run: "Trajectory", reference: Any
     """Demand, output, reach and metrics of a controlled run; the last step's also at the end."""
     from ..control import control_metrics, controlled_output, reachability
 
-    unit, force = _units(controller)
+    unit, force = _output_units(controller)
     reach = reachability(controller, run.outputs, reference)
     demand, reachable, lacking = (
         np.append(values, values[-1])
@@ -411,7 +411,7 @@ def _metric_variables(
     controller: "Cascade", metrics: list["ControlMetrics"], dims: str
 ) -> list[tuple]:
     """Control metrics of one run, or of several along the dimension `dims`."""
-    unit, force = _units(controller)
+    unit, force = _output_units(controller)
     units = {
         "drawdown": unit, "dip": "N", "rms": unit, "largest_error": unit, "lag": "s",
         "supply_energy": "J", "fluid": "kg", "first": "s", "last": "s", "short": force,
@@ -424,7 +424,7 @@ def _metric_variables(
     return rows
 
 
-def _units(controller: "Cascade") -> tuple[str, str]:
+def _output_units(controller: "Cascade") -> tuple[str, str]:
     """Units of the controlled output, and of its forces."""
     unit = controller.plant.load.unit
     force = "N·m" if unit == "rad" else "N"

@@ -70,7 +70,7 @@ def run(
     if page is not None:
         check_file("--page", page, overwrite, [".html", ".htm"])
     law = "--c" if c is not None else "--page" if page is not None else ""
-    target = _read_target(file, law)
+    target = _read_exported(file, law)
     from ... import export
     from ...export.c_files import check_name
 
@@ -109,7 +109,7 @@ def run(
         print_line(f"wrote {fmu}")
 
 
-def _read_target(file: str, law: str) -> Any:
+def _read_exported(file: str, law: str) -> Any:
     """Read a muscle, a bundle, or a scenario's controller; `law`: option that exports the law
     itself, if any.
     """
