@@ -13,6 +13,7 @@ from ..calibrate import Calibration, Selection
 from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
 from ..calibrate.parameters import parameters_of
 from ..calibrate.plot_data import figures
+from ..calibrate.verdict import judge, verdict_lines
 from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
@@ -438,9 +439,9 @@ class DataView(Tab):
             text = interval if parameter.identifiable else "not known from these data"
             rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
+        first, _ = verdict_lines(calibration, judge(calibration, fit.selection))
         lines = [
-            f"rmse {calibration.rmse:.4g} N, {100 * calibration.relative_rmse:.3g} % of the largest"
-            " force",
+            *first,
             *fit_data_lines(calibration.fit_data),
             hysteresis_message(calibration),
             *fit.selection.reasons,

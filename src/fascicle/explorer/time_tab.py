@@ -69,7 +69,7 @@ _EMPTY = (
     " here. A scenario brings its own bundle: the muscle of the other tabs takes no part. The"
     " first run takes longer: the simulator is compiled.</p>"
 )
-_DRAWDOWN = "Drawdown: how far the output falls back while the demand doesn't (K4)."
+_DRAWDOWN = "Drawdown: how far force or position falls back while its demand does not."
 _DIP = (
     " D: how far the force falls while a motor unit fills and the others hold their pressures."
     " Drawdown/D is 0 for a smooth hand-over, and 1 where nothing made up for the fall."
@@ -278,7 +278,7 @@ class TimeView(Tab):
         has_control = setup.has_control
         self.policies.param.update(visible=has_control, value=list(setup.policies))
         self._policy_title.object = (
-            heading("Policies to compare (none: that of the file)")
+            heading("Policies to compare (default: the scenario's)")
             if has_control
             else status_line("Valves follow a schedule: there is no policy to choose.")
         )
