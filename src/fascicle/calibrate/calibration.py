@@ -152,7 +152,7 @@ class Calibration(Fit):
 
     @property
     def intervals(self) -> str:
-        """Method of the 90 % intervals."""
+        """Method of the 90 % intervals, in words: linear approximation or bootstrap."""
         return import_late("calibrate.messages.interval_method")(self)
 
     @property
@@ -206,7 +206,7 @@ class Calibration(Fit):
 
     @property
     def friction_is_visible(self) -> bool:
-        """The record has loops that are wider than the noise."""
+        """True if the record has hysteresis loops that are wider than the noise."""
         return self.loop is not None and (self.friction is None or self.friction.law is not None)
 
     @property

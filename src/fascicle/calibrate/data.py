@@ -129,7 +129,7 @@ class FitData:
 
     @property
     def pulls(self) -> bool:
-        """All measured forces pull, so that they depend on the tension law alone."""
+        """True if all measured forces pull, so that they depend on the tension law alone."""
         return not self.pushes and not np.all(self.record.censored)
 
     @property
@@ -155,9 +155,8 @@ class FitData:
         }
 
     def errors(self, force: np.ndarray) -> np.ndarray:
-        """Measured less fitted force of each reading [N], NaN where it is clipped.
-
-        **Arguments:** `force`: of the model on the grid [N].
+        """Measured less fitted force of each reading [N], NaN where it is clipped; `force`: the
+        model's, at each entry of the grid [N].
         """
         record, entry = self.record, (self.level, self.column)
         fitted = force[entry]
@@ -181,9 +180,8 @@ class FitData:
 
 
 def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
-    """Select the readings to fit: those of sweeps, without the ramps between them.
-
-    `muscle`: predicts its push without pressure; the difference gives the gauges' zeros.
+    """Select the readings to fit: those of sweeps, without the ramps between them. With a `muscle`,
+    correct them for the gauges' zeros: those that explain the readings without pressure.
     """
     # a clipped reading counts as zero, whatever number the file has for it
     force = np.where(record.censored, 0.0, record.force)

@@ -550,7 +550,9 @@ def discrepancy_sizes(residuals: Residuals, diagnosis: Diagnosis) -> list[tuple[
 def _model_error(
     fit: Fit, residuals: Residuals, diagnosis: Diagnosis
 ) -> tuple[np.ndarray | None, np.ndarray]:
-    """Covariance of the coordinates by (C12), and the discrepancy's columns on the grid [N]."""
+    """Covariance that the model's error adds to that of the coordinates, (C12), and columns of the
+    error on the grid [N]; `None` and no columns without a significant trend.
+    """
     problem, k = fit.problem, len(fit.coordinates)
     measured = problem.grid.measured
     if not diagnosis.significant:

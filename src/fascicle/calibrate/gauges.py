@@ -121,7 +121,7 @@ def fault_text(gauge: Gauge) -> str:
 
 
 def gauge_of(muscle: Muscle) -> Gauge:
-    """Gauge that a fit attached to a `muscle`; a perfect one by default."""
+    """Errors of the gauges that a fit attached to a `muscle`; none by default."""
     gauge: Gauge = vars(muscle).get(_KEY, PERFECT)
     return gauge
 

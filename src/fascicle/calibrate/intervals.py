@@ -143,6 +143,9 @@ def _crossings(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:
 
 
 def _interval_end(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: float) -> float:
+    """Value where the `rise` [-] first exceeds the critical one along the `indices`;
+    `otherwise`, if it never does.
+    """
     for inner, outer in itertools.pairwise(indices):
         if rise[outer] > _CRITICAL:
             # deviations are nearly linear in the value, their squares are not

@@ -135,8 +135,8 @@ class Problem:
         return SmoothCurves(self.muscle, self.grid.pressure[:, 0], top_pressure(self.grid))
 
     def muscle_at(self, point: AnyArray) -> Muscle:
-        """The muscle at a `point`, with the tables of its curves; a batch of muscles at points
-        with further axes.
+        """The muscle at a `point`; its tuning has the $C_1$, $C_2$ of the readings' curves, if the
+        problem has these. A batch of muscles at points with further axes.
         """
         k = len(self.parameters)
         muscle = put(self.parameters, self.muscle, point[:k])
@@ -291,10 +291,12 @@ def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> T
 
 
 def _linear_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals `r` [-] as they are, whose squares are the linear loss, and their slopes, 1."""
     return r, np.ones_like(r)
 
 
 def _soft_l1_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals [-] whose squares are the soft L1 loss of `r` [-], and their slopes with `r`."""
     # of two forms of 2 (sqrt(1 + r²) - 1), the one without cancellation
     root = np.sqrt(1 + r**2)
     factor = np.sqrt(2 / (root + 1))
@@ -302,6 +304,7 @@ def _soft_l1_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _cauchy_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals [-] whose squares are the Cauchy loss of `r` [-], and their slopes with `r`."""
     square = np.maximum(r**2, 1e-300)  # no 0/0
     factor = np.where(r**2 > 1e-12, np.sqrt(np.log1p(square) / square), 1.0)  # else 1 - r²/4
     return r * factor, 1 / ((1 + r**2) * factor)

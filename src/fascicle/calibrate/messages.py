@@ -116,7 +116,7 @@ def end_messages(solutions: Solutions) -> list[str]:
 
 
 def interval_method(calibration: Calibration) -> str:
-    """Method of a calibration's 90 % intervals."""
+    """Method of the 90 % intervals, in words: linear approximation or bootstrap."""
     boots, condition = calibration.bootstrapped, ", conditional on the selected model"
     if boots is None:
         profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)

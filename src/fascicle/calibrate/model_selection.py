@@ -389,7 +389,7 @@ def _try_constants(
             problem, starts_of(problem, options), tolerance=ROUGH
         )
         fitted = put(problem.parameters, problem.muscle, point)
-        violation = _violation(data, muscle, fitted, names, priors)
+        violation = _active_length_message(data, muscle, fitted, names, priors)
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force
     candidate = ", ".join(names) or AS_GIVEN, names, "constants", len(names)
@@ -473,7 +473,7 @@ def _full_trials(
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         candidate = title, free, fitted.method, len(free) + curves
         left_out = data.errors(left_out_force(fitted))
-        violation = _violation(data, muscle, fitted.muscle, free, priors)
+        violation = _active_length_message(data, muscle, fitted.muscle, free, priors)
         top_force = largest_force(data.record)
         trials.append(
             make_trial(
@@ -500,8 +500,12 @@ def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) 
     return force
 
 
-def _violation(data: FitData, muscle: Muscle, fitted: Muscle, names: Names, priors: Priors) -> str:
-    """Message for a fitted muscle that can't exist; empty for others."""
+def _active_length_message(
+    data: FitData, muscle: Muscle, fitted: Muscle, names: Names, priors: Priors
+) -> str:
+    """Message for a fitted active length above the distance of the fittings; empty for others, and
+    where it isn't free or has a prior.
+    """
     if _ACTIVE not in names or _ACTIVE in priors:
         return ""
     rest_length = data.record.rest_length or float(muscle.length)
@@ -509,6 +513,7 @@ def _violation(data: FitData, muscle: Muscle, fitted: Muscle, names: Names, prio
 
 
 def _measured_levels(grid: Grid) -> np.ndarray:
+    """Indices of the levels with a force that isn't clipped."""
     return np.flatnonzero(grid.measured.any(axis=1))
 
 

@@ -101,6 +101,10 @@ def _of_rubber() -> Iterator[Parameter]:
 
 
 def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
+    """Function that sets the constant `name` of a muscle's rubber to the exponential of a
+    coordinate; a Young's modulus derived from C10 and C01 follows it.
+    """
+
     def put(muscle: Muscle, z: Batch) -> Muscle:
         old: Any = muscle.material
         new = with_fields(old, **{name: exp(z)})
@@ -114,6 +118,7 @@ def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
 
 
 def _rate(muscle: Muscle) -> Batch:
+    """Transition rate of a `muscle` [-]: its tuning's, if that has one."""
     tuned = muscle.tuning.transition_rate
     return muscle.transition_rate if tuned is None else tuned
 

@@ -218,13 +218,15 @@ class _Regression:
         return self.center - self.value / safe(self.slope)
 
     def variance(self, T: np.ndarray) -> np.ndarray:
-        """Variance of the line at `T` [N], over that of a single reading [-]."""
+        """Variance of the line at a force `T` of the law [N], over that of a single reading [-]."""
         dT, (a, b, c) = T - self.center, self.spread
         return a + 2 * dT * b + dT**2 * c
 
 
 def _regress(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Regression:
-    """Regress `F` [N] on `T` [N] with `weight`, for means of `count` readings."""
+    """Regress measured forces `F` [N] on forces `T` of the law [N] with `weight`; each is the mean
+    of `count` readings.
+    """
 
     def mean(values: np.ndarray) -> np.ndarray:
         return np.sum(weight * values, axis=1) / total
@@ -243,7 +245,9 @@ def _regress(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray
 
 
 def _reading_scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
-    """Standard deviation of a reading of `F` [N], about a parabola in `T` [N] at each level."""
+    """Standard deviation [N] of a measured force `F` [N] about a parabola in the law's force
+    `T` [N], at each level.
+    """
     t = T / safe(np.max(np.abs(T), axis=1, keepdims=True))
     basis = np.stack([np.ones_like(t), t, t**2], axis=-1) * np.sqrt(weight)[..., None]
     target = F * np.sqrt(weight)

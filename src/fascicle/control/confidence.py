@@ -51,7 +51,8 @@ def crossing_confidence(
     slack: float = SLACK,
     lag: float = 0.0,
 ) -> CrossingConfidence:
-    """Share of bundles around a model that have a hand-over without a dip along a path.
+    """Confidence in the crossing of a model along a path: share of bundles around it that have a
+    hand-over without a dip too, and their margin.
 
     **Arguments:**
 

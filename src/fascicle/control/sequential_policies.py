@@ -238,7 +238,9 @@ _DEFAULTS = {
 
 
 def _sequential_policy(**options: float) -> Any:
-    """Function that makes a sequential policy of a band, with other switches than default."""
+    """Function that makes a sequential policy with a given band; `options`: switches other than the
+    default.
+    """
 
     def policy_with_band(band: Any) -> SequentialPolicy:
         """Policy that vents a unit when the demand has fallen by a `band` [N]."""
@@ -250,7 +252,7 @@ def _sequential_policy(**options: float) -> Any:
 
 
 def orderly(band: Any = None) -> SequentialPolicy:
-    """Policy `orderly`, the plain inverse; it has no `band` [N]."""
+    """Policy `orderly`, the plain inverse of the model; it ignores the `band` [N]."""
     del band
     return SequentialPolicy(*np.zeros(7))
 

@@ -112,6 +112,6 @@ def batch(band: Any) -> BatchPolicy:
 
 
 def energy_aware(band: Any) -> EnergyAwarePolicy:
-    """Policy `energy_aware`, which has no `band` [N]: its saving decides."""
+    """Policy `energy_aware`; it ignores the `band` [N], since the saving of fluid decides."""
     del band
     return EnergyAwarePolicy()

@@ -158,7 +158,7 @@ def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
 
 
 def _added_force(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
-    """As `added_force`, without checks, of all of the unit's muscles [N]."""
+    """Force [N] that all muscles of a unit add at a `pressure` [Pa], without checks."""
     motor_unit = bundle.motor_units[unit - 1]
     pressurized, empty = (
         motor_unit.muscle.law.at(P) for P in (pressure + 0.0 * strain, 0.0 * strain)

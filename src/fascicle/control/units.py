@@ -165,10 +165,10 @@ def share_demand(
     high: Numbers,
     throttled: Numbers | None = None,
 ) -> tuple[Numbers, Whole]:
-    """Pressures [Pa] with which `units`, filled one after the other, share a demand; and statuses.
+    """Pressures [Pa] with which `units` share a demand, and statuses: one unit after the other is
+    filled from a `low` to a `high` pressure [Pa], until they meet the `demand` together.
 
-    Each unit is filled from a `low` to a `high` pressure [Pa] until together they meet the
-    `demand`. `throttled`: present pressures [Pa] of units that have not reached `low`.
+    `throttled`: present pressures [Pa] of units that have not reached `low`.
     """
     xp, n, branches = array_namespace(demand.strains), units.counts, units.branches
     at_low = n * branches.force(low if throttled is None else throttled, demand.strains)

@@ -153,7 +153,9 @@ def _price_keys(
     block: Designs,
     catalog: Catalog,
 ) -> tuple[np.ndarray, ...]:
-    """Keys that rank the designs of a `block`, with these `indices`: the first decides."""
+    """Keys that rank the designs of a `block`, with these `indices`, from the cheapest on: the
+    first decides.
+    """
     muscles_known, all_known = catalog.known_prices(block.drawings)
     valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
     price = catalog.muscle_price(block) if muscles_known else muscles

@@ -125,6 +125,7 @@ class Checkpoint:
 
 
 def _digest(genomes: Genomes) -> str:
+    """SHA-256 of the bits of `genomes`, in hexadecimal digits."""
     return sha256(np.ascontiguousarray(genomes, "<f8").tobytes()).hexdigest()
 
 

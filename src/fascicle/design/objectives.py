@@ -205,6 +205,7 @@ def overlap_width(outcome: Outcome) -> PerDesign:
 
 
 def _weighted_mean(outcome: Outcome, values: Numbers) -> PerDesign:
+    """Mean of `values` over the task's points, by weight."""
     return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
 
 
@@ -219,6 +220,7 @@ def _largest(values: Numbers) -> PerDesign:
 
 
 def _require_computed(values: PerDesign | None, name: str) -> PerDesign:
+    """The `values`; `InvalidInputError` if they weren't computed."""
     if values is None:
         raise InvalidInputError("outcome", f"holds no `{name}`", None, f"compute it with `{name}`")
     return values
@@ -267,6 +269,7 @@ class Limit(NamedTuple):
 
     @property
     def _with_tolerance(self) -> tuple[float, float]:
+        """The least and the largest value, widened by rounding errors [SI]."""
         ends = np.array([self.least, self.most])
         low, high = np.where(np.isfinite(ends), _ROUNDING * np.maximum(1.0, np.abs(ends)), 0.0)
         return self.least - low, self.most + high

@@ -50,7 +50,8 @@ def refine_sizes(
     seed: int = 0,
     may_miss: float = 0.0,
 ) -> tuple[Designs, Float[np.ndarray, " start"]]:
-    """Improve the sizes of one design, its split fixed, by gradient steps from several starts.
+    """Improve the sizes of one design, its split fixed, by gradient steps from several starts: the
+    best design of each start, and its objective over the first design's, smaller is better [-].
 
     **Arguments:**
 
@@ -138,7 +139,9 @@ def refine_sizes(
 def _size_coordinates(
     sizes: Sizes, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[Array, Array, np.ndarray]:
-    """Least and largest value and first coordinate $z$ of each size in `bounds`, for all units."""
+    """Bounds and initial coordinates $z$ of the sizes in `bounds`: one of each for every unit, a
+    single one for the length.
+    """
     lows, highs, fractions = [], [], []
     for key, (low, high) in bounds.items():
         check_choice(key, BOUNDED, "bounds")

@@ -240,7 +240,9 @@ class Space:
         )  # fmt: skip
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
-        """Index in `drawings` of the drawing of designs, by their `index`; -1 counts as 0."""
+        """Index in `drawings` of each design's drawing; an `index` of -1, a design off the grid,
+        counts as 0.
+        """
         return np.maximum(index, 0) // (len(self) // len(self.drawings))
 
     def scale(

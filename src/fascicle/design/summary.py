@@ -179,7 +179,10 @@ def _independent_levels(
     demanded: Points,
     level: Float[np.ndarray, " level"],
 ) -> tuple[Points, Float[np.ndarray, "point unit"]]:
-    """Level of the last throttled unit and of all units [-], as `bundle.free` has them."""
+    """Levels of the last throttled unit and of all units [-], if several are throttled
+    independently: all of them but the last have the level of most force, or that of least force
+    if the demand is below the force of the others.
+    """
     vented, supplied = forces[0], forces[-1]
     base = np.where(full, supplied, vented).sum(axis=1)
     extreme = np.where((demanded >= base)[:, None], forces.argmax(axis=0), forces.argmin(axis=0))

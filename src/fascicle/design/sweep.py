@@ -242,6 +242,7 @@ class Store:
         }
 
     def _has_digest(self, block: int, digest: str) -> bool:
+        """True if the data of a block on the disk have a `digest`."""
         try:
             index = self.study.index(block)
             cut = slice(index[0], index[-1] + 1)

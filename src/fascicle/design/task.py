@@ -233,4 +233,5 @@ def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
 def _in_time(
     name: str, time: np.ndarray, force: np.ndarray, strain: np.ndarray, supply_pressure: float
 ) -> Task:
+    """Example task in time, with made-up figures."""
     return Task.in_time(time, force, strain, supply_pressure, name=name, source=_MADE_UP)

@@ -254,7 +254,7 @@ class VirtualDynamometer:
         P = np.asarray(self.pressures, dtype=float)
         # cycled until it is soft, so the stroke is the softened muscle's
         closing = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
-        clean = np.asarray(self._with_new_rubber(muscle).force(P[:, None], closing))
+        clean = np.asarray(self._with_mullins_effect(muscle).force(P[:, None], closing))
         half = 0.5 * self.hysteresis * clean[:, :1]
         if not self.both_ways:
             return Sweeps(P, closing, np.ones(closing.size, int), clean - half)
@@ -289,8 +289,10 @@ class VirtualDynamometer:
         scatter = Scatter(self.length_scatter, self.angle_scatter)
         return scatter.draw(muscle, _streams(seed)[-1])
 
-    def _with_new_rubber(self, muscle: Muscle) -> Muscle:
-        """The muscle with the stiffness of new rubber at each pressure, on a first axis."""
+    def _with_mullins_effect(self, muscle: Muscle) -> Muscle:
+        """The muscle with rubber that softens from one sweep to the next (Mullins effect): its
+        numbers by pressure are on a first axis.
+        """
         if not self.mullins:
             return muscle
         cycle = self.preconditioning + np.arange(len(self.pressures))
@@ -340,7 +342,8 @@ class Pairs:
         return self.free_strain / self.nominal - 1
 
     def agreement(self, most: float = 0.10, outlier: float = 0.15) -> tuple[float, float]:
-        """Shares of the pairs that agree with the drawing as well as the paper's pair did.
+        """Share of the pairs that agree with the drawing as well as the paper's pair did, and share
+        of those that, like it, have exactly one point beyond `most`.
 
         Every point of the paper lies within 10 % of the model, except one within 15 %.
 
@@ -430,5 +433,5 @@ def agreements(
 
 
 def _streams(seed: int) -> list[np.random.Generator]:
-    """Independent random generators, in order: load cell, transducer, ruler, fabrication."""
+    """Independent random generators of a seed: load cell, transducer, ruler, fabrication."""
     return np.random.default_rng(seed).spawn(4)

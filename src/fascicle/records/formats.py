@@ -98,7 +98,7 @@ def unpacked_size(raw: bytes, limit: int) -> int:
 
 
 def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
-    """Text of each sheet of an .xlsx file, by name."""
+    """Tab-separated text of each sheet of an .xlsx file, by name."""
     require("openpyxl")
     from openpyxl import load_workbook
 
@@ -123,7 +123,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
 
 
 def _groups(raw: bytes, source: str) -> dict[str, bytes]:
-    """Text of each group of a .tdms file, by name."""
+    """Tab-separated text of each group of a .tdms file, by name."""
     require("nptdms")
     import pandas as pd
     from nptdms import TdmsFile
@@ -146,7 +146,7 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
 
 
 def _structures(raw: bytes, source: str) -> dict[str, bytes]:
-    """Text of each structure with columns in a .mat file, by name."""
+    """Tab-separated text of each structure with columns in a .mat file, by name."""
     from scipy.io import loadmat
 
     try:
@@ -221,4 +221,5 @@ def _tabbed_text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
 
 
 def _message_line(error: Exception) -> str:
+    """Message of an `error` on one line, without its last period."""
     return " ".join(str(error).split()).rstrip(".")

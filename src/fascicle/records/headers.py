@@ -139,5 +139,6 @@ def _python(argument: str, role: str, value: str) -> str:
 
 
 def _plain(text: str) -> str:
+    """Words of a `text` in lower case, parted at capitals and signs."""
     text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)  # MusclePressure
     return " ".join(re.sub(r"[\W_]+", " ", text).lower().split())

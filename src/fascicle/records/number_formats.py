@@ -111,7 +111,9 @@ def is_split_clock(clock: str, fraction: str) -> bool:
 
 
 def read_seconds(texts: Sequence[str]) -> np.ndarray | None:
-    """Times as numbers; clock times from the first one on [s]; `None` for other texts."""
+    """Times: numbers as they are, in their column's unit; clock times from the first one on [s];
+    `None` for other texts.
+    """
     if all(map(NUMBER.fullmatch, texts)):
         values = np.array([float(text.replace(",", ".")) for text in texts])
         return values if np.isfinite(values).all() else None

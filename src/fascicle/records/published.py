@@ -32,11 +32,13 @@ _Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
 class _Table(BaseModel):
+    """Object in a published record's JSON file, which refuses unknown keys."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
     @classmethod
     def known_keys(cls, table: Any) -> list[str]:
-        """Keys to suggest for an unknown one."""
+        """Keys of the object, to suggest one for an unknown key."""
         del table
         return [field.alias or name for name, field in cls.model_fields.items()]
 
@@ -164,6 +166,7 @@ def file_text(record: Record, path: str | os.PathLike[str]) -> str:
 
 
 def _validate(data: Any, source: str) -> RecordTable:
+    """Check the data of a JSON file; `ValueError` names file and key of an invalid value."""
     try:
         table = RecordTable.model_validate(data)
     except ValidationError as error:
@@ -179,4 +182,5 @@ def _validate(data: Any, source: str) -> RecordTable:
 
 
 def _dump(value: Any) -> str:
+    """JSON of a `value`, which has neither NaN nor infinity."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

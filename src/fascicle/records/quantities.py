@@ -79,7 +79,7 @@ def read_force(readings: Readings, joint: JointReadings | None, info: Sidecar) -
 def read_pressure(
     readings: Readings, force: np.ndarray, info: Sidecar
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Gauge pressure [Pa], and notes; it is checked against the `force` [N]."""
+    """Gauge pressure [Pa], and notes; pressure and `force` [N] are checked against each other."""
     columns, raws = readings.columns, readings.raws
     column = columns["pressure"]
     zero = (info.pressure_at_rest or 0.0) + ((info.atmosphere or 0.0) if column.absolute else 0.0)
@@ -134,7 +134,9 @@ def read_strain(
 def read_censored(
     readings: Readings, force: np.ndarray, info: Sidecar
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Flags of clipped forces, and notes."""
+    """Flags of clipped forces, and notes: from a column `clipped`; with `clipped_at_zero`, also
+    forces of exactly 0.
+    """
     censored = np.zeros(force.size, dtype=bool)
     if "clipped" in readings.columns:
         censored = _meanings(readings, "clipped", _FLAGS, "0 or 1").astype(bool)

@@ -384,6 +384,7 @@ def _is_synthetic(remarks: Sequence[str]) -> bool:
 def _rest_length(
     table: Table, info: Sidecar, remarks: Mapping[str, str]
 ) -> tuple[float | None, tuple[str, ...]]:
+    """Rest length [m], of the sidecar or else of the `remarks`, or `None`; and a note."""
     if info.rest_length is not None or "rest_length" not in remarks:
         return info.rest_length, ()
     try:

@@ -108,7 +108,7 @@ class Record:
         return self.force.size
 
     def only(self, selection: Any, *notes: str) -> "Record":
-        """Select readings.
+        """Record of selected readings alone.
 
         **Arguments:**
 

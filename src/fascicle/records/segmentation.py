@@ -103,7 +103,9 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
 
 
 def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
-    """Runs with both branches together, and a flag: the rows' order has a meaning."""
+    """Sweeps at constant levels of one or two of the `kinds`, both branches of each as one run,
+    and a flag: true if they follow the rows' order.
+    """
     values: dict[Kind, np.ndarray] = {kind: getattr(record, kind) for kind in _SWEPT}
     scales = {kind: float(np.max(np.abs(x))) for kind, x in values.items()}
     scales["strain"] = float(np.ptp(record.strain))
@@ -251,6 +253,7 @@ def _covered(record: Record, segments: Sequence[Run]) -> np.ndarray:
 
 
 def _count_readings(segments: Sequence[Run]) -> int:
+    """Number of readings in all runs."""
     return sum(run.points.size for run in segments)
 
 

@@ -67,6 +67,7 @@ ZEROS = ("pressure", "force", "torque", "displacement", "angle")
 
 
 def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
+    """Refuse keys of a `table` that are no roles."""
     check_roles(table, str(info.field_name))
     return table
 
@@ -76,6 +77,7 @@ def _as_list(value: Any) -> Any:
 
 
 def _arm_or_table(value: Any) -> Any:
+    """Moment arm [m], or a table of moment arms by angle."""
     if isinstance(value, dict):
         return read_arm_table(value, bare=False)
     if (arm := parse(value, "length", "moment_arm")) <= 0:
@@ -139,6 +141,7 @@ class Sidecar(TableModel):
     @model_validator(mode="before")
     @classmethod
     def _name_columns(cls, data: Any) -> Any:
+        """Move `columns` in their order, text or a list, to `names`."""
         if isinstance(columns := data.get("columns"), str | list):
             return {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
         return data
@@ -173,6 +176,7 @@ def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
 
 
 def _read_tables(path: Path) -> dict[str, Any]:
+    """Read the tables of a TOML file."""
     raw = read_bytes(path, _MAX_SIZE, "record's TOML")
     try:
         text = raw.decode("utf-8-sig")
@@ -182,6 +186,7 @@ def _read_tables(path: Path) -> dict[str, Any]:
 
 
 def _validate(data: dict[str, Any], source: str) -> Sidecar:
+    """Check the data of a sidecar file; `ValueError` names file and key of an invalid value."""
     try:
         return Sidecar.model_validate(data)
     except ValidationError as error:

@@ -252,6 +252,7 @@ class Table:
         return ValueError(f"{self.source}, line {line}: {message}")
 
     def _number(self, text: str, line: int, column: int) -> float:
+        """Finite number of a cell's `text`; the error for another one names line and column."""
         if (value := self.numbers.value(text)) is None:
             raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
         return value

@@ -187,6 +187,7 @@ def _label_index(row: Sequence[str]) -> int | None:
 
 
 def _level(cell: str, kind: str) -> re.Match[str] | None:
+    """First pressure or length, as the `kind`, with its unit in a `cell`; `None` without one."""
     for match in _LEVEL.finditer(cell):
         if is_unit(match[2], (kind,)) or (kind == "pressure" and is_absolute(match[2])):
             return match
@@ -203,10 +204,12 @@ def _residue(cell: str, kind: str) -> str:
 
 
 def _parse_number(text: str) -> float:
+    """Value of a number written with a decimal point or comma."""
     return float(text.replace(",", "."))
 
 
 def _is_unit_row(row: Sequence[str]) -> bool:
+    """True for a row of two or more units alone, none of them a number."""
     cells = [cell for cell in row if cell]
     return len(cells) > 1 and all(map(is_unit, cells)) and not any(map(_PLAIN.fullmatch, cells))
 
