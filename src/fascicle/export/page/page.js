@@ -229,22 +229,22 @@ function drawForce(shown) {
                                            (colors.family.length - 1))];
     chart.line(curve, color, 1.3);
   });
-  const {bundle} = shown;
+  const {bundle} = shown, total = isBundle ? colors.ink : colors.curves[0];
   if (isBundle) {
     bundle.units.forEach((_, i) => {
       chart.line(curveOf(bundle, top, strain => bundle.unitForce(i, strain)),
-                 colors.curves[(i + 1) % colors.curves.length], 1.6, [6, 4]);
+                 colors.curves[i % colors.curves.length], 1.6, [6, 4]);
     });
   }
-  chart.line(curveOf(bundle, top), colors.curves[0], 2.6);
+  chart.line(curveOf(bundle, top), total, 2.6);
   chart.mark(shown.strain, shown.force, colors.mark, `${figures(shown.force)} N`, 7);
-  chart.mark(0, shown.blocked, colors.curves[0]);
-  if (Number.isFinite(shown.free)) chart.mark(shown.free, 0, colors.curves[0],
+  chart.mark(0, shown.blocked, total);
+  if (Number.isFinite(shown.free)) chart.mark(shown.free, 0, total,
                                              `free ${figures(shown.free)}`);
   shown.units.forEach((unit, i) => {
     if (unit.collapse > top) return;
     chart.mark(unit.collapse, bundle.force(unit.collapse), colors.bad,
-               isBundle ? `${i + 1}` : `collapse ${figures(unit.collapse)}`, 3);
+               isBundle ? `collapse of ${i + 1}` : `collapse ${figures(unit.collapse)}`, 3);
   });
   for (const {pressure, y} of curves) {
     chart.label(`${figures(pressure / KPA)} kPa`, chart.x(0) + 7, chart.y(y[0]));
