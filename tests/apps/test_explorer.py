@@ -376,8 +376,9 @@ def test_a_solid_turns_by_pointer_and_slider_and_back(visit):
 
 def test_a_click_in_the_muscles_picture_moves_the_point(visit):
     page = visit("?strain=0.2&pressure=137.9kPa")
+    newtons = source(page, "point")["y"][0]
     field(page, "Force").select_option("lbf")
-    source(page, "curve")
+    until(page, f"newtons => ({SOURCE})('point').y[0] !== newtons", arg=newtons)
     figure = page.locator(".bk-Figure").first
     box = figure.bounding_box()
     figure.click(position={"x": 0.4 * box["width"], "y": 0.3 * box["height"]})
