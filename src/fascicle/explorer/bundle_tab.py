@@ -195,7 +195,7 @@ class BundleView(Tab):
         space = column(self.chart.new_pane(), self.message.pane, kind="equal")
         self._solution_column = column()
         for demand_field in (self._load, self._load_strain):
-            demand_field.message.pane.param.watch(self._hide_stale, "visible")
+            demand_field.message.pane.param.watch(self._hide_solutions, "visible")
         demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
         parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
                  self._solution_column)  # fmt: skip
@@ -416,7 +416,7 @@ class BundleView(Tab):
             lambda: recruitments(view.bundle, load, strain, view.resistance, view.path)
         )
 
-    def _hide_stale(self, *_: Any) -> None:
+    def _hide_solutions(self, *_: Any) -> None:
         """Hide the pressures of the last load while a field of the demand shows an error."""
         fields = self._load, self._load_strain
         self._solution_column.visible = not any(x.message.pane.visible for x in fields)

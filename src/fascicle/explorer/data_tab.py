@@ -354,7 +354,7 @@ class DataView(Tab):
             f" {before.pressure[-1] / pressure_scale:.3g} {unit}."
         )
         forces = np.r_[force, before.force.ravel()] / scale
-        self.chart.set_ranges(_widened(before.strain, _SIDE), _widened(forces, _GAP))
+        self.chart.set_ranges(_range_with_gap(before.strain, _SIDE), _range_with_gap(forces, _GAP))
 
     def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
@@ -511,7 +511,7 @@ def _empty_state(example: Any) -> Any:
     return row(left, right, kind="stacked framed", margin=APART)
 
 
-def _widened(values: np.ndarray, fraction: float) -> tuple[float, float]:
+def _range_with_gap(values: np.ndarray, fraction: float) -> tuple[float, float]:
     """Range of `values`, wider on both sides by a `fraction` [-] of it."""
     gap = fraction * float(np.ptp(values))
     return float(np.min(values)) - gap, float(np.max(values)) + gap

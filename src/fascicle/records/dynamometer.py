@@ -433,5 +433,5 @@ def agreements(
 
 
 def _streams(seed: int) -> list[np.random.Generator]:
-    """Independent random generators of a seed: load cell, transducer, ruler, fabrication."""
+    """Independent random generators in order: load cell, transducer, ruler, fabrication."""
     return np.random.default_rng(seed).spawn(4)
