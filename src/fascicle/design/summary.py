@@ -209,8 +209,9 @@ class Summary:
     - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].
     - `price`, `price_of_muscles`, `cost_of_a_cycle`: of muscles and valves, of muscles alone, and
       of the fluid, in the catalog's currency [-].
-    - `sizing`: of valves and hoses for a cycle, if one is demanded; `run`: in time with these, in
-      words.
+    - `sizing`: of valves and hoses for a cycle, if one is demanded.
+    - `run`, `run_failure`: words on the run over time with these valves, and on its failure, if
+      any.
     """
 
     label: str
@@ -227,6 +228,7 @@ class Summary:
     cost_of_a_cycle: float | None
     sizing: ValveSizing | None = None
     run: str = ""
+    run_failure: str = ""
 
     @property
     def margin(self) -> float:

@@ -24,7 +24,6 @@ REACHED, MISSED = "reached", "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
 _REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "radius": "length", "length": "length"}
 _LITER = 1e-3  # m³
-_FAILS = "FAILS, "  # verdict of a run over time
 _UNKNOWN = "unknown: "  # begins a fact without a number, and what to give in the task file
 
 
@@ -196,13 +195,12 @@ def _percent(fraction: float) -> str:
 
 def design_warnings(result: SearchResult, summary: Summary) -> list[str]:
     """Warnings on the recommended design: a cycle that it fails, and a small margin."""
-    failure = summary.run.partition(_FAILS)[2]
     cycle = (
-        f"it fails its cycle in the run over time: {failure}. Allow more time in [cycle], or"
-        " damp the load."
+        f"it fails its cycle in the run over time: {summary.run_failure}. Allow more time in"
+        " [cycle], or damp the load."
     )
     margin = margin_warning(result, summary)
-    return [*[cycle] * bool(failure), *[margin] * bool(margin)]
+    return [*[cycle] * bool(summary.run_failure), *[margin] * bool(margin)]
 
 
 def margin_warning(result: SearchResult, summary: Summary) -> str:
@@ -355,20 +353,23 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
         if missing is None:
             raise
         return replace(summary, run=f"run over time: left out, {missing}")
-    return replace(summary, run=f"run over time: {_run_text(run, sizing)}")
+    passes, text = run.passes(sizing.cycle.time), _run_text(run, sizing)
+    verdict = "passes" if passes else "FAILS"
+    return replace(
+        summary, run=f"run over time: {verdict}, {text}", run_failure="" if passes else text
+    )
 
 
 def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
-    """Result of a run in words."""
+    """Course of a run in words."""
     time = sizing.cycle.time
     if np.isnan(run.lifted):
         arrival = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
-        return f"{_FAILS}it contracts by {arrival} within {pretty(2 * time, 'time', 3)}"
+        return f"it contracts by {arrival} within {pretty(2 * time, 'time', 3)}"
     text = f"contracted after {pretty(run.lifted, 'time', 3)}, "
     if np.isnan(run.released):
-        return f"{_FAILS}{text}not released within {pretty(2 * time, 'time', 3)}"
-    verdict = "passes, " if run.passes(time) else _FAILS
-    return f"{verdict}{text}released after {pretty(run.released, 'time', 3)}"
+        return f"{text}not released within {pretty(2 * time, 'time', 3)}"
+    return f"{text}released after {pretty(run.released, 'time', 3)}"
 
 
 def _price_text(result: SearchResult, summary: Summary) -> str:

@@ -134,7 +134,8 @@ def test_zero_load_has_no_percentage():
 def test_a_failed_cycle_is_a_warning_before_the_reasons():
     result, summary = summarize([50.0, 200.0], [0.15, 0.08])
     passed = replace(summary, run="run over time: passes, released after 0.7 s")
-    failed = replace(summary, run="run over time: FAILS, not released within 2 s")
+    text = "not released within 2 s"
+    failed = replace(summary, run=f"run over time: FAILS, {text}", run_failure=text)
     lines = summary_lines(result, failed)
     assert "not released within 2 s" in lines[2] and lines[2].startswith("warning: it fails")
     assert not any("fails" in line for line in summary_lines(result, passed))
