@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.bundle import Bundle
-from fascicle.energetics import EfficiencyMap, constant_cross_section, efficiency_map
+from fascicle.bundle.energetics import EfficiencyMap, constant_cross_section, efficiency_map
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import components_of
 from fascicle.plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from . import control as control
     from . import design as design
     from . import dynamics as dynamics
-    from . import energetics as energetics
     from . import fluid as fluid
     from . import laws as laws
     from . import records as records
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
+    from .bundle import energetics as energetics
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
@@ -68,7 +68,7 @@ _HOMES = {
     "design": "",
     "dynamics": "",
     "ends": "muscle",
-    "energetics": "",
+    "energetics": "bundle",
     "example": "files",
     "examples": "files",
     "fluid": "",

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from fascicle import records
 from fascicle.bundle import recruitment
-from fascicle.bundle.efficiency import efficiency_map
+from fascicle.bundle.energetics import efficiency_map
 from fascicle.cli.inputs import cache_folder, read_bundle, read_states
 from fascicle.cli.outputs import print_table
 from fascicle.files import catalog, example, example_text, examples, load, save

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle.efficiency import unit_volume_change
+from fascicle.bundle.energetics import unit_volume_change
 from fascicle.design import Designs, Task, evaluate
 from fascicle.design.summary import cases
 

@@ -9,6 +9,7 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
+    from . import energetics as energetics
     from . import recruitment as recruitment
     from . import reversal as reversal
     from . import schemes as schemes
@@ -16,12 +17,13 @@ if TYPE_CHECKING:
     from .bundle import MotorUnit as MotorUnit
     from .equilibria import Equilibria as Equilibria
 
-__all__ = ["Bundle", "Equilibria", "MotorUnit", "recruitment", "reversal", "schemes"]
+__all__ = ["Bundle", "Equilibria", "MotorUnit", "energetics", "recruitment", "reversal", "schemes"]
 
 _HOMES = {
     "Bundle": "bundle",
     "Equilibria": "equilibria",
     "MotorUnit": "bundle",
+    "energetics": "",
     "recruitment": "",
     "reversal": "",
     "schemes": "",

@@ -258,8 +258,8 @@ class Bundle(Module):
     recruit = late_method("bundle.inverse.recruit")
     workspace = late_method("bundle.recruitment.workspace")
     reversal = late_method("bundle.reversal.reversal")
-    efficiency_map = late_method("bundle.efficiency.efficiency_map")
-    average_efficiency = late_method("bundle.efficiency.average_efficiency")
+    efficiency_map = late_method("bundle.energetics.efficiency_map")
+    average_efficiency = late_method("bundle.energetics.average_efficiency")
 
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True

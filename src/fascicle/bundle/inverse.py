@@ -125,7 +125,7 @@ def _solve_demands(
     states, volume = states_of(scheme, units), None
     with np.errstate(all="ignore"):  # of branches that aren't taken
         if not states.nested or states.independent:  # else the order of states is that of energies
-            volume = import_late("bundle.efficiency.unit_volume_change")(bundle, eps)
+            volume = import_late("bundle.energetics.unit_volume_change")(bundle, eps)
         # curves are kept with the bundle: they take longer than a demand
         cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
         curves = cache.get(key)

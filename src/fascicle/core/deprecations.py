@@ -41,6 +41,7 @@ MODULES: Mapping[str, Mapping[str, str]] = {
         "describe": "files", "describe.atomic": "io.atomic",
         "describe.calibrated": "files.calibration_files", "describe.results": "results.labelled",
     },
+    "fascicle.bundle": {"efficiency": "bundle.energetics"},
     "fascicle.calibrate": {
         "comparing": "calibrate.comparison", "finding": "calibrate.model_selection",
         "profiling": "calibrate.intervals",

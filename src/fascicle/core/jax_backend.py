@@ -1,6 +1,6 @@
 """The JAX side of the core: compilation, loops and derivatives.
 
-No other module of the core, of muscles, bundles and energetics imports JAX at its top.
+No other module of the core, of muscles and bundles imports JAX at its top.
 """
 
 from collections.abc import Callable

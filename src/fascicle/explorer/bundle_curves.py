@@ -8,7 +8,7 @@ import numpy as np
 
 from ..bundle import Bundle, recruitment
 from ..bundle.bundle import resolve_supply_pressure
-from ..bundle.efficiency import unit_volume_change, work
+from ..bundle.energetics import unit_volume_change, work
 from ..bundle.pressurized import muscle_strain
 from ..bundle.recruitment import Overlap, Workspace
 from ..bundle.states import states_of

@@ -9,7 +9,7 @@ from bokeh.models import ColorBar, LinearColorMapper, Title
 from bokeh.palettes import Cividis256
 
 from ..bundle import Bundle
-from ..bundle.efficiency import (
+from ..bundle.energetics import (
     PATHS,
     EfficiencyMap,
     average_efficiency,

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..bundle.efficiency import PATHS
+from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_finite, check_interval

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..bundle import Bundle
-from ..bundle.efficiency import unit_volume_change
+from ..bundle.energetics import unit_volume_change
 from ..bundle.force_curves import TIE
 from ..bundle.inverse import CLOSE
 from ..bundle.states import states_of

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..bundle.efficiency import EfficiencyMap
+from ..bundle.energetics import EfficiencyMap
 from ..bundle.recruitment import Overlap, Workspace
 from ..core.types import Bool, Float
 from .theme import (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..bundle import Bundle, recruitment
-from ..bundle.efficiency import EfficiencyMap
+from ..bundle.energetics import EfficiencyMap
 from ..core.types import Values
 from ..core.validation import to_si
 from ..muscle import Muscle

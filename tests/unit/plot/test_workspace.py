@@ -1,7 +1,7 @@
 import numpy as np
 
 from fascicle.bundle import Bundle, MotorUnit
-from fascicle.bundle.efficiency import efficiency_map
+from fascicle.bundle.energetics import efficiency_map
 from fascicle.bundle.recruitment import overlap
 from fascicle.files import example
 from fascicle.plot import to_bytes

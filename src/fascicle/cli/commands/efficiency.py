@@ -44,7 +44,7 @@ def run(
     bundle = read_bundle(file, pressure)
     paths = _PATHS if path is None else (path,)
     check_grid(len(bundle.motor_units), len(forces or range(80)), len(strains or range(225)))
-    from ...bundle.efficiency import efficiency_map
+    from ...bundle.energetics import efficiency_map
     from ...results import tables
 
     with status("finding efficiencies"), user_errors():

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 import fascicle as fs
-from fascicle.bundle.efficiency import unit_work_along
+from fascicle.bundle.energetics import unit_work_along
 
 
 thin, thick = fs.example("kim2021_figure_6"), fs.example("kim2021_slenderness_8")
