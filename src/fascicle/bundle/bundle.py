@@ -58,7 +58,6 @@ from ..repr_table import with_table_repr
 from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
 from .pressurized import (
     check_plate_strain,
-    flatten_batch,
     plate_distance,
     pressurize,
     stack_muscles,
@@ -252,7 +251,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F = match_array_type(force, check_finite(force, "force", "N"))
-        return self._find_equilibria(self._check_pressures(pressures), F)
+        return self._find_equilibria(self._check_pressures(pressures), force=F)
 
     # functions of a bundle, whose docstrings and signatures these methods have
     recruit = late_method("bundle.inverse.recruit")
@@ -345,23 +344,22 @@ class Bundle(Module):
             shapes[f"count {i}"] = np.shape(unit.count)
         return broadcast_shape(**shapes)
 
-    def _find_equilibria(self, pressures: PerUnit, *force: Numbers) -> Equilibria:
+    def _find_equilibria(self, pressures: PerUnit, **force: Numbers) -> Equilibria:
         """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. NumPy searches; the
         strains of JAX's arrays get their derivatives afterwards.
         """
-        self._check_shapes(pressures, **dict(zip(("force",), force, strict=False)))
-        arrays = (self, pressures, *force)
+        self._check_shapes(pressures, **force)
+        arrays = (self, pressures, *force.values())
         if self.is_numpy and is_numpy(*arrays[1:]):
-            return evaluate(_equilibria_of_all, *arrays)
+            return evaluate(find_equilibria, *arrays)
         jax = jax_backend()
-        shapes = (np.shape(pressures)[:-1], *map(np.shape, force))
-        shape = np.broadcast_shapes(self._batch, *shapes)
+        points = (np.shape(pressures)[:-1], *map(np.shape, force.values()))
+        shape = np.broadcast_shapes(self._batch, *points)
         slots = (*shape, max_equilibria(len(self.motor_units)))
-        result = Equilibria(
-            jax.array_spec(float, slots), jax.array_spec(bool, slots), jax.array_spec(int, shape)
-        )
-        roots = jax.call_numpy(partial(evaluate, _equilibria_of_all), result, *arrays)
-        strain = evaluate(_with_derivatives, self, roots.strain, *arrays[1:])
+        kinds = ((float, slots), (bool, slots), (int, shape))
+        result = Equilibria(*(jax.array_spec(*kind) for kind in kinds))
+        roots = jax.call_numpy(partial(evaluate, find_equilibria), result, *arrays)
+        strain = evaluate(attach_derivatives, self, roots.strain, *arrays[1:])
         return roots._replace(strain=strain)
 
 
@@ -370,25 +368,9 @@ def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers
 
 
 def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
-    free_strains = pressurize(bundle, pressures).free_strains
+    muscles = pressurize(bundle, pressures)
+    free_strains = muscles.plate_strains(lambda muscle: muscle.column.free_strain)
     return array_namespace(free_strains).max(free_strains, axis=-1)
-
-
-def _equilibria_of_all(bundle: Bundle, pressures: PerUnit, *force: Numbers) -> Equilibria:
-    """Equilibria at all points to which bundles, `pressures` [Pa] and `force` [N] broadcast."""
-    batch, shape = flatten_batch(bundle, pressures, *force)
-    load = [np.broadcast_to(x, shape).reshape(-1) for x in force]
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in find_equilibria(batch, *load)))
-
-
-def _with_derivatives(
-    bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0
-) -> Numbers:
-    """Equilibria [-] with their derivatives, from those without."""
-    batch, shape = flatten_batch(bundle, pressures, force)
-    load = array_namespace(force).broadcast_to(force, shape).reshape(-1, 1)
-    roots = attach_derivatives(batch.pressurize(), load, strain.reshape(*load.shape[:1], -1))
-    return roots.reshape(strain.shape)
 
 
 def _stack_units(values: list[Any]) -> Any:

@@ -13,15 +13,19 @@ Without a load all units pull before the least free strain: stretches begin ther
 begin where the fibers of a muscle are straight.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import isfinite, slices, where
+from ..core.module import tree_map
 from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
+from ..core.validation import LARGEST_STRAIN
+from ..muscle.piecewise import PressurizedMuscle
 from ..repr_table import with_table_repr
-from .pressurized import BundleBatch, PressurizedBundle
+from .pressurized import PressurizedBundle, flatten_batch, pressurize
 from .printing import equilibria_table
 
 
@@ -45,16 +49,18 @@ class Equilibria(NamedTuple):
     count: Int[AnyArray, "*#points"]
 
 
-def find_equilibria(bundles: BundleBatch, load: PerUnit | None = None) -> Equilibria:
-    """All equilibria of each bundle of a batch under its `load` [N]; without one, stretches begin
-    at the free strain.
+def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilibria:
+    """All equilibria of a bundle, or of a batch of bundles, at `pressures` [Pa], under a `force`
+    [N] that broadcasts; without one, stretches begin at the free strain.
     """
-    count, units = bundles.pressures.shape
-    parts = [
-        _equilibria_of_block(bundles.take(i), None if load is None else load[i])
-        for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2)))
-    ]
-    return Equilibria(*map(np.concatenate, zip(*parts, strict=True)))
+    arrays, shape = flatten_batch(bundle, pressures, *force)
+    count, _, units = arrays[1].shape
+    parts = []
+    for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2))):
+        block, P, load = tree_map(lambda x, i=i: x[i] if np.ndim(x) > 1 else x, arrays)
+        parts.append(_equilibria_of_block(pressurize(block, P), load if force else None))
+    columns = map(np.concatenate, zip(*parts, strict=True))
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in columns))
 
 
 def max_equilibria(units: int) -> int:
@@ -62,35 +68,47 @@ def max_equilibria(units: int) -> int:
     return 2 * units + 1
 
 
-def attach_derivatives(pressurized: PressurizedBundle, load: Numbers, strain: Numbers) -> Numbers:
+def attach_derivatives(
+    bundle: Any, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0
+) -> Numbers:
     """Equilibria [-] with their derivatives, from `strain` [-] without them, which is not finite
-    where there are none; `load`: force of the bundles [N]. Both have an axis of one ahead of units.
+    where there are none; `bundle`, `pressures` [Pa] and `force` [N] as of `find_equilibria`.
     """
+    (bundle, P, load), _ = flatten_batch(bundle, pressures, force)
     exists = isfinite(strain)
-    roots = refine_root(_falling_force, (pressurized, 1.0, load), where(exists, strain, 0.0))
-    return where(exists, roots, strain)
+    start = where(exists, strain, 0.0).reshape(len(load), -1)
+    roots = refine_root(_falling_force, (pressurize(bundle, P), 1.0, load), start)
+    return where(exists, roots.reshape(strain.shape), strain)
 
 
-def _equilibria_of_block(bundles: BundleBatch, load: Numbers | None) -> Equilibria:
-    """As `find_equilibria`, of a batch that fits the memory."""
-    pressurized = bundles.pressurize()
-    free_strains = pressurized.free_strains[:, 0]
-    lowest_free, highest_free = free_strains.min(axis=1)[:, None], free_strains.max(axis=1)[:, None]
-    zero = 0.0 * lowest_free
-    end = np.maximum(pressurized.largest_strain + zero, highest_free)
-    start = lowest_free if load is None else pressurized.least_strain + zero
-    target = zero if load is None else load[:, None]
-    kinks = np.clip(pressurized.kinks[:, :, 0], start, end)
-    nodes, force = _separating_nodes(
-        pressurized, target[:, 0], np.sort(np.concatenate([start, *kinks, end], axis=1), axis=1)
-    )
+def _equilibria_of_block(pressurized: PressurizedBundle, load: Numbers | None) -> Equilibria:
+    """As `find_equilibria`, of a batch that fits the memory, with an axis of one ahead of units."""
+
+    def strains(function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
+        return pressurized.plate_strains(function)[..., 0, :]
+
+    kinks = strains(lambda muscle: muscle.kinks)  # the first is the free strain
+    lowest_free, highest_free = (pick(kinks[0], axis=1, keepdims=True) for pick in (np.min, np.max))
+    # the least and the largest strain in the domain of all muscles' laws
+    end = strains(lambda muscle: LARGEST_STRAIN + 0.0 * muscle.column.free_strain)
+    end = np.maximum(end.min(axis=1, keepdims=True), highest_free)
+    start = lowest_free
+    if load is not None:
+        start = strains(
+            lambda muscle: (
+                muscle.law.tension.bladder.braid.straight_strain + 0.0 * muscle.column.free_strain
+            )
+        ).max(axis=1, keepdims=True)
+    target = 0.0 * lowest_free if load is None else load
+    ends = np.sort(np.concatenate([start, *np.clip(kinks, start, end), end], axis=1), axis=1)
+    nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
     pulls = force > 0
     if load is None:
         # all units pull up to the least free strain, by definition; rounding may differ there
         pulls |= nodes <= lowest_free
 
     change = pulls[:, 1:] != pulls[:, :-1]
-    slots = max_equilibria(len(bundles.bundle.motor_units))
+    slots = max_equilibria(kinks.shape[-1])
     count = np.minimum(change.sum(axis=1), slots)
     index = np.argsort(~change, axis=1, stable=True)[:, : count.max(initial=1)]
     exists = np.arange(index.shape[1]) < count[:, None]

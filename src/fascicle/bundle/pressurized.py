@@ -14,7 +14,7 @@ straight as long as another one isn't pulled.
 
 from collections.abc import Callable, Sequence
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -46,43 +46,16 @@ class PressurizedBundle(Module):
     counts: Whole
     ratios: Numbers | None
 
-    @property
-    def largest_strain(self) -> Numbers:
-        """Largest strain of the bundle [-] in the domain of all its muscles' laws."""
-        if self.ratios is None:
-            return LARGEST_STRAIN
-        strain = plate_strain(self.ratios, LARGEST_STRAIN)
-        return array_namespace(strain).min(strain, axis=-1)
-
-    @property
-    def least_strain(self) -> Numbers:
-        """Least strain of the bundle [-], at which the fibers of a muscle are straight."""
-        strains = self.map_units(
-            lambda muscle: (
-                muscle.law.tension.bladder.braid.straight_strain + 0.0 * muscle.column.free_strain
-            )
-        )
-        return array_namespace(strains).max(self._plate_strains(strains), axis=-1)
-
-    @property
-    def kinks(self) -> Numbers:
-        """Strains of the bundle [-] at which the slope of a unit's force jumps (its free strain,
-        onset of buckling and collapse, on the first axis); units last.
-        """
-        return self._plate_strains(self.map_units(lambda muscle: muscle.kinks))
-
-    @property
-    def free_strains(self) -> Numbers:
-        """Strain of the bundle [-] at which each unit neither pulls nor pushes, units last."""
-        return self._plate_strains(self.map_units(lambda muscle: muscle.column.free_strain))
-
     def take(self, index: Any) -> "PressurizedBundle":
         """Bundles of a batch by `index`; the batch is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
-    def map_units(self, function: Callable[[PressurizedMuscle], Any]) -> Any:
-        """Value of a `function` of one muscle of every unit, units on the last axis."""
-        return self._in_order([function(group) for group in self.groups])
+    def plate_strains(self, function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
+        """The plates' strain [-] at the strain that a `function` gives for one muscle of every
+        unit, units on the last axis.
+        """
+        strains = self._in_order([function(group) for group in self.groups])
+        return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
         """Value of a `function` of one muscle of every unit and of the muscle's strains at the
@@ -110,10 +83,6 @@ class PressurizedBundle(Module):
         total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 
-    def _plate_strains(self, strains: Numbers) -> Numbers:
-        """The plates' strain [-] at strains of each unit's muscles [-]."""
-        return strains if self.ratios is None else plate_strain(self.ratios, strains)
-
     def _in_order(self, values: list[Any]) -> Any:
         """Groups' values in the order of the units, on the last axis."""
         if isinstance(values[0], tuple):
@@ -137,46 +106,26 @@ def pressurize(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
     return PressurizedBundle(groups, indices, bundle.counts, bundle.ratios)
 
 
-class BundleBatch(NamedTuple):
-    """A batch of bundles, each with its pressures.
-
-    `pressures`: a row for each bundle, units on the last axis [Pa]. `bundle`: each of its numbers
-    is one for the whole batch, or one for each bundle on the first axis, then an axis of one.
-    """
-
-    bundle: Any
-    pressures: PerUnit
-
-    def pressurize(self) -> PressurizedBundle:
-        """The bundles at their pressures, with an axis of one ahead of units."""
-        return pressurize(self.bundle, self.pressures[:, None, :])
-
-    def take(self, index: Any) -> "BundleBatch":
-        """Bundles of the batch by index."""
-        bundle = tree_map(lambda x: x[index] if np.ndim(x) > 1 else x, self.bundle)
-        return BundleBatch(bundle, self.pressures[index])
-
-
 def flatten_batch(
     bundle: Any, pressures: PerUnit, force: Numbers = 0.0
-) -> tuple[BundleBatch, tuple[int, ...]]:
-    """A bundle, or a batch of bundles, at `pressures` [Pa], units last, and a `force` [N], all of
-    which broadcast: a batch with one axis for all points, and the shape of the points.
+) -> tuple[tuple[Any, PerUnit, Numbers], tuple[int, ...]]:
+    """A bundle, or a batch of bundles, at `pressures` [Pa], units last, and a `force` [N], which
+    broadcast: all with an axis of points ahead of one of length one; and the shape of the points.
     """
-    units, batch = np.shape(pressures)[-1], bundle._batch
+    batch = bundle._batch
     shape = np.broadcast_shapes(batch, np.shape(pressures)[:-1], np.shape(force))
-    flat = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
-    if not batch:
-        return BundleBatch(bundle, flat), shape
-    tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
+
+    def flatten(x: Any, *axes: int) -> Any:
+        return array_namespace(x).broadcast_to(x, (*shape, *axes)).reshape(-1, 1, *axes)
 
     def flatten_leaf(leaf: Any) -> Any:
         table = np.shape(leaf)[-1:] if id(leaf) in tables else ()
-        if np.ndim(leaf) == len(table):
-            return leaf
-        return array_namespace(leaf).broadcast_to(leaf, (*shape, *table)).reshape(-1, 1, *table)
+        return leaf if np.ndim(leaf) == len(table) else flatten(leaf, *table)
 
-    return BundleBatch(tree_map(flatten_leaf, bundle), flat), shape
+    if batch:
+        tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
+        bundle = tree_map(flatten_leaf, bundle)
+    return (bundle, flatten(pressures, np.shape(pressures)[-1]), flatten(force)), shape
 
 
 def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
