@@ -62,7 +62,6 @@ class MuscleCurves:
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
         self.free_strain = self.nodes.column.free_strain
-        self.collapse_strain = self.nodes.collapse_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
             i: np.broadcast_to(strains, levels.shape)
@@ -82,38 +81,24 @@ class MuscleCurves:
     def force(self, level: Array, plates: Array) -> tuple[Array, Array]:
         """Force [N] at `level` and the `plates`' strain [-], and its slope in that strain [N].
 
-        Free and collapse strain at a pressure are most of its cost. A muscle that surely pulls
-        needs neither; one that surely has not collapsed, by the grid, needs the first alone.
+        Free and collapse strain at a pressure are most of its cost: a muscle that surely pulls, by
+        the grid, needs neither.
         """
         strain, pressure = self.strain(plates), level * self.supply
-        force, slope = np.zeros(level.shape), np.zeros(level.shape)
-        cell = self._cell(level)
-        pulls = strain < np.minimum(self.free_strain[cell], self.free_strain[cell + 1])
-        if pulls.any():
-            pull = self.law.tension.pull(pressure[pulls], strain[pulls])
-            force[pulls], slope[pulls] = pull.force, pull.slope
-            pulls[pulls] = pull.force > 0  # a free strain that falls with pressure within a cell
-        collapse = np.minimum(self.collapse_strain[cell], self.collapse_strain[cell + 1])
-        buckles = ~pulls & (strain < collapse)
-        for index, may_collapse in ((buckles, False), (~pulls & ~buckles, True)):
-            if index.any():
-                P = pressure[index]
-                collapse = None if may_collapse else np.full(P.shape, np.inf)
-                muscle = self.law.at(P, self._free_strain(level[index]), collapse)
-                force[index], slope[index] = muscle.force(strain[index])
+        pull = self.law.tension.pull(pressure, strain)
+        force, slope = (np.array(np.broadcast_to(x, level.shape)) for x in (pull.force, pull.slope))
+        cell = np.searchsorted(self.levels[1:-1], level, "right")
+        free_strain = np.minimum(self.free_strain[:-1], self.free_strain[1:])[cell]
+        # without a force: a free strain that falls with pressure within a cell
+        rest = (strain >= free_strain) | (force <= 0)
+        if rest.any():
+            muscle = self.law.at(pressure[rest], self._free_strain(level[rest]))
+            force[rest], slope[rest] = muscle.force(strain[rest])
         return force, slope if self.ratio is None else slope * self.ratio
-
-    def _cell(self, level: Array) -> Array:
-        """Index of the grid's cell in which each `level` [-] lies."""
-        index = np.searchsorted(self.levels, level, "right") - 1
-        return np.clip(index, 0, self.levels.size - 2)
 
     def _free_strain(self, level: Array) -> Array:
         """Free strain [-] by Newton's method from the grid's, or by the law where that fails."""
-        cell = self._cell(level)
-        left, right = self.levels[cell], self.levels[cell + 1]
-        weight = (level - left) / (right - left)
-        free = (1 - weight) * self.free_strain[cell] + weight * self.free_strain[cell + 1]
+        free = np.interp(level, self.levels, self.free_strain)
         for _ in range(_NEWTON_STEPS):
             pull = self.law.tension.pull(level * self.supply, free)
             step = pull.force / pull.slope
@@ -155,7 +140,7 @@ class StateCurves:
         counts = np.eye(len(unique))[list(self.kind)] * np.reshape(bundle.counts, (-1, 1))
         self.throttled, self.vented, self.full = (x.astype(float) @ counts for x in masks)
         self.states = len(self.throttled)
-        self._table: tuple[float, float, Array] | None = None
+        self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
     def fixed_force(self, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
@@ -184,25 +169,20 @@ class StateCurves:
         """Force [N] of the units that each `state` throttles at every node, nodes last, linear
         between the columns of a table over `strain` [-], and its change between both columns [N].
         """
-        low, high, table = self._force_table(strain)
-        position = (strain - low) / (high - low) * (_COLUMNS - 1)
-        column = np.clip(position.astype(int), 0, _COLUMNS - 2)
+        ends = self._columns[0], self._columns[-1]
+        low, high = min(strain.min(), ends[0]), max(strain.max(), ends[1])
+        if (low, high) != ends:
+            self._columns = np.linspace(low, high, _COLUMNS)
+            self._table = np.zeros((_COLUMNS, self.states, len(self.levels)))
+            nodes, columns = np.arange(len(self.levels)), self._columns[:, None]
+            for count, muscle in zip(self.throttled.T, self.muscles, strict=True):
+                force, _ = self._without_pushing(*muscle.force_at_nodes(nodes, columns))
+                self._table += count[:, None] * force[:, None, :]
+        position = np.interp(strain, self._columns, np.arange(_COLUMNS))
+        column = np.minimum(position.astype(int), _COLUMNS - 2)
         weight = (position - column)[:, None]
-        left, right = table[column, state], table[column + 1, state]
+        left, right = self._table[column, state], self._table[column + 1, state]
         return (1 - weight) * left + weight * right, np.abs(right - left)
-
-    def _force_table(self, strain: Array) -> tuple[float, float, Array]:
-        """Least and largest strain [-] of the table, and forces [N] over strain, state and node."""
-        low, high = (0.0, 0.3) if self._table is None else self._table[:2]  # where muscles work
-        if self._table is None or strain.min() < low or strain.max() > high:
-            low, high = min(strain.min(), low), max(strain.max(), high)
-            columns, nodes = np.linspace(low, high, _COLUMNS), np.arange(len(self.levels))
-            table = np.zeros((_COLUMNS, self.states, len(self.levels)))
-            for j, muscle in enumerate(self.muscles):
-                force, _ = self._without_pushing(*muscle.force_at_nodes(nodes, columns[:, None]))
-                table += self.throttled[:, j, None] * force[:, None, :]
-            self._table = (low, high, table)
-        return self._table
 
     def _sum(self, state: Array, law: Callable) -> tuple[Array, Array]:
         """Force [N] that a `law` gives for all units that each `state` throttles, and its slope
@@ -315,98 +295,87 @@ def find_roots(
     `strain` [-]; `fixed`: force [N] of `StateCurves.fixed_force`, computed if left out.
     """
     fixed = curves.fixed_force(strain)[0] if fixed is None else fixed
+    states = np.arange(curves.states) if state is None else state[:, None]
+    states = np.broadcast_to(states, (len(force), states.shape[-1]))
     parts = []
-    for batch in slices(len(force), max(1, _BATCH // (curves.states if state is None else 1))):
-        states = None if state is None else state[batch]
-        roots = _find_roots(curves, force[batch], strain[batch], fixed[batch], states)
+    for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
+        index = states[batch]
+        target = force[batch, None] - np.take_along_axis(fixed[batch], index, axis=1)
+        demand = np.repeat(np.arange(len(index)), index.shape[1])
+        searches = Searches(curves, demand, index.ravel(), strain[batch][demand], target.ravel())
+        roots = _find_roots(searches, len(index))
         parts.append(roots._replace(demand=roots.demand + batch.start))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _find_roots(
-    curves: StateCurves, force: Array, strain: Array, fixed: Array, state: Array | None
-) -> Roots:
-    """As `find_roots`, of one batch of demands."""
-    demand = np.arange(len(force))
-    if state is None:
-        demand = np.repeat(demand, curves.states)
-        state = np.tile(np.arange(curves.states), len(force))
-    target = force[demand] - fixed[demand, state]
-    searches = Searches(curves, demand, state, strain[demand], target)
-    every_cell = cells = np.ones((len(demand), len(curves.levels) - 1), bool)
-    if cells.size > FEW_CELLS:  # those that may hold the target, by the force table
-        forces, change = curves.throttled_force_at_all_nodes(state, searches.strain)
+def _find_roots(searches: Searches, count: int) -> Roots:
+    """Roots of a batch of so many demands."""
+    curves, demand, state, strain, target = searches
+
+    def nearest_of(distance: Array, row: Array) -> Array:
+        """Least `distance` [N] among the rows of each demand."""
+        nearest = np.full(count, np.inf)
+        np.minimum.at(nearest, demand[row], distance)
+        return nearest
+
+    cells = np.ones((len(demand), len(curves.levels) - 1), bool)
+    if cells.size > FEW_CELLS:  # those that may hold the target or the nearest force, by the table
+        forces, change = curves.throttled_force_at_all_nodes(state, strain)
+        excess = forces - target[:, None]
+        nearest = nearest_of((np.abs(excess) + change).min(axis=1), np.arange(len(demand)))
         # a kink moves through the cells between two columns of the table
         slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
-        cells = _may_reach_zero(forces - target[:, None], slack)
-    row, level, _ = _roots_in_cells(searches, cells, np.zeros(len(demand)))
-    unreached = np.flatnonzero(~np.isin(demand, demand[row]))
-    exact = np.ones(len(row), bool)
-    if len(unreached):
-        remaining = Searches(curves, *(x[unreached] for x in searches[1:]))
-        index, levels, points = _roots_in_cells(remaining, every_cell[: len(unreached)], None)
-        owner, distance = remaining.demand[points.row], np.abs(points.excess)
-        smallest = np.full(len(force), np.inf)
-        np.minimum.at(smallest, owner, distance)
-        smallest[remaining.demand[index]] = -np.inf  # reached, in a cell that was not selected
-        ties = np.flatnonzero(distance <= smallest[owner] + TIE)
-        nearest = ties[np.unique(owner[ties], return_index=True)[1]]
-        row = np.concatenate([row, unreached[index], unreached[points.row[nearest]]])
-        level = np.concatenate([level, levels, points.level[nearest]])
-        exact = np.arange(len(row)) < len(row) - len(nearest)
+        cells = _may_reach_zero(excess, slack + nearest[demand, None] + TIE)
+    padded = np.pad(cells, ((0, 0), (1, 1)))
+    # neighbors show where a curve turns
+    padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
+    row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
+    excess = curves.force_at_nodes(state[row], node, strain[row]) - target[row]
+    linked = padded[row, node + 1]
+    points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
+    slack = nearest_of(np.abs(excess), row)[demand]
+    points = _insert_kinks(searches, points, node, slack)
+    points = _insert_extrema(searches, points, slack)
+    row, level = _collect_roots(searches, points)
+
+    owner, distance = demand[points.row], np.abs(points.excess)
+    nearest = nearest_of(distance, points.row)
+    nearest[demand[row]] = -np.inf  # a reached one
+    ties = np.flatnonzero(distance <= nearest[owner] + TIE)
+    first = ties[np.unique(owner[ties], return_index=True)[1]]
+    exact = np.arange(len(row) + len(first)) < len(row)
+    row, level = np.append(row, points.row[first]), np.append(level, points.level[first])
     order = np.lexsort((level, row))
     row = row[order]
     return Roots(demand[row], state[row], level[order], exact[order])
 
 
-def _roots_in_cells(
-    searches: Searches, cells: Array, slack: Array | None
-) -> tuple[Array, Array, Points]:
-    """Roots by row and level [-] in some cells, and all points that were evaluated. `slack`: how
-    far from the target [N] an extremum is of interest; `None`: as far as the nearest node.
-    """
-    padded = np.pad(cells, ((0, 0), (1, 1)))
-    # neighbors show where a curve turns
-    padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
-    row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
-    linked = padded[row, node + 1]
-    curves = searches.curves
-    force = curves.force_at_nodes(searches.state[row], node, searches.strain[row])
-    excess = force - searches.target[row]
-    points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
-    if slack is None:
-        smallest = np.full(searches.demand.max(initial=0) + 1, np.inf)
-        np.minimum.at(smallest, searches.demand[row], np.abs(excess))
-        slack = smallest[searches.demand]
-    points = _insert_kinks(searches, points, node, slack)
-    points = _insert_extrema(searches, points, slack)
-    return *_collect_roots(searches, points), points
-
-
 def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
-    """Points with the kinks in cells that come as near to the target as `slack` [N]."""
+    """Points with the kinks in cells that come as near to the target as `slack` [N]; `node`: of
+    each point, which all are nodes.
+    """
     is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
-    point = np.flatnonzero(is_near)
-    rows, nodes = points.row[point], node[point]
+    plates = searches.strain[points.row]
+    count = searches.curves.throttled[searches.state[points.row]]
     kinks = []
     for j, muscle in enumerate(searches.curves.muscles):
-        throttled = np.flatnonzero(searches.curves.throttled[searches.state[rows], j])
-        strain = muscle.strain(searches.strain[rows[throttled]])
+        strain, is_candidate = muscle.strain(plates), is_near & (count[:-1, j] > 0)
         for kink, strains in muscle.kinks.items():
-            left, right = (strains[nodes[throttled] + i] - strain for i in (0, 1))
-            change = np.flatnonzero((left > 0) != (right > 0))
-            cells = throttled[change]
-            row, start, end = rows[cells], *(points.level[point[cells] + i] for i in (0, 1))
+            miss = strains[node] - strain
+            i = np.flatnonzero(is_candidate & ((miss[1:] > 0) != (miss[:-1] > 0)))
+            if not len(i):
+                continue
             *_, left, right = _bracketed_root(
-                lambda i, level, muscle=muscle, kink=kink, plates=searches.strain[row]: (
-                    muscle.kink_residual(kink, level, plates[i])
+                lambda index, level, muscle=muscle, kink=kink, plates=plates[i]: (
+                    muscle.kink_residual(kink, level, plates[index])
                 ),
-                start, end, left[change], right[change], np.full(len(row), -1.0),
+                points.level[i], points.level[i + 1], miss[i], miss[i + 1], np.full(len(i), -1.0),
             )  # fmt: skip
-            kinks.append((row, left, right, start, end))
-    if not any(len(row) for row, *_ in kinks):
+            kinks.append((i, left, right))
+    if not kinks:
         return points
-    row, left, right, start, end = map(np.concatenate, zip(*kinks, strict=True))
+    i, left, right = map(np.concatenate, zip(*kinks, strict=True))
+    row, start, end = points.row[i], points.level[i], points.level[i + 1]
     before, after = left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)
     levels = np.concatenate([left, right, before, after])
     f_left, f_right, *f_insets = np.split(searches.excess(np.tile(row, 4), levels), 4)
@@ -472,11 +441,12 @@ def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) ->
     """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N], by
     its ends and by how much it changes there and in the neighboring cells.
     """
-    change = np.where(linked, np.abs(np.diff(excess)), 0.0)
-    padded = np.pad(change, [*[(0, 0)] * (change.ndim - 1), (1, 1)])
-    margin = np.maximum(np.maximum(padded[..., :-2], padded[..., 2:]), change)
     left, right = excess[..., :-1], excess[..., 1:]
-    distance = np.maximum(np.minimum(left, right), -np.maximum(left, right))
+    change = np.abs(right - left) * linked
+    margin = change.copy()
+    margin[..., 1:] = np.maximum(margin[..., 1:], change[..., :-1])
+    margin[..., :-1] = np.maximum(margin[..., :-1], change[..., 1:])
+    distance = 0.5 * (np.abs(left + right) - change)
     # strictly: a plateau at the nearest force holds nothing nearer
     return linked & (distance - margin < slack)
 
