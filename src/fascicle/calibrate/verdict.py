@@ -52,9 +52,9 @@ FITS = {
     "noise": "good fit: the residuals look like noise",
     "other sizes": "good fit, but only with sizes that are not this muscle's",
     "well": "good fit: the errors are small, but not noise",
-    "roughly": "rough fit: errors of 2 to 5 % of the largest force",
-    "poorly": "bad fit: a law, a size or a gauge is wrong",
-}  # of a verdict
+    "roughly": "rough fit: errors of {}",
+    "poorly": "bad fit: errors of {}; a law, a size or a gauge is wrong",
+}  # of a verdict, with the size of the errors
 
 
 @dataclass(frozen=True)
@@ -85,25 +85,28 @@ class Verdict:
 def judge(calibration: Calibration, selection: Selection | None = None) -> Verdict:
     """Verdict: one word of `FITS`, errors, undetermined constants and next actions; the
     `selection`, if any, gives the error at left-out readings.
+
+    The size of the errors comes first: a fit is good only if they are small.
     """
     record, diagnosis = calibration.record, calibration.diagnosis
     chosen = [c for c in selection.candidates if c.chosen] if selection else []
     left_out = chosen[-1].relative_left_out_rmse if chosen else float("nan")
     relative, errors = calibration.relative_rmse, calibration.errors
-    worst = float(np.fmax(relative, left_out))
+    worst = float(np.fmax(relative, left_out))  # one of them may be NaN
     ranked = sorted(notices(calibration), key=lambda notice: notice.rank)
     if calibration.solutions.status[calibration.solutions.best]:
         fit = "not converged"
+    elif worst > _ROUGHLY:
+        fit = "poorly"
     elif not np.isfinite(diagnosis.noise) and calibration.parameters:
         fit = "untested"
-    elif worst > _ROUGHLY and not diagnosis.is_white_noise:
-        fit = "poorly"
+    elif worst > _WELL:
+        fit = "roughly"
     elif any(notice.rank == _SIZE for notice in ranked):
         fit = "other sizes"
-    elif diagnosis.is_white_noise and not left_out > _OVERFIT * relative:
-        fit = "noise"
     else:
-        fit = "well" if worst <= _WELL else "roughly" if worst <= _ROUGHLY else "poorly"
+        overfits = left_out > _OVERFIT * relative
+        fit = "noise" if diagnosis.is_white_noise and not overfits else "well"
     scale = 1.0
     if record.rest_length is not None:
         scale = record.rest_length / float(calibration.muscle.length)
@@ -150,7 +153,12 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
             f" loops, which are {range_text(loop.width)} N wide"
         )
-    judgment = f"Verdict: {FITS[verdict.fit]}."
+    size = (
+        f"{100 * np.fmax(verdict.relative_rmse, verdict.left_out_rmse):.2g} % of the largest force"
+    )
+    if verdict.left_out_rmse > verdict.relative_rmse:
+        size += " at readings left out of the fit"
+    judgment = f"Verdict: {FITS[verdict.fit].format(size)}."
     if not diagnosis.is_white_noise:
         tests = (*diagnosis.significant, *diagnosis.autocorrelated)
         along = [word for test in tests for word in test.along.split(" and ")]
@@ -275,6 +283,13 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
     if not np.isfinite(diagnosis.noise):
         text = "Too few readings for the number of constants: residuals can't be tested."
         yield Notice(RESIDUALS, 1, text, "take more readings, or fit fewer constants")
+    elif diagnosis.is_white_noise and calibration.relative_rmse > _WELL:
+        text = (
+            f"Errors of {100 * calibration.relative_rmse:.2g} % of the largest force without a"
+            " pattern: the noise of a gauge, or a column that is not what it was read as."
+        )
+        action = "check the columns of pressure, force and length, and the noise of their gauges"
+        yield Notice(RESIDUALS, 1, text, action)
     if not diagnosis.is_white_noise:
         pieces = []
         if diagnosis.significant:

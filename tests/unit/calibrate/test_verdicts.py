@@ -141,6 +141,29 @@ def test_the_verdict_follows_from_the_size_of_the_error_and_its_pattern(noise, l
     assert verdict.actions == tuple(n.action for n in ranked if n.action)[:2]
 
 
+@pytest.mark.parametrize(("noise", "expected"), [(0.03, "roughly"), (0.15, "poorly")])
+def test_large_errors_without_a_pattern_are_no_good_fit(noise, expected):
+    clean = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2])
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=noise * float(np.max(clean.force)))
+    fitted = fit(data, MUSCLE, ("c10", "c01"), whole=False)
+    verdict = judge(fitted)
+    assert fitted.diagnosis.is_white_noise
+    assert verdict.fit == expected
+    assert "noise of their gauges" in verdict.actions[0]
+    percent = f"{100 * verdict.relative_rmse:.2g} %"
+    assert percent in verdict_lines(fitted, verdict)[0][0].splitlines()[0]
+
+
+def test_large_errors_of_a_wrong_size_are_no_good_fit():
+    built = MUSCLE.replace(outer_radius=13e-3)
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=40.0, muscle=built)
+    fitted = fit(data, MUSCLE, ("outer_radius",), whole=False)
+    assert 0.02 < fitted.relative_rmse < 0.05
+    verdict = judge(fitted)
+    assert verdict.fit == "roughly"
+    assert any("outer_radius" in action for action in verdict.actions)
+
+
 def test_a_few_readings_at_one_pressure_are_no_verdict():
     data = sweeps([1.08e5], [0.05], points=3, noise=0.1)
     fitted = fit(data, MUSCLE, ("braid_angle", "outer_radius", "dead_band"), whole=False)
