@@ -526,23 +526,21 @@ def solve_with_noise(
     """
     # which start leads lowest shows long before each has settled: only that one goes on
     ends = solve(problem, starts, tolerance=ROUGH)
-    best = solve(problem, ends.best_point[None], tolerance=tolerance).points[0]
-    minimum = minimum_at(problem, best, curves_covariance)
-    if curves_covariance is not None:
-        return problem, ends, best, minimum
-    for _ in range(_NOISE_ROUNDS):
-        if abs(minimum.noise / problem.noise - 1) < 1e-3:  # far below an interval's two digits
-            break
-        problem = replace(problem, noise=minimum.noise)
-        best = solve(problem, best[None], tolerance=tolerance).points[0]
-        minimum = minimum_at(problem, best, None)
-    # the others follow with the noise as it is now, so that their ends can be compared
-    again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
-    again = replace(again, steps=again.steps + np.append(ends.steps, 0))
-    if again.best < len(starts):
-        best = solve(problem, again.best_point[None], tolerance=tolerance).points[0]
-        minimum = minimum_at(problem, best, None)
-    return problem, again, best, minimum
+    best = ends.best_point
+    if curves_covariance is None:
+        for _ in range(_NOISE_ROUNDS):
+            misfits, _ = problem.misfits(problem.force(best))
+            noise = residual_noise(problem, misfits, len(best))
+            if abs(noise / problem.noise - 1) < 1e-3:  # far below an interval's two digits
+                break
+            problem = replace(problem, noise=noise)
+            best = solve(problem, best[None], tolerance=ROUGH).points[0]
+        # the others follow with the noise as it is now, so that their ends can be compared
+        again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
+        ends = replace(again, steps=again.steps + np.append(ends.steps, 0))
+        best = ends.best_point
+    best = solve(problem, best[None], tolerance=tolerance).points[0]
+    return problem, ends, best, minimum_at(problem, best, curves_covariance)
 
 
 def search(

@@ -29,7 +29,6 @@ import numpy as np
 
 from .data import Grid
 from .least_squares import (
-    FINE,
     ROUGH,
     Minimum,
     Problem,
@@ -145,11 +144,12 @@ def fit_jointly(
         deviation=np.concatenate([problem.deviation, deviation]),
     )
     first = np.concatenate([best, readings.coefficients])[None]
-    point = solve(joint, first, tolerance=FINE if starts > 1 else ROUGH).points[0]
+    point = solve(joint, first, tolerance=ROUGH).points[0]
     end = linearize(joint, point)
     if starts > 1 and np.all(np.isfinite(end.slopes)):
         inverse = np.linalg.inv(end.slopes.T @ end.slopes)
-        point = solve(joint, starts_around(point, starts, seed, inverse)).best_point
+        ends = solve(joint, starts_around(point, starts, seed, inverse), tolerance=ROUGH)
+        point = solve(joint, ends.best_point[None]).points[0]
         end = linearize(joint, point)
     if not np.all(np.isfinite(end.residuals)):
         return None
