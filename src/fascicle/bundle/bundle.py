@@ -19,7 +19,7 @@ that distance at rest.
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial, reduce
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -28,10 +28,7 @@ from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late, late_method
 from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
 from ..core.types import (
-    AnyArray,
     Batch,
-    Bool,
-    Float,
     Int,
     IntBatch,
     Numbers,
@@ -40,15 +37,12 @@ from ..core.types import (
     Whole,
 )
 from ..core.validation import (
-    HIGHEST_PRESSURE,
     LARGEST_STRAIN,
     broadcast_shape,
     check_choice,
     check_count,
     check_finite,
     check_gauge_pressure,
-    check_interval,
-    check_plausible,
     match_array_type,
 )
 from ..muscle import Muscle
@@ -56,6 +50,7 @@ from ..muscle.muscle import BACKENDS, batch_shape
 from ..muscle.validation import check_strain, lowest_strain, strain_domain
 from ..repr_table import with_table_repr
 from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
+from .inverse import recruit
 from .pressurized import (
     check_plate_strain,
     plate_distance,
@@ -65,8 +60,6 @@ from .pressurized import (
 from .printing import (
     bundle_line,
     bundle_table,
-    recruitment_table,
-    solutions_table,
     unit_line,
     unit_table,
 )
@@ -85,39 +78,6 @@ class MotorUnit(Module):
     def __check_init__(self):
         if not isinstance(self.muscle, Muscle):
             raise InvalidInputError("muscle", "must be a Muscle", self.muscle)
-
-
-@with_table_repr(solutions_table)
-class Solutions(NamedTuple):
-    """All pressures that give a demanded force, by state and pressure on the last axis.
-
-    `pressure`: the throttled pressure [Pa]; `state`, counted from 1; `stable`: the force falls
-    with strain. NaN, 0 and False where there are fewer. Without derivatives.
-    """
-
-    pressure: Float[AnyArray, "*points solution"]
-    state: Int[AnyArray, "*points solution"]
-    stable: Bool[AnyArray, "*points solution"]
-
-
-@with_table_repr(recruitment_table)
-class RecruitmentResult(NamedTuple):
-    """Pressures for a demanded force.
-
-    `pressures` [Pa], units on the last axis; `state`, counted from 1; `force` [N] that they give;
-    `status`: 0 reached, 1 the demand is above what is reachable, 2 below: then the result is that
-    of the nearest reachable force. `stable`: the force falls with strain at these pressures.
-    `solutions`, and their `count`. `unit`: the first throttled unit, counted from 1.
-    """
-
-    pressures: Numbers
-    state: Int[AnyArray, "*points"]
-    force: Float[AnyArray, "*points"]
-    status: Int[AnyArray, "*points"]
-    stable: Bool[AnyArray, "*points"]
-    solutions: Solutions
-    count: Int[AnyArray, "*points"]
-    unit: Int[AnyArray, "*points"]
 
 
 @with_table_repr(bundle_table, bundle_line)
@@ -254,7 +214,7 @@ class Bundle(Module):
         return self._find_equilibria(self._check_pressures(pressures), force=F)
 
     # functions of a bundle, whose docstrings and signatures these methods have
-    recruit = late_method("bundle.inverse.recruit")
+    recruit = recruit
     workspace = late_method("bundle.recruitment.workspace")
     reversal = late_method("bundle.reversal.reversal")
     efficiency_map = late_method("bundle.energetics.efficiency_map")
@@ -377,39 +337,6 @@ def _stack_units(values: list[Any]) -> Any:
     """A value for each unit, on the last axis."""
     xp = array_namespace(*values)
     return xp.stack(xp.broadcast_arrays(*values), axis=-1)
-
-
-def resolve_scheme(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
-    """A `scheme` by name or as an object, by default the bundle's own; `ValueError` for an unknown
-    name, and for a batch of bundles.
-    """
-    check_single(bundle)
-    return bundle.scheme if scheme is None else scheme_of(scheme)
-
-
-def resolve_supply_pressure(bundle: Bundle, supply_pressure: Values = None) -> float:
-    """A supply pressure [Pa], by default the bundle's own; `ValueError` if there is neither, and
-    for a batch of bundles.
-    """
-    check_single(bundle)
-    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
-    name, remedy = "supply_pressure", "the bundle has none of its own"
-    if supply is None:
-        raise InvalidInputError(name, "must be given in Pa", None, remedy)
-    P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
-    return float(check_plausible(P, name))
-
-
-def check_single(bundle: Any) -> None:
-    """Refuse anything but a `Bundle`, and batches of bundles."""
-    rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"
-    description = type(bundle).__name__
-    if isinstance(bundle, Bundle):
-        if not bundle._batch:
-            return
-        rule, remedy = "must be a single one here", "build a bundle for each of its muscles"
-        description = f"a batch of shape {bundle._batch}"
-    raise InvalidInputError("bundle", rule, bundle, remedy, shown=description)
 
 
 def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:

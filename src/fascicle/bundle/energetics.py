@@ -42,18 +42,12 @@ from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import PressurizedMuscle
 from ..repr_table import with_table_repr
-from .bundle import (
-    Bundle,
-    MotorUnit,
-    distinct_units,
-    resolve_scheme,
-    resolve_supply_pressure,
-)
+from .bundle import Bundle, MotorUnit, distinct_units
 from .pressurized import muscle_strain, pressurize
 from .printing import efficiency_table
 from .recruitment import unit_tables
 from .schemes import AbstractScheme
-from .states import states_of
+from .states import resolve_scheme, resolve_supply_pressure, states_of
 
 
 PATHS = ("isobaric", "isotonic")  # values of the argument `path`

@@ -123,7 +123,7 @@ class StateCurves:
         if its units are independent, each unit is a state by itself; `resistance`: muscles push.
         """
         units = bundle.motor_units
-        self.supply, self.resistance, self.scheme_states = float(supply), resistance, states
+        self.supply, self.resistance = supply, resistance
         unique, self.kind = unique_indices([unit.muscle for unit in units])
         self.levels = pressure_grid([units[i].muscle.tuning for i in unique], self.supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
@@ -218,7 +218,13 @@ def pressure_grid(tunings: list, supply: float) -> Array:
     kinks = kinks[kinks < 1]
     even = (np.arange(_CELLS + 1) / _CELLS) ** 2
     levels = np.concatenate([even, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]])
-    return np.unique(levels[(levels >= 0) & (levels <= 1)])
+    levels = np.sort(levels[(levels >= 0) & (levels <= 1)])
+    return levels[run_starts(levels)]
+
+
+def run_starts(values: Array) -> Array:
+    """Index of the first of each run of equal `values` [any unit] that rise from zero or more."""
+    return np.flatnonzero(np.diff(values, prepend=-1))  # `np.unique` imports masked arrays
 
 
 def _pick_nodes(value: Any, node: Array, count: int) -> Any:
@@ -342,7 +348,7 @@ def _find_roots(searches: Searches, count: int) -> Roots:
     nearest = nearest_of(distance, points.row)
     nearest[demand[row]] = -np.inf  # a reached one
     ties = np.flatnonzero(distance <= nearest[owner] + TIE)
-    first = ties[np.unique(owner[ties], return_index=True)[1]]
+    first = ties[run_starts(owner[ties])]
     exact = np.arange(len(row) + len(first)) < len(row)
     row, level = np.append(row, points.row[first]), np.append(level, points.level[first])
     order = np.lexsort((level, row))

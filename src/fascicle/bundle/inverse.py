@@ -14,7 +14,7 @@ lowest pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that o
 The search is NumPy's; JAX's arrays come as numbers, by a callback, and get their derivatives after.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
 from ..core.module import tree_map, unique_indices
 from ..core.roots import guarded, stop_gradient
-from ..core.types import Numbers, Values
+from ..core.types import AnyArray, Bool, Float, Int, Numbers, Values
 from ..core.validation import (
     broadcast_shape,
     check_choice,
@@ -31,17 +31,12 @@ from ..core.validation import (
     is_concrete,
     match_array_type,
 )
-from .bundle import (
-    Bundle,
-    RecruitmentResult,
-    Solutions,
-    resolve_scheme,
-    resolve_supply_pressure,
-)
-from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots
+from ..repr_table import with_table_repr
+from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots, run_starts
 from .pressurized import pressurize
+from .printing import recruitment_table, solutions_table
 from .schemes import AbstractScheme
-from .states import States, states_of
+from .states import States, resolve_scheme, resolve_supply_pressure, states_of
 
 
 PREFERENCES = ("efficiency", "nearest")  # values of the argument `prefer`
@@ -53,8 +48,41 @@ CLOSE = 1e-9  # of 1 N and the force: `ROOT_TOLERANCE` of a unit, and the roundi
 _UNREACHABLE = 1e3  # times the forces at both ends: no muscle gives as much
 
 
+@with_table_repr(solutions_table)
+class Solutions(NamedTuple):
+    """All pressures that give a demanded force, by state and pressure on the last axis.
+
+    `pressure`: the throttled pressure [Pa]; `state`, counted from 1; `stable`: the force falls
+    with strain. NaN, 0 and False where there are fewer. Without derivatives.
+    """
+
+    pressure: Float[AnyArray, "*points solution"]
+    state: Int[AnyArray, "*points solution"]
+    stable: Bool[AnyArray, "*points solution"]
+
+
+@with_table_repr(recruitment_table)
+class RecruitmentResult(NamedTuple):
+    """Pressures for a demanded force.
+
+    `pressures` [Pa], units on the last axis; `state`, counted from 1; `force` [N] that they give;
+    `status`: 0 reached, 1 the demand is above what is reachable, 2 below: then the result is that
+    of the nearest reachable force. `stable`: the force falls with strain at these pressures.
+    `solutions`, and their `count`. `unit`: the first throttled unit, counted from 1.
+    """
+
+    pressures: Numbers
+    state: Int[AnyArray, "*points"]
+    force: Float[AnyArray, "*points"]
+    status: Int[AnyArray, "*points"]
+    stable: Bool[AnyArray, "*points"]
+    solutions: Solutions
+    count: Int[AnyArray, "*points"]
+    unit: Int[AnyArray, "*points"]
+
+
 def recruit(
-    bundle: Bundle,
+    bundle: Any,
     force: Values,
     strain: Values,
     supply: Values = None,
@@ -92,7 +120,7 @@ def recruit(
     if is_concrete(supply):  # a traced one can't be checked
         supply = np.float64(resolve_supply_pressure(bundle, supply))
     units = len(bundle.motor_units)
-    arrays: list[tuple[Numbers, tuple[int, ...]]] = [(F, ()), (eps, ())]  # and last axes
+    arrays: list[Numbers] = [F, eps]
     shapes = {"force": np.shape(F), "strain": np.shape(eps)}
     if prefer == "nearest":
         if scheme.independent:
@@ -103,20 +131,20 @@ def recruit(
             remedy = f"pass a pressure for each of the {units} motor units"
             rule = "must be given in Pa with `prefer` 'nearest'"
             raise InvalidInputError("present", rule, None, remedy)
-        P = bundle._check_pressures(present)
-        arrays.append((P, (units,)))
-        shapes["present"] = np.shape(P)[:-1]
+        arrays.append(bundle._check_pressures(present))
+        shapes["present"] = np.shape(arrays[-1])[:-1]
     shape, solve, xp = broadcast_shape(**shapes), _solve_demands, np
-    if not (bundle.is_numpy and is_numpy(supply, *(x for x, _ in arrays))):
+    if not (bundle.is_numpy and is_numpy(supply, *arrays)):
         import jax.numpy as xp
 
         solve = _solve_traced
-    values: list[Any] = [xp.broadcast_to(x, shape + axes) for x, axes in arrays]
+    axes = ((), (), (units,))
+    values: list[Any] = [xp.broadcast_to(x, shape + y) for x, y in zip(arrays, axes, strict=False)]
     return solve(bundle, supply, *values, scheme=scheme, resistance=bool(resistance))
 
 
 def _solve_demands(
-    bundle: Bundle, supply: Any, force: Array, strain: Array, *present: Array,
+    bundle: Any, supply: Any, force: Array, strain: Array, *present: Array,
     scheme: AbstractScheme, resistance: bool,
 ) -> RecruitmentResult:  # fmt: skip
     """Result for demands of one shape, by NumPy."""
@@ -127,10 +155,9 @@ def _solve_demands(
         if not states.nested or states.independent:  # else the order of states is that of energies
             volume = import_late("bundle.energetics.unit_volume_change")(bundle, eps)
         # curves are kept with the bundle: they take longer than a demand
-        cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
-        curves = cache.get(key)
-        if curves is None or curves.supply != float(supply) or curves.scheme_states is not states:
-            curves = cache[key] = StateCurves(bundle, float(supply), states, resistance)
+        curves = bundle.cache.get(key := ("curves", scheme, resistance))
+        if curves is None or curves.supply != float(supply):
+            curves = bundle.cache[key] = StateCurves(bundle, float(supply), states, resistance)
         if volume is not None and states.independent:
             sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
             parts = [
@@ -162,7 +189,7 @@ def _best_solution(
         fluid = np.maximum(volume, 0.0) @ states.pressurized.T.astype(float)
         cost = fluid[roots.demand, roots.state]
     order = np.lexsort((cost, roots.demand))
-    best = order[np.unique(roots.demand[order], return_index=True)[1]]
+    best = order[run_starts(roots.demand[order])]
     forces, slopes = (
         x + y[roots.demand, roots.state]
         for x, y in zip(
@@ -209,11 +236,8 @@ def _least_energy(
     """
     units, tolerance = len(curves.kind), CLOSE * (1 + np.abs(force))
     unique, inverse = np.unique(strain, return_inverse=True)  # many demands may share a strain
-    limits = (x[inverse][:, list(curves.kind)] for x in _unit_limits(curves, unique))
-    counts = curves.throttled.sum(axis=1)
-    vented, full, least_force, most_force, least_level, most_level = (
-        x * scale for x, scale in zip(limits, (counts, counts, counts, counts, 1, 1), strict=True)
-    )
+    limits = (x[inverse] for x in _unit_limits(curves, unique))
+    vented, full, least_force, least_level, most_force, most_level = limits
     base = full @ sets.full.T.astype(float) + vented @ (~sets.full).T.astype(float)
     members = sets.throttled.T.astype(float)
     low, high = base + (least_force - vented) @ members, base + (most_force - vented) @ members
@@ -235,8 +259,15 @@ def _least_energy(
     level, value, slope = start.copy(), np.zeros(len(force)), np.zeros(len(force))
     index = rows
     while len(index):
-        arrays = (x[index] for x in (start, unit_force, unit, target, strain))
-        level[index], value[index], slope[index] = _throttle(curves, *arrays)
+        throttled = unit[index]
+        required = target[index] - unit_force[index].sum(axis=1) + unit_force[index, throttled]
+        roots = find_roots(curves, required, strain[index], throttled)
+        level[index] = start[index]
+        # the lowest level that gives the force, or the nearest one
+        level[index, throttled] = roots.level[run_starts(roots.demand)]
+        all_units = np.tile(np.arange(units), len(index))
+        forces = curves.force(all_units, level[index].ravel(), np.repeat(strain[index], units))
+        value[index], slope[index] = (x.reshape(-1, units).sum(axis=1) for x in forces)
         earlier = in_set & (np.arange(units) < unit[:, None])
         missed = is_reached & (np.abs(value - force) > tolerance)
         index = np.flatnonzero(missed & earlier.any(axis=1))
@@ -260,45 +291,25 @@ def _demand_status(is_reached: Array, value: Array, force: Array) -> Array:
 
 
 def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
-    """Force [N] of one muscle of each kind, kinds last: vented, at supply pressure, the least and
-    the largest; and the levels [-] of the last two.
+    """Force [N] of each unit, units last: vented, at supply pressure, the least and its level [-],
+    the largest and its level [-].
     """
-    limits = [np.zeros((len(strain), len(curves.muscles))) for _ in range(6)]
-    for k in range(len(curves.muscles)):
-        unit = np.full(len(strain), curves.kind.index(k))
-        count = curves.throttled[unit, k]
-        for i, node in enumerate((0, -1)):
-            nodes = np.full(len(strain), node)
-            limits[i][:, k] = curves.force_at_nodes(unit, nodes, strain) / count
-        size = 10.0 + np.abs(limits[0][:, k]) + np.abs(limits[1][:, k])
-        for i, sign in ((2, -1.0), (3, 1.0)):
-            level = find_roots(curves, sign * _UNREACHABLE * size * count, strain, unit).level
-            limits[i][:, k] = curves.force(unit, level, strain)[0] / count
-            limits[i + 2][:, k] = level
-    return limits
-
-
-def _throttle(
-    curves: StateCurves, level: Array, unit_force: Array, unit: Array, target: Array, strain: Array
-) -> tuple[Array, Array, Array]:
-    """Levels [-] with that of one `unit` changed so that all together give the `target` [N], the
-    lowest that does or the nearest; their force [N] and its slope in `strain` [N]. `unit_force`:
-    force of each unit at its `level` [N].
-    """
-    rows, units = np.arange(len(unit)), level.shape[1]
-    required = target - unit_force.sum(axis=1) + unit_force[rows, unit]
-    roots = find_roots(curves, required, strain, unit)
-    first = np.unique(roots.demand, return_index=True)[1]
-    level = level.copy()
-    level[rows, unit] = roots.level[first]
-    state = np.tile(np.arange(units), len(unit))
-    forces = curves.force(state, level.reshape(-1), np.repeat(strain, units))
-    force, slope = (x.reshape(level.shape).sum(axis=1) for x in forces)
-    return level, force, slope
+    # once for each kind of muscle, by its first unit
+    first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
+    unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
+    limits = [curves.force_at_nodes(unit, np.full(len(unit), node), eps) for node in (0, -1)]
+    unreachable = _UNREACHABLE * (10.0 + np.abs(limits).sum(axis=0))
+    for sign in (-1.0, 1.0):
+        level = find_roots(curves, sign * unreachable, eps, unit).level
+        limits += [curves.force(unit, level, eps)[0], level]
+    counts = curves.throttled.sum(axis=1)
+    scale = counts / counts[first][kind]
+    scales = (scale, scale, scale, 1, scale, 1)
+    return [x.reshape(len(strain), -1)[:, kind] * y for x, y in zip(limits, scales, strict=True)]
 
 
 def _solve_traced(
-    bundle: Bundle, supply: Any, force: Any, strain: Any, *present: Any,
+    bundle: Any, supply: Any, force: Any, strain: Any, *present: Any,
     scheme: AbstractScheme, resistance: bool,
 ) -> RecruitmentResult:  # fmt: skip
     """Result for demands with arrays of JAX's: solved by NumPy, with derivatives by JAX."""
@@ -328,7 +339,7 @@ def _solve_traced(
 
 
 def _attach_derivatives(
-    bundle: Bundle, force: Any, strain: Any, supply: Any, result: RecruitmentResult,
+    bundle: Any, force: Any, strain: Any, supply: Any, result: RecruitmentResult,
     scheme: AbstractScheme, resistance: bool,
 ) -> RecruitmentResult:  # fmt: skip
     r"""A result with its derivatives, by one step of Newton's from the root of (B9),
@@ -345,7 +356,7 @@ def _attach_derivatives(
     if not states.independent:
         throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
 
-    def total_force(bundle: Bundle, pressures: Any, strain: Any) -> Any:
+    def total_force(bundle: Any, pressures: Any, strain: Any) -> Any:
         forces, _ = pressurize(bundle, pressures).unit_forces(strain)
         return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
 

@@ -23,18 +23,11 @@ from ..core.lazy import attach_lazy
 from ..core.types import Float, Values
 from ..core.validation import check_interval, has_units, to_si
 from ..repr_table import with_table_repr
-from .bundle import (
-    Bundle,
-    RecruitmentResult,
-    Solutions,
-    distinct_units,
-    resolve_scheme,
-    resolve_supply_pressure,
-)
-from .inverse import recruit
+from .bundle import Bundle, distinct_units
+from .inverse import RecruitmentResult, Solutions, recruit
 from .printing import workspace_table
 from .schemes import AbstractScheme, scheme_of
-from .states import overlap_edges, states_of
+from .states import overlap_edges, resolve_scheme, resolve_supply_pressure, states_of
 
 
 __all__ = [

@@ -18,10 +18,11 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float, Values
 from ..core.validation import check_interval
 from ..repr_table import with_table_repr
-from .bundle import Bundle, resolve_supply_pressure
+from .bundle import Bundle
 from .pressurized import muscle_strain
 from .printing import reversal_table
 from .recruitment import pressures_of
+from .states import resolve_supply_pressure
 
 
 _GRID = 129  # pressures of each bracket: fine enough for a fall or an onset not to slip through

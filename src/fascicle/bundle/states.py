@@ -14,14 +14,15 @@ from collections.abc import Sequence
 from functools import cache
 from itertools import product
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
-from ..core.types import Bool, Int, Numbers
-from .schemes import AbstractScheme
+from ..core.types import Bool, Int, Numbers, Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible
+from .schemes import AbstractScheme, scheme_of
 
 
 MAX_SETS = 4095  # of pressurized units: all of twelve unlike units
@@ -241,3 +242,36 @@ def is_prefix_consistent(scheme: AbstractScheme, units: int) -> bool:
             if not np.array_equal(mask, longer[: shorter.size, :fewer]):
                 return False
     return True
+
+
+def resolve_scheme(bundle: Any, scheme: AbstractScheme | str | None) -> AbstractScheme:
+    """A `scheme` by name or as an object, by default the bundle's own; `ValueError` for an unknown
+    name, and for a batch of bundles.
+    """
+    check_single(bundle)
+    return bundle.scheme if scheme is None else scheme_of(scheme)
+
+
+def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> float:
+    """A supply pressure [Pa], by default the bundle's own; `ValueError` if there is neither, and
+    for a batch of bundles.
+    """
+    check_single(bundle)
+    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
+    name, remedy = "supply_pressure", "the bundle has none of its own"
+    if supply is None:
+        raise InvalidInputError(name, "must be given in Pa", None, remedy)
+    P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
+    return float(check_plausible(P, name))
+
+
+def check_single(bundle: Any) -> None:
+    """Refuse anything but a `Bundle`, and batches of bundles."""
+    rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"
+    description = type(bundle).__name__
+    if hasattr(bundle, "motor_units"):
+        if not bundle._batch:
+            return
+        rule, remedy = "must be a single one here", "build a bundle for each of its muscles"
+        description = f"a batch of shape {bundle._batch}"
+    raise InvalidInputError("bundle", rule, bundle, remedy, shown=description)

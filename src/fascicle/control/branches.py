@@ -21,7 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jax import lax
 
-from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..bundle.bundle import Bundle
+from ..bundle.states import resolve_supply_pressure
 from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, where
 from ..core.module import Module
 from ..core.roots import guarded

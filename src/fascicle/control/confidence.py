@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..bundle.bundle import Bundle
+from ..bundle.states import resolve_supply_pressure
 from ..core.types import Values
 from .crossing import Crossing, Path, crossing
 from .transition import transition

@@ -22,7 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..bundle.bundle import Bundle
+from ..bundle.states import resolve_supply_pressure
 from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values

@@ -27,8 +27,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import elementwise
 
-from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..bundle.bundle import Bundle
 from ..bundle.pressurized import muscle_strain
+from ..bundle.states import resolve_supply_pressure
 from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..bundle import Bundle, recruitment
-from ..bundle.bundle import resolve_supply_pressure
 from ..bundle.energetics import unit_volume_change, work
 from ..bundle.pressurized import muscle_strain
 from ..bundle.recruitment import Overlap, Workspace
-from ..bundle.states import states_of
+from ..bundle.states import resolve_supply_pressure, states_of
 from ..core.errors import InvalidInputError
 from .muscle_curves import muscle_curves
 from .solid import AROUND, RINGS, Solid, muscle_solid

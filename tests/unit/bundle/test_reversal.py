@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle.bundle import check_single
 from fascicle.bundle.reversal import free_strain_curve, onset_pressure, reversal
+from fascicle.bundle.states import check_single
 
 
 SUPPLY = 344.7e3

@@ -50,7 +50,7 @@ def run(
     import numpy as np
 
     from ...bundle import recruitment
-    from ...bundle.bundle import resolve_scheme
+    from ...bundle.states import resolve_scheme
     from ...results.tables import recruited
 
     demands = np.array(forces)
