@@ -23,7 +23,7 @@ from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
 from .data import WEIGHTS, FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
-from .gauges import GAUGE_NAMES, default_deviations
+from .gauges import GAUGE_NAMES, default_deviations, gauge_of, with_gauge
 from .least_squares import (
     LOSSES,
     ROUGH,
@@ -353,8 +353,12 @@ def _with_priors(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str,
             check = check_finite if parameter.linear else check_positive
             check(prior.value, parameter.name, "SI")
             check_positive(prior.deviation, f"{parameter.name}_deviation", "SI")
-            z = _coordinate_of(parameter, muscle, prior.value)
-            muscle = parameter.put(muscle, np.float64(z))
+            if parameter.name in GAUGE_NAMES:
+                gauge = replace(gauge_of(muscle), **{parameter.name: prior.value})
+                muscle = with_gauge(muscle, gauge)
+            else:
+                z = _coordinate_of(parameter, muscle, prior.value)
+                muscle = parameter.put(muscle, np.float64(z))
     return muscle
 
 

@@ -8,7 +8,9 @@ $$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
 then is their zero. These readings come first: they correct the record before the fit if the zero
-exceeds their scatter and half of the push that the muscle's law predicts.
+exceeds their scatter and half of the push that the muscle's law predicts. A passive force that
+the law lacks is a polynomial of the strain; only readings repeated at one strain show a drift
+beside it.
 
 **Assumes** that the lowest pressure of a record is a vented muscle if it is below 1 % of the
 highest. **Not resolved:** a scale of the force beside a free radius, and a zero of the pressure
@@ -19,6 +21,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr, stdtrit
 
 from ..core.module import to_numpy, with_fields
 from ..core.types import Batch
@@ -32,8 +35,10 @@ VENTED = 0.01  # of the highest pressure: below it a transducer shows its zero, 
 _STRETCHED = -1e-3  # strain: a muscle pulled beyond this pulls back without pressure
 _CLEAR = 4.0  # deviations of a zero, as all records together shall have few false ones
 _PUSH_ERROR = 0.5  # of the predicted push: published laws of resisting muscles are no better
+_PASSIVE_ORDERS = 3  # of strain: the rubber's stress is smooth
+_SAME_STRAIN = 1e-3  # strains this close are one length, read again
 _MIN_VENTED = 3  # readings: fewer show no scatter
-_APART = 0.3  # of the record's duration: vented readings over a shorter time show no drift
+_APART = 0.3  # of the record's duration: readings of one strain over a shorter time show no drift
 # standard deviations of the priors: what is usual on benches in laboratories
 _FORCE_ZERO = 0.03  # of the largest force: a cell that was zeroed with a muscle or clamp on it
 _FORCE_GAIN = 0.02  # a cell used with its nominal sensitivity, or calibrated with one weight
@@ -192,22 +197,34 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     push = np.asarray(to_numpy(muscle).force(0.0, strain))
     duration = 0.0 if record.time is None else float(np.ptp(record.time))
     elapsed = np.zeros(count) if record.time is None else record.time[vented] - start
-    drifts = duration > 0 and float(np.ptp(elapsed)) > _APART * duration
+    # a passive force that the law lacks; at the rest length it is zero
+    orders = min(_PASSIVE_ORDERS, np.unique(strain // _SAME_STRAIN).size - 1)
+    constant = np.polynomial.polynomial.polyvander(
+        strain / max(float(np.max(strain)), 1e-9), orders
+    )
+    later = elapsed - constant @ np.linalg.lstsq(constant, elapsed, rcond=None)[0]
+    drifts = duration > 0 and float(np.ptp(later)) > _APART * duration
     # the push predicted by the law may be in error by a share with a prior of its own
-    basis = np.stack([np.ones(count), push, *([elapsed] if drifts else [])], axis=1)
-    best = np.linalg.lstsq(basis, F - push, rcond=None)[0]
-    noise = np.linalg.norm(F - push - basis @ best) / np.sqrt(max(count - basis.shape[1], 1))
+    basis = np.column_stack([constant, push, *([elapsed] if drifts else [])])
+    best, _, rank, _ = np.linalg.lstsq(basis, F - push, rcond=None)
+    freedom = count - int(rank)
+    if freedom < 1:
+        return VentedReadings(Gauge(**zeros, start=start), deviations, count)
+    noise = np.linalg.norm(F - push - basis @ best) / np.sqrt(freedom)
     # never zero, as of readings without noise
     noise = max(float(noise), 1e-6 * float(np.max(np.abs(record.force))))
-    precision = basis.T @ basis + np.diag([0.0, (noise / _PUSH_ERROR) ** 2, 0.0][: best.size])
+    share = constant.shape[1]  # column of the push
+    precision = basis.T @ basis
+    precision[share, share] += (noise / _PUSH_ERROR) ** 2
     covariance = noise**2 * np.linalg.inv(precision)
     best = covariance @ basis.T @ (F - push) / noise**2
-    deviation = np.sqrt(np.diag(covariance))
+    # wider, as the scatter of few readings is itself uncertain
+    deviation = np.sqrt(np.diag(covariance)) * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
     deviations["force_zero"] = float(deviation[0])
     if drifts:
-        deviations["force_drift"] = float(deviation[2])
-        if abs(best[2]) > _CLEAR * deviation[2]:
-            zeros["force_drift"] = float(best[2])
+        deviations["force_drift"] = float(deviation[-1])
+        if abs(best[-1]) > _CLEAR * deviation[-1]:
+            zeros["force_drift"] = float(best[-1])
     if abs(best[0]) > _CLEAR * deviation[0] or "force_drift" in zeros:
         zeros["force_zero"] = float(best[0])
     return VentedReadings(Gauge(**zeros, start=start), deviations, count)

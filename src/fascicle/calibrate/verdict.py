@@ -153,11 +153,9 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
             f" loops, which are {range_text(loop.width)} N wide"
         )
-    size = (
-        f"{100 * np.fmax(verdict.relative_rmse, verdict.left_out_rmse):.2g} % of the largest force"
-    )
-    if verdict.left_out_rmse > verdict.relative_rmse:
-        size += " at readings left out of the fit"
+    shares = verdict.relative_rmse, float(np.fmax(verdict.relative_rmse, verdict.left_out_rmse))
+    fitted, worst = (f"{100 * share:.2g} % of the largest force" for share in shares)
+    size = worst if worst == fitted else f"{worst} at readings left out of the fit"
     judgment = f"Verdict: {FITS[verdict.fit].format(size)}."
     if not diagnosis.is_white_noise:
         tests = (*diagnosis.significant, *diagnosis.autocorrelated)

@@ -42,6 +42,25 @@ def test_readings_without_pressure_tell_the_zeros():
     assert read_vented(bench_record(PERFECT, loop=0.0, seed=1), MUSCLE).gauge == PERFECT
 
 
+@pytest.mark.parametrize("interval", [0.1, 1.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_passive_force_of_later_lengths_is_no_drift(seed, interval):
+    # isometric: the pressure rises and falls at one length after the other
+    cycle = np.append(np.linspace(0, 4e5, 41), np.linspace(4e5, 0, 41))
+    P, strain = np.tile(cycle, 4), np.repeat([0.0, 0.05, 0.1, 0.15], cycle.size)
+    noise = np.random.default_rng(seed).normal(0, 1, P.size)
+    force = np.asarray(MUSCLE.force(P, strain)) - 120 * strain + noise
+    time = interval * np.arange(P.size)
+    record = Record.of(P, strain, force, time=time, rest_length=0.2, synthetic=True)
+    assert read_vented(record, MUSCLE).gauge == PERFECT
+
+
+def test_a_prior_of_a_gauge_may_be_far_from_its_unit():
+    prior = {"force_drift": Prior(-0.7, 1e-6)}
+    held = fit(bench_record(seed=2), MUSCLE, NAMES, prior, whole=False)
+    assert held.gauge.force_drift == pytest.approx(-0.7, abs=1e-5)
+
+
 @pytest.fixture(scope="module")
 def fitted():
     return fit(bench_record(seed=2), MUSCLE, NAMES, whole=False)
