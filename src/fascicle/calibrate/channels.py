@@ -81,7 +81,7 @@ def readings_at_end(values: np.ndarray, upper: bool, valid: np.ndarray | bool = 
 
 
 def _force_step(record: Record) -> float:
-    """Step [N] whose multiples all forces are, if it is coarse; else 0."""
+    """Coarse step [N] that the forces differ by multiples of; 0 if there is none."""
     values = np.unique(record.force[~record.censored])
     top = float(np.max(np.abs(values), initial=0.0))
     if len(record) < _MIN_READINGS or values.size < 3:

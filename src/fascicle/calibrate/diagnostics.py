@@ -246,8 +246,10 @@ class Residuals:
         return float(np.sum(self.readings.residual**2))
 
     @property
-    def known_columns(self) -> dict[str, np.ndarray]:
-        """Columns of branch and time, as far as the record has them."""
+    def trend_columns(self) -> dict[str, np.ndarray]:
+        """Columns to regress residuals on, by name: branch, also times pressure, if both branches
+        occur; time, if it is known.
+        """
         columns = {}
         if {1, -1} <= set(np.unique(self.readings.branch)):
             # a loop's width grows with pressure
@@ -398,7 +400,7 @@ def _trend_columns(residuals: Residuals) -> dict[str, np.ndarray]:
     kinds = {"strain": np.insert(strain, 0, 1.0, axis=1), "pressure": pressure}
     if products:
         kinds["strain and pressure"] = np.stack(products, axis=-1)
-    kinds |= residuals.known_columns
+    kinds |= residuals.trend_columns
     if "time" in kinds:
         kinds["time"] = _legendre(residuals, kinds["time"], 2)
     weight, scaled = residuals.weight**2, {}
@@ -602,7 +604,7 @@ def _effects_of_constants(fit: Fit, residuals: Residuals) -> dict[Parameter, np.
 def _confounded_constants(
     fit: Fit, residuals: Residuals, effects: dict[Parameter, np.ndarray]
 ) -> tuple[str, ...]:
-    """Names of constants whose effect the fitted constants reproduce."""
+    """Names of constants that were not fitted and that the data can't tell from the fitted ones."""
     names = []
     for constant, column in effects.items():
         distinct = project_out(residuals.model_subspace, residuals.weighted(column))
@@ -630,7 +632,7 @@ def _likely_causes(
         "zero": np.ones(strain.size),
         "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
     }
-    columns |= residuals.known_columns
+    columns |= residuals.trend_columns
     trials = [
         (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"fit {p.name}, too", column)
         for p, column in effects.items()

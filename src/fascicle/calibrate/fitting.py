@@ -215,13 +215,14 @@ def fits_loop(data: FitData, names: Collection[str]) -> bool:
     return both and not set(names).isdisjoint(GAUGE_NAMES)
 
 
-def gauge_priors(data: FitData, length: float, pulls: bool) -> dict[str, Prior]:
-    """Priors of the gauges' errors, by name; `length`: of the muscle [m].
+def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Prior]:
+    """Priors of the gauges' errors, by name, narrowed by readings without pressure; `length`: of
+    the muscle [m].
 
-    `pulls`: readings without pressure are not fitted, so their forces give priors. If they are
-    fitted, only their pressures do: otherwise their forces would count twice.
+    `only_pulls`: readings without pressure are not fitted, so their forces give priors. If they
+    are fitted, only their pressures do: otherwise their forces would count twice.
     """
-    grid, names = data.grid, GAUGE_NAMES if pulls else ("pressure_zero",)
+    grid, names = data.grid, GAUGE_NAMES if only_pulls else ("pressure_zero",)
     vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     return {

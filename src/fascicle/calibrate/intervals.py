@@ -80,7 +80,7 @@ def profiles(
     # noise is held at its fitted value: the rise counts in proportion to noise's part of variance
     minimum = calibration.minimum
     noise = np.diag(minimum.covariance - minimum.from_curves)
-    fraction = noise / np.diag(calibration.covariance)
+    noise_share = noise / np.diag(calibration.covariance)
     default = (points, reach) == (_POINTS, _REACH)
     present = {profile.name: profile for profile in calibration.profiles} if default else {}
     out = []
@@ -90,7 +90,7 @@ def profiles(
         if name in present:
             out.append(present[name])
             continue
-        value, coordinate, rise = _profile(calibration, i, steps, fraction[i])
+        value, coordinate, rise = _profile(calibration, i, steps, noise_share[i])
         width = np.ptp(_crossings(coordinate, rise))
         factor = calibration.problem.parameters[i].deviation / WEAK  # coordinates of a factor of e
         identified = bool(width < 2 * NORMAL * KNOWN * factor)
@@ -99,9 +99,11 @@ def profiles(
 
 
 def _profile(
-    calibration: Calibration, index: int, steps: np.ndarray, fraction: float
+    calibration: Calibration, index: int, steps: np.ndarray, noise_share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values [SI unit] and coordinates [-] of a held parameter, and the rises there [-]."""
+    """Profile of a parameter: its held values [SI unit] and coordinates [-], and the rise of the
+    deviance after a refit at each [-], times `noise_share`; `steps` in standard deviations [-].
+    """
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
     other_columns = np.delete(np.arange(z.size), index)
     direction = C[index] / np.sqrt(C[index, index])  # along the fit's correlations
@@ -112,7 +114,7 @@ def _profile(
         point = end.points[0]
         # a parameter's own prior is no part of the likelihood
         priors = ((np.array([point, z])[:, index] - center) / deviation) ** 2
-        return fraction * (2 * (end.cost[0] - lowest) - priors[0] + priors[1]), point
+        return noise_share * (2 * (end.cost[0] - lowest) - priors[0] + priors[1]), point
 
     center, deviation = problem.center[index], problem.deviation[index]
     lowest = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]

@@ -263,7 +263,9 @@ class Problem:
         return np.concatenate([softened.reshape(-1), (point - self.center) / self.deviation])
 
     def slopes(self, force: Table, force_slopes: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Jacobian of the residuals [-] by `columns` of a point, from that of the forces [N]."""
+        """Jacobian of the residuals [-], from that of the forces [N]; `columns`: indices of the
+        coordinates that both are for.
+        """
         misfits, by_force = self.misfits(force)
         softer = (by_force * _LOSS[self.loss](misfits)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
@@ -316,7 +318,9 @@ _LOSS: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
 
 
 def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linearization:
-    """Linearize a problem at a `point`; `by_curves`: also by the curves, where they are fixed."""
+    """Linearize a problem at a `point`; `by_curves`: with columns for the tuning's curves, too, if
+    the point has none.
+    """
     force, both = problem.force(point), point
     if by_curves and problem.curves is not None and len(point) == len(problem.parameters):
         both = np.concatenate([point, problem.curves])
@@ -493,16 +497,16 @@ def minimum_at(
     return Minimum(inverse + caused, caused, noise, problem.noise, linear)
 
 
-def residual_noise(problem: Problem, misfits: np.ndarray, parameters: int) -> float:
-    """Standard deviation of a single reading [N] about a model with so many `parameters`, from
-    `misfits` [-] over the problem's noise.
+def residual_noise(problem: Problem, misfits: np.ndarray, parameter_count: int) -> float:
+    """Standard deviation of a single reading [N], from `misfits` in units of the problem's noise
+    [-], about a model with `parameter_count` free parameters.
     """
     r = misfits[(problem.weight > 0) & problem.grid.measured] * problem.noise
     if problem.loss != "linear":
         # outliers that the loss plays down must not come back as noise
         usual = 1.4826 * float(np.median(np.abs(r))) if r.size else 0.0
     else:
-        usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameters, 1)))
+        usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameter_count, 1)))
     return usual if usual > 0 else problem.noise
 
 

@@ -106,7 +106,7 @@ class Audit(NamedTuple):
 
     @property
     def closes(self) -> bool:
-        """True if all balances close and every event can be trusted."""
+        """True if all balances close and no event is a reason to doubt the run."""
         return all(x.closes for x in self.balances) and all(x.trusted for x in self.events)
 
     def __str__(self) -> str:
@@ -191,7 +191,7 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
 
 
 def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
-    """Audit of a run, `None` for a chamber without a balance; and reasons not to trust the run."""
+    """Audit of a run, `None` if a chamber has no balance or for a batch; reasons to doubt it."""
     audited, doubts = None, []
     try:
         audited = audit(plant, run)
@@ -254,7 +254,9 @@ def _balance(
 def _supply_balance(
     plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
-    """Balance of the supply: shaft work in; drawn by the bundle, lost and stored out [J]."""
+    """Energy balance of the supply [J]: in, its shaft work; out, what the bundle drew, what the
+    supply lost, and the rise of its stored energy.
+    """
     reserve = np.asarray(run.outputs.reserve)
     stored = np.asarray(plant.supply.stored_energy(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}

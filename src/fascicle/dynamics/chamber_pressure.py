@@ -90,7 +90,7 @@ class ChamberEvaluation(NamedTuple):
 
     @property
     def is_unsolved(self) -> BoolBatch:
-        """True where the root is farther away than 1 Pa and 1e-4 of the pressure."""
+        """True where Newton's step is longer than 1 Pa plus 1e-4 of the pressure."""
         return absolute(self.newton_step) > 1.0 + 1e-4 * absolute(self.pressures)
 
     def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:
@@ -120,8 +120,8 @@ def evaluate_chambers(
 def muscle_volumes(
     plant: Plant, strains: Numbers, pressures: Numbers
 ) -> tuple[Surface, MuscleVolumes]:
-    """Muscles of a `plant` at `strains` [-] and `pressures` [Pa], one of each unit, and the
-    volumes of all of them [m³].
+    """Surface of one muscle of each unit of a `plant` at `strains` [-] and `pressures` [Pa], and
+    the volume of all muscles of each unit [m³].
     """
     n, muscles = plant.counts, plant.muscles.at(pressures, strains)
     V, by_strain, by_pressure = plant.muscles.volumes(muscles, strains, plant.lengths)
@@ -167,8 +167,8 @@ def solve_pressures(
 
 class ProjectedChambers(NamedTuple):
     """Chambers after a correction of their pressures: states of the `chambers` [SI], `pressures`
-    [Pa], and what the correction adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to the
-    `work` and to its `mismatch`.
+    [Pa], the `work` $-\\int V\\,\\mathrm{d}P$ of the correction, summed over units [J], and the
+    `mismatch`, the part of it that the conjugate volume would not do [J].
     """
 
     chambers: Numbers

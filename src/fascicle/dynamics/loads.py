@@ -178,7 +178,7 @@ class HangingMass(AbstractFreeLoad):
 
 
 class InertiaSpringDamper(AbstractFreeLoad):
-    """A mass between the bundle, a spring and a damper.
+    """A mass that the bundle pulls against a spring and a damper.
 
     `mass` [kg]. `spring_stiffness` [N/m], of a spring that is never slack. `damping` [N·s/m].
     `rest`: position at which the spring is at rest [m]. `force_outside`: constant force against

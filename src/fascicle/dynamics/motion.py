@@ -168,7 +168,7 @@ def friction_step(
 def _friction_force(
     plant: Plant, friction_memory: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
-    """Friction against the load [N or N·m], and heat of friction without memory [W]."""
+    """Friction against the load [N or N·m], and the power lost by laws that have no memory [W]."""
     if plant.hysteresis is None:
         return 0.0 * q, 0.0 * q
     add, by_pressure = array_namespace(q).sum, fluid.muscles.force_by_pressure
@@ -182,8 +182,8 @@ def _friction_force(
 def update_friction(
     plant: Plant, friction_memory: FrictionMemory, position: Batch, pressures: Numbers
 ) -> tuple[FrictionMemory, Batch]:
-    """Memory of friction after a step to a `position` [SI] at `pressures` [Pa] from the last
-    one's `friction_memory` [SI], and the energy that laws with a memory lost meanwhile [J].
+    """Advance `friction_memory` [SI] by a step to a `position` [SI] and `pressures` [Pa]: the new
+    memory, and the energy that laws with a memory lost in the step [J].
     """
     step = friction_step(plant, friction_memory, position, pressures)
     loss = array_namespace(step.loss).sum(plant.counts * step.loss, axis=-1)

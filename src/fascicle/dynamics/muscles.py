@@ -200,7 +200,7 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
 
 
 class MuscleWrapper(AbstractMuscles):
-    """Muscles that change other `muscles`, over the same strains and pressures."""
+    """Base of muscles that wrap other `muscles` and have the same limits of strain and pressure."""
 
     muscles: AbstractMuscles
 

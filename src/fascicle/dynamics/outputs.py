@@ -76,9 +76,9 @@ def observe(
     )
 
 
-def _status_bits(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
-    """Status of a plant, as bits of `STATUS`: one set by any unit's chamber or muscles counts for
-    all, beside those of supply and stop.
+def _status_bits(plant: Plant, state: State, evaluation: PlantEvaluation, energies: Numbers) -> Any:
+    """Bits of `STATUS` of a plant; a unit's bit is set if any unit has it. `energies`: stored
+    ones [J], checked for being finite.
     """
     q, P, eps = evaluation.position, evaluation.fluid.pressures, evaluation.strains
     xp = array_namespace(q, P)
@@ -93,6 +93,6 @@ def _status_bits(plant: Plant, state: State, evaluation: PlantEvaluation, store:
         plant.supply.empty(state.supply),
         False if stop is None else stop.is_touched(q),
         False,  # stiffness is known to `simulate`
-        ~xp.isfinite(xp.sum(store, axis=-1) + xp.sum(P, axis=-1)),
+        ~xp.isfinite(xp.sum(energies, axis=-1) + xp.sum(P, axis=-1)),
     )
     return sum(xp.where(flag, 1 << bit, 0) for bit, flag in enumerate(bits))

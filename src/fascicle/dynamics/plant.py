@@ -171,7 +171,7 @@ class Plant(Module):
         return 1 - (self.distances - self._arms(0)) / self.lengths
 
     def _arms(self, index: int) -> Numbers:
-        """Entry `index`, 0 or 1, of the arm of the bundle that each unit is in [SI]."""
+        """Of each unit's bundle the shortening at $q = 0$ [m], `index` 0, or its arm [SI], 1."""
         arms = [self.load.arms[side][index] for side in self.sides]
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 

@@ -25,8 +25,8 @@ _STABLE = 2.0  # largest h|λ|; the method's own limit is 2.78
 
 
 class StepSizeEstimate(NamedTuple):
-    """Stiffness of a plant: its fastest `rate` [1/s], the `part` that has it, the `substeps` of a
-    step, and whether it is too `stiff` for them.
+    """Substeps that a plant needs: its fastest `rate` [1/s], the `part` that has it, the `substeps`
+    to take in a step, at most `MAX_SUBSTEPS`, and `stiff`: true if it needs more.
     """
 
     rate: float
@@ -53,7 +53,7 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     T_s = plant.supply.temperature_at(plant.supply.initial_state())
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _rest_evaluations(plant, P, positions=7)
+        s, fluid = _rest_evaluations(plant, P, position_count=7)
         rate, no_flow = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
         rise = fluid.pressure_rate(rate - no_flow, np.zeros(1))  # of pressure with mass [Pa/kg]
         # small beside each pressure, and never zero
@@ -85,7 +85,7 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     M = float(load.inertia)
     P = np.linspace(0.0, plant.supply_pressure, 31)[:, None, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _rest_evaluations(plant, P, positions=41)
+        s, fluid = _rest_evaluations(plant, P, position_count=41)
         muscles, rise = fluid.muscles, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
         spring = -n * L * g**2 * (muscles.force_by_strain + muscles.force_by_pressure * rise)
         stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
@@ -102,12 +102,12 @@ def _load_rates(plant: Plant) -> dict[str, float]:
 
 
 def _rest_evaluations(
-    plant: Plant, pressures: Numbers, positions: int
+    plant: Plant, pressures: Numbers, position_count: int
 ) -> tuple[Numbers, ChamberEvaluation]:
-    """States of chambers [SI] at rest, and their evaluation, at `pressures` [Pa] and a number of
-    `positions` along the stroke.
+    """States of chambers [SI] at rest, and their evaluation, at `pressures` [Pa] and
+    `position_count` even positions along the stroke.
     """
-    q = np.linspace(*plant.stroke, positions)
+    q = np.linspace(*plant.stroke, position_count)
     P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
     s = plant.chambers_at(P, q)
     return s, evaluate_chambers(plant, s, eps, P)
