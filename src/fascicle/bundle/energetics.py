@@ -36,7 +36,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import evaluate, with_fields
-from ..core.types import AnyArray, Batch, Float, Int, Numbers, PerUnit, Values
+from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
 from ..core.validation import check_choice, check_finite, is_concrete, to_si
 from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work, integrate_force
@@ -138,34 +138,24 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
 
 
 def unit_work_along(
-    bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
-) -> Float[AnyArray, "level strain unit"]:
+    bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool
+) -> Float[np.ndarray, "level strain unit"]:
     """Work of each motor unit [J] from rest length to every `strain` of a list [-], at constant
-    `pressures` [Pa], a row for each level; `bundle` and `resistance` as for `work`.
+    `pressures` [Pa], a row for each level; `resistance` as for `work`. By NumPy, unchecked.
     """
-    P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
-    low, high = (float(pick(np.asarray(eps), initial=0.0)) for pick in (np.min, np.max))
+    low, high = strain.min(initial=0.0), strain.max(initial=0.0)
     even = np.linspace(low, high, int(np.ceil((high - low) / _PIECE)) + 1)
-    stops = np.concatenate([[0.0], np.asarray(eps, float), even])
-    widest = float(np.max(np.diff(np.sort(stops)), initial=0.0))
-    nodes = _NODES_NARROW if widest <= _NARROW else _NODES
-    static = (int(np.size(eps)), nodes, bool(resistance))
-    return evaluate(_unit_work_along, bundle, P, stops, static=static)
-
-
-def _unit_work_along(
-    bundle: Bundle, pressures: Numbers, stops: Numbers, count: int, nodes: int, resistance: bool
-) -> Numbers:
-    """As `unit_work_along`: `stops`, rest first, then `count` strains of the result, then others
-    [-].
-    """
+    stops = np.concatenate([[0.0], strain, even])
+    nodes = _NODES_NARROW if np.diff(np.sort(stops)).max() <= _NARROW else _NODES
 
     def muscle_work(muscle: PressurizedMuscle, stops: Numbers) -> Numbers:
         sums = integrate_force(muscle, stops, nodes, resistance)
-        return muscle.column.rest_length * (sums[1 : 1 + count] - sums[:1])
+        return muscle.column.rest_length * (sums[1 : 1 + strain.size] - sums[:1])
 
-    works = pressurize(bundle, pressures).map_units_over_strain(muscle_work, stops[:, None])
-    return bundle.counts * array_namespace(works).moveaxis(works, 0, 1)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        muscles = pressurize(bundle, pressures)
+        works = bundle.counts * muscles.map_units_over_strain(muscle_work, stops[:, None])
+    return np.moveaxis(np.asarray(works), 0, 1)
 
 
 def constant_cross_section(
@@ -249,13 +239,12 @@ def efficiency_map(
     scheme = resolve_scheme(bundle, scheme)
     is_isobaric = check_choice(path, PATHS, "path") == "isobaric"
     if is_isobaric and scheme.independent:
-        raise InvalidInputError(
-            "path",
-            f"must be 'isotonic' with scheme {scheme.name!r}",
-            path,
+        rule = f"must be 'isotonic' with scheme {scheme.name!r}"
+        remedy = (
             "many pressures of its units give one force and strain, each with its own work on the"
-            ' way; ask for path="isotonic" (--path isotonic)',
+            ' way; ask for path="isotonic" (--path isotonic)'
         )
+        raise InvalidInputError("path", rule, path, remedy)
     distinct, inverse = distinct_units(bundle)
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(inverse.tolist())
     full = np.full(len(distinct.motor_units), supply)
@@ -277,22 +266,23 @@ def efficiency_map(
     energy = supply * (states.pressurized.astype(float) @ volumes.T)  # state, strain
     if is_isobaric:
         pressures = levels[:, None] * np.ones(len(distinct.motor_units))
-        works = np.asarray(unit_work_along(distinct, pressures, strain, resistance))[..., inverse]
+        works = unit_work_along(distinct, pressures, strain, resistance)[..., inverse]
         tables = states.sums(*forces), states.sums(works, works[0], works[-1])
     else:
         tables = states.edges(*forces)
 
-    shape = (force.size, strain.size)
-    best, state = np.full(shape, np.nan), np.zeros(shape, int)
-    for k, (first, second) in enumerate(zip(*tables, strict=True)):
+    best = np.full((force.size, strain.size), np.nan)
+    state = np.zeros(best.shape, int)
+    for first, second, fluid, number in zip(*tables, energy, owner + 1, strict=True):
         if is_isobaric:
             work = _largest_work(first, second, force)
         else:
             covered = (first <= force[:, None]) & (force[:, None] <= second)
             work = np.where(covered, force[:, None] * strain * float(bundle.length), np.nan)
-        better = (np.fmax(best, work / energy[k]) != best) & np.isfinite(work)
-        best = np.where(better, work / energy[k], best)
-        state = np.where(better, owner[k] + 1, state)
+        efficiency = work / fluid
+        # also a first value: comparisons with NaN are false
+        better = np.isfinite(efficiency) & ~(efficiency <= best)
+        best, state = np.where(better, efficiency, best), np.where(better, number, state)
     highest = float(np.nanmax(best, initial=0.0))
     if highest > 1 + _ROUNDING:
         laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
@@ -337,6 +327,5 @@ def _largest_work(
         between = (lowest[n] <= force) & (force <= largest[n])
         work = np.where(between, works[n] + (force - forces[n]) * slope, -np.inf)
         np.maximum(best[start:stop], work, out=best[start:stop])
-    ordered = np.empty_like(best)
-    ordered[order] = best
-    return np.where(np.isfinite(ordered), ordered, np.nan)
+    best = best[np.argsort(order)]
+    return np.where(np.isfinite(best), best, np.nan)

@@ -55,12 +55,14 @@ class MuscleCurves:
     `kinks`: for each kind of kink, by number, the muscle's strain there [-] at the grid's nodes.
     """
 
-    def __init__(self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array):
+    def __init__(
+        self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array, resistance: bool
+    ):
         """**Arguments:** `muscle`; `ratio`: $L/L_i$ [-] or None; `supply`: $P_s$ [Pa]; `levels`:
-        nodes of the grid [-].
+        nodes of the grid [-]; `resistance`: the muscle pushes, too.
         """
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
-        self.nodes = self.law.at(levels * supply)
+        self.resistance, self.nodes = resistance, self.law.at(levels * supply)
         self.free_strain = self.nodes.column.free_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
@@ -73,13 +75,13 @@ class MuscleCurves:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, node: Array, plates: Array) -> tuple[Array, Array]:
-        """Force [N] at nodes and the `plates`' strain [-], and its slope in that strain [N]."""
-        force, slope = _pick_nodes(self.nodes, node, self.levels.size).force(self.strain(plates))
-        return force, slope if self.ratio is None else slope * self.ratio
+    def force_at_nodes(self, node: Array, plates: Array) -> Array:
+        """As `force` at a `node` of the grid, whose free and collapse strains are stored."""
+        muscle = _pick_nodes(self.nodes, node, self.levels.size)
+        return self._between_plates(*muscle.force(self.strain(plates)))
 
-    def force(self, level: Array, plates: Array) -> tuple[Array, Array]:
-        """Force [N] at `level` and the `plates`' strain [-], and its slope in that strain [N].
+    def force(self, level: Array, plates: Array) -> Array:
+        """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N].
 
         Free and collapse strain at a pressure are most of its cost: a muscle that surely pulls, by
         the grid, needs neither.
@@ -94,7 +96,12 @@ class MuscleCurves:
         if rest.any():
             muscle = self.law.at(pressure[rest], self._free_strain(level[rest]))
             force[rest], slope[rest] = muscle.force(strain[rest])
-        return force, slope if self.ratio is None else slope * self.ratio
+        return self._between_plates(force, slope)
+
+    def _between_plates(self, force: Array, slope: Array) -> Array:
+        """Force, which may not push, and its slope in the plates' strain [N]."""
+        forces = np.array([force, slope if self.ratio is None else slope * self.ratio])
+        return forces if self.resistance else np.where(force > 0, forces, 0.0)
 
     def _free_strain(self, level: Array) -> Array:
         """Free strain [-] by Newton's method from the grid's, or by the law where that fails."""
@@ -123,16 +130,16 @@ class StateCurves:
         if its units are independent, each unit is a state by itself; `resistance`: muscles push.
         """
         units = bundle.motor_units
-        self.supply, self.resistance = supply, resistance
+        self.supply = supply
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        self.levels = pressure_grid([units[i].muscle.tuning for i in unique], self.supply)
+        self.levels = pressure_grid([units[i].muscle.tuning for i in unique], supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
         self.muscles = [
-            MuscleCurves(units[i].muscle, ratios[i], self.supply, self.levels) for i in unique
+            MuscleCurves(units[i].muscle, ratios[i], supply, self.levels, resistance)
+            for i in unique
         ]
-        masks, self.owns_endpoints = (
-            (states.throttled, states.vented, states.full), states.owns_endpoints
-        )  # fmt: skip
+        masks = states.throttled, states.vented, states.full
+        self.owns_endpoints = states.owns_endpoints
         if states.independent:
             identity = np.eye(len(units), dtype=bool)
             masks = identity, 0 * identity, 0 * identity
@@ -142,28 +149,24 @@ class StateCurves:
         self.states = len(self.throttled)
         self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
-    def fixed_force(self, strain: Array) -> tuple[Array, Array]:
-        """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
-        total = np.zeros((2, len(strain), self.states))
-        counts = np.stack([self.vented, self.full])
-        ends = np.array([[0], [-1]])
+    def fixed_force(self, strain: Array) -> Array:
+        """Force of the units that each state doesn't throttle, states last, and its slope [N]."""
+        total, ends = np.zeros((2, len(strain), self.states)), np.array([[0], [-1]])
         for j, muscle in enumerate(self.muscles):
-            if counts[..., j].any():
-                forces = self._without_pushing(*muscle.force_at_nodes(ends, strain))
-                total += np.stack(forces).swapaxes(1, 2) @ counts[..., j]
-        return total[0], total[1]
+            counts = np.stack([self.vented[:, j], self.full[:, j]])
+            if counts.any():
+                total += muscle.force_at_nodes(ends, strain).swapaxes(1, 2) @ counts
+        return total
 
-    def force(self, state: Array, level: Array, strain: Array) -> tuple[Array, Array]:
-        """Force [N] of the units that each `state` throttles, at `level` and `strain` [-], and its
-        slope in strain [N].
+    def force(self, state: Array, level: Array, strain: Array) -> Array:
+        """Force of the units that each `state` throttles, at `level` and `strain` [-], and its
+        slope in strain, both [N].
         """
-        return self._sum(state, lambda muscle, i: muscle.force(level[i], strain[i]))
+        return self._sum(MuscleCurves.force, state, level, strain)
 
     def force_at_nodes(self, state: Array, node: Array, strain: Array) -> Array:
-        """Force [N] of the units that each `state` throttles, by the law at the pressure of a
-        `node` of the grid, whose free and collapse strains are stored.
-        """
-        return self._sum(state, lambda muscle, i: muscle.force_at_nodes(node[i], strain[i]))[0]
+        """As `force` at a `node` of the grid."""
+        return self._sum(MuscleCurves.force_at_nodes, state, node, strain)
 
     def throttled_force_at_all_nodes(self, state: Array, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each `state` throttles at every node, nodes last, linear
@@ -176,7 +179,7 @@ class StateCurves:
             self._table = np.zeros((_COLUMNS, self.states, len(self.levels)))
             nodes, columns = np.arange(len(self.levels)), self._columns[:, None]
             for count, muscle in zip(self.throttled.T, self.muscles, strict=True):
-                force, _ = self._without_pushing(*muscle.force_at_nodes(nodes, columns))
+                force, _ = muscle.force_at_nodes(nodes, columns)
                 self._table += count[:, None] * force[:, None, :]
         position = np.interp(strain, self._columns, np.arange(_COLUMNS))
         column = np.minimum(position.astype(int), _COLUMNS - 2)
@@ -184,25 +187,14 @@ class StateCurves:
         left, right = self._table[column, state], self._table[column + 1, state]
         return (1 - weight) * left + weight * right, np.abs(right - left)
 
-    def _sum(self, state: Array, law: Callable) -> tuple[Array, Array]:
-        """Force [N] that a `law` gives for all units that each `state` throttles, and its slope
-        [N].
-        """
-        force, slope = np.zeros(len(state)), np.zeros(len(state))
+    def _sum(self, law: Callable, state: Array, points: Array, strain: Array) -> Array:
+        """Force and slope [N] that a `law` gives at `points` for the units of each `state`."""
+        total = np.zeros((2, len(state)))
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
-            index = np.flatnonzero(count)
-            if len(index):
-                muscle_force, muscle_slope = self._without_pushing(*law(muscle, index))
-                force[index] += count[index] * muscle_force
-                slope[index] += count[index] * muscle_slope
-        return force, slope
-
-    def _without_pushing(self, force: Array, slope: Array) -> tuple[Array, Array]:
-        """Force and slope [N], both zero where units would push and resistance doesn't count."""
-        if self.resistance:
-            return force, slope
-        return np.where(force > 0, force, 0.0), np.where(force > 0, slope, 0.0)
+            if len(i := np.flatnonzero(count)):
+                total[:, i] += count[i] * law(muscle, points[i], strain[i])
+        return total
 
 
 def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
@@ -300,13 +292,13 @@ def find_roots(
     """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
     `strain` [-]; `fixed`: force [N] of `StateCurves.fixed_force`, computed if left out.
     """
-    fixed = curves.fixed_force(strain)[0] if fixed is None else fixed
+    base = curves.fixed_force(strain)[0] if fixed is None else fixed
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
         index = states[batch]
-        target = force[batch, None] - np.take_along_axis(fixed[batch], index, axis=1)
+        target = force[batch, None] - np.take_along_axis(base[batch], index, axis=1)
         demand = np.repeat(np.arange(len(index)), index.shape[1])
         searches = Searches(curves, demand, index.ravel(), strain[batch][demand], target.ravel())
         roots = _find_roots(searches, len(index))
@@ -336,7 +328,7 @@ def _find_roots(searches: Searches, count: int) -> Roots:
     # neighbors show where a curve turns
     padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
     row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
-    excess = curves.force_at_nodes(state[row], node, strain[row]) - target[row]
+    excess = curves.force_at_nodes(state[row], node, strain[row])[0] - target[row]
     linked = padded[row, node + 1]
     points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
     slack = nearest_of(np.abs(excess), row)[demand]

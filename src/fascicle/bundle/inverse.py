@@ -190,12 +190,8 @@ def _best_solution(
         cost = fluid[roots.demand, roots.state]
     order = np.lexsort((cost, roots.demand))
     best = order[run_starts(roots.demand[order])]
-    forces, slopes = (
-        x + y[roots.demand, roots.state]
-        for x, y in zip(
-            curves.force(roots.state, roots.level, strain[roots.demand]), fixed, strict=True
-        )
-    )
+    throttled = curves.force(roots.state, roots.level, strain[roots.demand])
+    forces, slopes = throttled + fixed[:, roots.demand, roots.state]
     count = np.bincount(roots.demand[roots.exact], minlength=len(force))
     shape = (len(force), max(_SLOTS_PER_STATE * curves.states + 2, int(count.max(initial=0))))
     solutions = Solutions(np.full(shape, np.nan), np.zeros(shape, int), np.zeros(shape, bool))
@@ -267,7 +263,7 @@ def _least_energy(
         level[index, throttled] = roots.level[run_starts(roots.demand)]
         all_units = np.tile(np.arange(units), len(index))
         forces = curves.force(all_units, level[index].ravel(), np.repeat(strain[index], units))
-        value[index], slope[index] = (x.reshape(-1, units).sum(axis=1) for x in forces)
+        value[index], slope[index] = forces.reshape(2, -1, units).sum(axis=2)
         earlier = in_set & (np.arange(units) < unit[:, None])
         missed = is_reached & (np.abs(value - force) > tolerance)
         index = np.flatnonzero(missed & earlier.any(axis=1))
@@ -297,7 +293,7 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     # once for each kind of muscle, by its first unit
     first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
     unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
-    limits = [curves.force_at_nodes(unit, np.full(len(unit), node), eps) for node in (0, -1)]
+    limits = [curves.force_at_nodes(unit, np.full(len(unit), node), eps)[0] for node in (0, -1)]
     unreachable = _UNREACHABLE * (10.0 + np.abs(limits).sum(axis=0))
     for sign in (-1.0, 1.0):
         level = find_roots(curves, sign * unreachable, eps, unit).level

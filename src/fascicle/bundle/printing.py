@@ -1,13 +1,19 @@
 """Tables that print for bundles and their results: units, pressures and strains."""
 
-import math
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..muscle.laws import LAWS, is_written_out
-from ..muscle.printing import SIZES, law_text, material_text, muscle_table, tuning_text
+from ..muscle.printing import (
+    SIZES,
+    law_text,
+    material_text,
+    muscle_table,
+    range_text,
+    tuning_text,
+)
 from ..repr_table import ReprTable, format_number, format_range, title_with_shape
 from ..units import exact, pretty
 
@@ -21,7 +27,9 @@ _format_pressure = partial(pretty, dimension="pressure")
 
 def bundle_table(bundle: Any) -> ReprTable:
     """Motor units of a bundle, its supply and scheme."""
-    supply, units = bundle.supply_pressure, bundle.motor_units
+    units, supply = bundle.motor_units, "not given"
+    if bundle.supply_pressure is not None:
+        supply = range_text(bundle, "supply_pressure", "pressure")
     muscles = [unit.muscle for unit in units]
     texts = {
         "material": (material_text(muscle.material) for muscle in muscles),
@@ -29,23 +37,14 @@ def bundle_table(bundle: Any) -> ReprTable:
         "tuning": (tuning_text(muscle.tuning) for muscle in muscles),
     }
     facts = [
-        ("length", format_range(bundle.length, lambda x: pretty(x, "length"))),
-        (
-            "supply pressure",
-            "not given" if supply is None else format_range(supply, _format_pressure),
-        ),
+        ("length", range_text(bundle, "length", "length")),
+        ("supply pressure", supply),
         ("scheme", bundle.scheme.name),
         *((name, "; ".join(dict.fromkeys(values))) for name, values in texts.items()),
     ]
     rows = [
-        [
-            str(number),
-            _format_count(unit),
-            *(
-                format_range(getattr(unit.muscle, size), partial(pretty, dimension=dimension))
-                for size, dimension in SIZES.items()
-            ),
-        ]
+        [str(number), _format_count(unit)]
+        + [range_text(unit.muscle, size, dimension) for size, dimension in SIZES.items()]
         for number, unit in enumerate(units, start=1)
     ]
     heads = ("motor unit", "muscles", *(size.replace("_", " ") for size in SIZES))
@@ -79,16 +78,15 @@ def equilibria_table(equilibria: Any) -> ReprTable:
     """Strains of equilibria, the unstable ones marked."""
     strains = np.asarray(equilibria.strain).reshape(-1, np.shape(equilibria.strain)[-1])
     stable = np.asarray(equilibria.stable).reshape(strains.shape)
+    exists = np.isfinite(strains)
     rows = []
-    for number, pair in enumerate(zip(strains, stable, strict=True), start=1):
-        texts = [
-            f"{strain:.4f}{'' if is_stable else ' u'}"
-            for strain, is_stable in zip(*pair, strict=True)
-            if math.isfinite(strain)
-        ]
-        rows.append([str(number), ", ".join(texts) or "none"])
-    unstable = np.any(np.isfinite(strains) & ~stable)
-    notes = ["u: unstable, the force rises with strain there"] if unstable else []
+    for i, found in enumerate(exists):
+        pairs = zip(strains[i, found], stable[i, found], strict=True)
+        texts = [f"{strain:.4f}{'' if is_stable else ' u'}" for strain, is_stable in pairs]
+        rows.append([str(i + 1), ", ".join(texts) or "none"])
+    notes = []
+    if np.any(exists & ~stable):
+        notes = ["u: unstable, the force rises with strain there"]
     title = title_with_shape("Equilibria", equilibria.count)
     return ReprTable(title, (), ("point", "strains"), rows, notes)
 
@@ -194,9 +192,9 @@ def _format_count(unit: Any) -> str:
 
 def _laws_text(muscle: Any) -> str:
     """Laws of a `muscle` that its file would name, such as "buckling kim2021"."""
-    laws = ((kind, getattr(muscle, kind)) for kind in LAWS)
+    laws = {kind: getattr(muscle, kind) for kind in LAWS}
     return "; ".join(
         f"{kind.replace('_', '-')} {law_text(law)}"
-        for kind, law in laws
+        for kind, law in laws.items()
         if is_written_out(kind, law)
     )

@@ -25,7 +25,7 @@ _ROWS = 5  # pressures of the table: as many as fit beside the code
 
 def muscle_table(muscle: Any) -> ReprTable:
     """Table of a muscle: sizes, laws, and blocked force, free and collapse strain by pressure."""
-    facts = [(_spaced(name), _range_text(muscle, name, d)) for name, d in SIZES.items()]
+    facts = [(_spaced(name), range_text(muscle, name, d)) for name, d in SIZES.items()]
     facts.append(("material", material_text(muscle.material)))
     for kind in LAWS:
         law = getattr(muscle, kind)
@@ -117,16 +117,14 @@ def _spaced(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _range_text(owner: Any, name: str, dimension: str) -> str:
+def range_text(owner: Any, name: str, dimension: str) -> str:
     """Text of a number of the `owner`, or from the least to the largest of several."""
     return format_range(getattr(owner, name), lambda x: pretty(x, dimension))
 
 
 def _constants_text(law: Declared) -> str:
     """Text of the constants and switches of a `law`, with the values that this object has."""
-    numbers = [
-        f"{_spaced(c.name)} {_range_text(law, c.name, c.dimension)}" for c in law.constants()
-    ]
+    numbers = [f"{_spaced(c.name)} {range_text(law, c.name, c.dimension)}" for c in law.constants()]
     return ", ".join(
         [*numbers, *(f"{_spaced(s.name)} {getattr(law, s.name)}" for s in law.switches())]
     )

@@ -41,4 +41,4 @@ def test_units_of_unequal_length_have_strains_of_their_own():
     bundle = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(short, 2)], length=0.125)
     P = np.array([[1e5, 2e5], [0.0, 3e5]])
     whole = fs.energetics.unit_work(bundle, P[:, None, :], STRAINS)
-    assert_allclose(unit_work_along(bundle, P, STRAINS), whole, rtol=0, atol=1e-8)
+    assert_allclose(unit_work_along(bundle, P, STRAINS, True), whole, rtol=0, atol=1e-8)
