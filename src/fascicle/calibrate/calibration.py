@@ -15,6 +15,7 @@ from .friction import Friction, fit_friction
 from .gauges import GAUGE_NAMES, Gauge, default_deviations
 from .least_squares import KNOWN, NORMAL, Fit, Problem
 from .parameters import GAUGE_UNITS, WEAK, Parameter, put, values
+from .readings import static_force
 
 
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
@@ -190,7 +191,7 @@ class Calibration(Fit):
         strain = readings.strain * (
             1.0 if rest_length is None else rest_length / float(self.muscle.length)
         )
-        force = np.asarray(self.muscle.force(np.maximum(readings.pressure, 0.0), strain))
+        force = static_force(self.muscle, np.maximum(readings.pressure, 0.0), strain)
         return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 
     @cached_property

@@ -135,6 +135,7 @@ def _lag(cause: np.ndarray, response: np.ndarray) -> int:
     lags = np.arange(-reach, reach + 1)
     correlation = correlations[size - 1 + lags]
     best = int(np.argmax(correlation))
-    unexplained = (1 - correlation[best] ** 2) / (1 - correlation[reach] ** 2)
-    clear = correlation[best] > _CLEAR / np.sqrt(size) and unexplained < _HALF
+    unexplained = 1 - correlation**2
+    clear = correlation[best] > _CLEAR / np.sqrt(size)
+    clear = clear and unexplained[best] < _HALF * unexplained[reach]  # of no lag
     return int(lags[best]) if clear else 0

@@ -17,6 +17,8 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from ..core.array_namespace import array_namespace, exp, expm1, log, maximum, where
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
@@ -276,8 +278,9 @@ def pulling_constants(muscle: Muscle) -> tuple[Parameter, ...]:
 
 def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> Muscle:
     """The `muscle` with `coordinates` [-] of its `parameters`, set one after the other."""
-    for parameter, z in zip(parameters, coordinates, strict=True):
-        muscle = parameter.put(muscle, z)
+    with np.errstate(over="ignore"):  # a search may step, an interval end, beyond any number
+        for parameter, z in zip(parameters, coordinates, strict=True):
+            muscle = parameter.put(muscle, z)
     return muscle
 
 

@@ -18,7 +18,7 @@ from .calibration import Calibration, Profile
 from .comparison import LawComparison, sarosi
 from .data import Grid, tabulate
 from .least_squares import NORMAL
-from .readings import NO_PRESSURE, invert_force, pulling_force, without_tuning
+from .readings import NO_PRESSURE, invert_force, pulling_force, static_force, without_tuning
 
 
 if TYPE_CHECKING:
@@ -216,7 +216,7 @@ def _curve_forces(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     if rest_length is not None:
         strain = strain * (rest_length / float(muscle.length))
     if not calibration.problem.pulls:
-        return np.asarray(muscle.force(P, strain))
+        return static_force(muscle, P, strain)
     force = pulling_force(muscle, P, strain)
     # up to the first point past the free strain, so that the line meets the axis
     end = np.argmax(force < 0, axis=1)[:, None]

@@ -85,6 +85,16 @@ def pulling_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
         return muscle.law.tension.force(pressure, strain)
 
 
+def static_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    """Force [N] of a `muscle` at `pressure` [Pa] and `strain` [-], as a fit computes it: also where
+    fibers are straight or a constant is beyond its range; NaN where the laws have no number.
+    """
+    shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain))
+    P, eps = (np.broadcast_to(values, shape)[..., None] for values in (pressure, strain))
+    with np.errstate(all="ignore"):  # unused branches of the law
+        return muscle.law.at(P).force(eps)[0][..., 0]
+
+
 def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:
     """Strain [-] of an untuned `muscle` at a `force` [N] and `pressure` [Pa], by its tension law.
 

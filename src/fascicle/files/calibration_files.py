@@ -8,7 +8,6 @@ nearly dependent constants a rounded covariance is useless.
 """
 
 import os
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +15,8 @@ import numpy as np
 from ..calibrate.calibration import Calibration, Estimate
 from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.parameters import parameters_of, put, select_parameters
-from ..core.module import tree_leaves, tree_replace
-from ..core.validation import HIGHEST_PRESSURE
+from ..calibrate.readings import static_force
+from ..core.module import tree_leaves, tree_replace, with_fields
 from ..muscle import Muscle
 from ..muscle.fitted_length import END_PARAMETERS, copy_fit_info
 from ..muscle.laws import LAWS
@@ -267,12 +266,9 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
         change = abs(float(value(muscle)) - float(value(calibration.muscle)))
         if not change <= SHARE * (estimate.high - estimate.low):
             return None
-    pressure = np.clip(calibration.record.pressure, 0.0, HIGHEST_PRESSURE)
-    strain = calibration.record.strain
-    with warnings.catch_warnings():  # readings may lie above the last level, the mean of its own
-        warnings.simplefilter("ignore")
-        forces = [np.asarray(m.force(pressure, strain)) for m in (muscle, calibration.muscle)]
-    change = float(np.max(np.abs(forces[0] - forces[1])))
+    readings = calibration.record.pressure, calibration.record.strain
+    rounded, fitted = (static_force(m, *readings) for m in (muscle, calibration.muscle))
+    change = float(np.nanmax(np.abs(rounded - fitted)))
     return change if change <= SHARE * calibration.rmse else None
 
 
@@ -291,4 +287,4 @@ def _round_constants(muscle: Muscle, unfitted: set[float], digits: int) -> Muscl
         return rounded
     # in degrees, as it is written
     degrees = angle / float(DIMENSIONS["angle"].factors["deg"])
-    return rounded.replace(braid_angle=parse(f"{degrees:.{digits}g} deg", "angle"))
+    return with_fields(rounded, braid_angle=parse(f"{degrees:.{digits}g} deg", "angle"))

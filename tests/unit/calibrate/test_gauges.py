@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.calibrate import Gauge, Prior, fit
-from fascicle.calibrate.channels import channel_faults
+from fascicle.calibrate.channels import _lag, channel_faults
 from fascicle.calibrate.gauges import PERFECT, read_vented
 from fascicle.calibrate.plot_data import fit_plot
 from fascicle.files.calibration_files import calibrated_files, provenance_of
@@ -136,3 +136,12 @@ def test_curves_of_a_fit_with_gauges_have_bands(fitted):
     # curves have other strains than the readings, and neither their times nor their loop
     data = fit_plot(fitted)
     assert np.all(np.isfinite(data.low)) and np.all(data.low < data.curve_force)
+
+
+def test_a_force_in_step_with_the_pressure_has_no_lag():
+    # a single step in both: their correlation leaves nothing unexplained
+    assert not [
+        fault for fault in channel_faults(_record(SWEEP, 1e3 * SWEEP)) if fault.kind == "lag"
+    ]
+    assert _lag(np.eye(40)[20], np.eye(40)[20]) == 0
+    assert _lag(np.eye(40)[20], np.eye(40)[21]) == 1

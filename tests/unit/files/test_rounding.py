@@ -7,8 +7,14 @@ import pytest
 
 import fascicle as fs
 from fascicle.calibrate import fit
+from fascicle.calibrate.plot_data import curves_csv
 from fascicle.files import dumps, loads, provenance
-from fascicle.files.calibration_files import calibrated_text, round_to_uncertainty, rounded_muscle
+from fascicle.files.calibration_files import (
+    calibrated_files,
+    calibrated_text,
+    round_to_uncertainty,
+    rounded_muscle,
+)
 from fascicle.io.toml import parse_toml
 from fascicle.records import Record
 from fascicle.units import parse
@@ -109,3 +115,23 @@ def test_without_noise_digits_are_kept():
     read = loads(calibrated_text(fitted, "2026-01-02"))
     force = fitted.muscle.force(P[:, None], EPS)
     np.testing.assert_allclose(read.force(P[:, None], EPS), force, atol=0.011 * fitted.rmse, rtol=0)
+
+
+@pytest.mark.parametrize("pushes", [False, True])
+def test_a_fit_of_strains_of_the_wrong_sign_has_files(pushes):
+    # synthetic: fitted fibers would be straight where the record says that it was stretched
+    muscle = fs.Muscle.from_dimensions(0.2, 8e-3, 1e-3, np.radians(25), "latex")
+    strain = np.append(np.linspace(0, 0.24, 30), np.linspace(0.24, 0, 30))
+    pressure, branch = np.array([[1e5], [2e5], [3e5]]), np.tile([1] * 30 + [-1] * 30, (3, 1))
+    force = np.asarray(muscle.force(pressure, strain)) - 30.0 * pushes
+    noise = np.random.default_rng(0).normal(0, 1, force.shape)
+    record = Record.of(
+        pressure, -strain, force + noise, branch=branch, synthetic=True,
+        rest_length=0.2,
+    )  # fmt: skip
+    fitted = fit(record, muscle, ["c10", "braid_angle", "outer_radius"], whole=pushes)
+    low = 1 - 1 / np.cos(float(fitted.muscle.braid_angle))
+    assert np.min(record.strain) < low  # off the domain of the fitted muscle
+    assert "length" in calibrated_files(fitted, "2026-01-02")["muscle.toml"]
+    assert "nan" not in curves_csv(fitted)
+    assert np.isfinite(fitted.half_way_rmse)
