@@ -285,14 +285,11 @@ class Bundle(Module):
             unit.muscle.tuning.warn_extrapolation(P[..., i])
         return P
 
-    def _check_shapes(self, pressures: PerUnit, **arrays: Numbers) -> None:
-        """Refuse `pressures`, units last, and `arrays` that don't broadcast with each other and
-        with a batch of bundles.
-        """
+    def _check_shapes(self, pressures: PerUnit, **arrays: Numbers) -> tuple[int, ...]:
+        """Shape to which `pressures`, units last, `arrays` and a batch of bundles broadcast."""
         shapes = {name: np.shape(x) for name, x in arrays.items()}
         shape = broadcast_shape(pressures=np.shape(pressures)[:-1], **shapes)
-        if self._batch:
-            broadcast_shape(muscles=self._batch, pressures=shape)
+        return broadcast_shape(muscles=self._batch, pressures=shape) if self._batch else shape
 
     @cached_property
     def _batch(self) -> tuple[int, ...]:
@@ -308,13 +305,11 @@ class Bundle(Module):
         """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. NumPy searches; the
         strains of JAX's arrays get their derivatives afterwards.
         """
-        self._check_shapes(pressures, **force)
+        shape = self._check_shapes(pressures, **force)
         arrays = (self, pressures, *force.values())
         if self.is_numpy and is_numpy(*arrays[1:]):
             return evaluate(find_equilibria, *arrays)
         jax = jax_backend()
-        points = (np.shape(pressures)[:-1], *map(np.shape, force.values()))
-        shape = np.broadcast_shapes(self._batch, *points)
         slots = (*shape, max_equilibria(len(self.motor_units)))
         kinds = ((float, slots), (bool, slots), (int, shape))
         result = Equilibria(*(jax.array_spec(*kind) for kind in kinds))

@@ -230,13 +230,16 @@ def _pick_nodes(value: Any, node: Array, count: int) -> Any:
 
 class Roots(NamedTuple):
     """Solutions in order: index of the `demand`, its `state` and `level` [-], and whether it is
-    `exact`: a demand without a solution has one root, of the nearest force.
+    `exact`: a demand without a solution has one root, of the nearest force. `force` there and
+    `slope` in strain [N].
     """
 
     demand: Array
     state: Array
     level: Array
     exact: Array
+    force: Array
+    slope: Array
 
 
 class Searches(NamedTuple):
@@ -283,31 +286,29 @@ class Points(NamedTuple):
 
 
 def find_roots(
-    curves: StateCurves,
-    force: Array,
-    strain: Array,
-    state: Array | None = None,
-    fixed: Array | None = None,
+    curves: StateCurves, force: Array, strain: Array, state: Array | None = None
 ) -> Roots:
     """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
-    `strain` [-]; `fixed`: force [N] of `StateCurves.fixed_force`, computed if left out.
+    `strain` [-].
     """
-    base = curves.fixed_force(strain)[0] if fixed is None else fixed
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
-        index = states[batch]
-        target = force[batch, None] - np.take_along_axis(base[batch], index, axis=1)
-        demand = np.repeat(np.arange(len(index)), index.shape[1])
-        searches = Searches(curves, demand, index.ravel(), strain[batch][demand], target.ravel())
-        roots = _find_roots(searches, len(index))
-        parts.append(roots._replace(demand=roots.demand + batch.start))
+        demand, column = np.indices(states[batch].shape).reshape(2, -1)
+        F, eps, state = force[batch], strain[batch], states[batch][demand, column]
+        fixed = curves.fixed_force(eps)
+        target = F[demand] - fixed[0, demand, state]
+        searches = Searches(curves, demand, state, eps[demand], target)
+        row, level, exact = _search_levels(searches, len(F))
+        demand, state = demand[row], state[row]
+        forces = curves.force(state, level, eps[demand]) + fixed[:, demand, state]
+        parts.append((demand + batch.start, state, level, exact, *forces))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _find_roots(searches: Searches, count: int) -> Roots:
-    """Roots of a batch of so many demands."""
+def _search_levels(searches: Searches, count: int) -> tuple[Array, Array, Array]:
+    """Rows and levels [-] of the roots of so many demands, and whether they are exact."""
     curves, demand, state, strain, target = searches
 
     def nearest_of(distance: Array, row: Array) -> Array:
@@ -344,8 +345,7 @@ def _find_roots(searches: Searches, count: int) -> Roots:
     exact = np.arange(len(row) + len(first)) < len(row)
     row, level = np.append(row, points.row[first]), np.append(level, points.level[first])
     order = np.lexsort((level, row))
-    row = row[order]
-    return Roots(demand[row], state[row], level[order], exact[order])
+    return row[order], level[order], exact[order]
 
 
 def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:

@@ -179,8 +179,7 @@ def _best_solution(
     pressures [Pa], or the one that takes least fluid, by the `volume` of each unit since rest [m³],
     units last, or the first.
     """
-    fixed = curves.fixed_force(strain)
-    roots = find_roots(curves, force, strain, fixed=fixed[0])
+    roots = find_roots(curves, force, strain)
     cost = np.zeros(len(roots.demand))  # they are in order of their energy already
     if present is not None:
         pressures = states.pressures(roots.state, roots.level, curves.supply)
@@ -190,22 +189,20 @@ def _best_solution(
         cost = fluid[roots.demand, roots.state]
     order = np.lexsort((cost, roots.demand))
     best = order[run_starts(roots.demand[order])]
-    throttled = curves.force(roots.state, roots.level, strain[roots.demand])
-    forces, slopes = throttled + fixed[:, roots.demand, roots.state]
     count = np.bincount(roots.demand[roots.exact], minlength=len(force))
     shape = (len(force), max(_SLOTS_PER_STATE * curves.states + 2, int(count.max(initial=0))))
     solutions = Solutions(np.full(shape, np.nan), np.zeros(shape, int), np.zeros(shape, bool))
     slot = np.arange(len(roots.demand)) - np.searchsorted(roots.demand, roots.demand)
-    columns = (roots.level * curves.supply, roots.state + 1, slopes < 0)
+    columns = (roots.level * curves.supply, roots.state + 1, roots.slope < 0)
     for table, column in zip(solutions, columns, strict=True):
         table[roots.demand[roots.exact], slot[roots.exact]] = column[roots.exact]
     state = roots.state[best]
     return RecruitmentResult(
         pressures=states.pressures(state, roots.level[best], curves.supply),
         state=state + 1,
-        force=forces[best],
-        status=_demand_status(roots.exact[best], forces[best], force),
-        stable=slopes[best] < 0,
+        force=roots.force[best],
+        status=_demand_status(roots.exact[best], roots.force[best], force),
+        stable=roots.slope[best] < 0,
         solutions=solutions,
         count=count,
         unit=states.throttled_unit[state] + 1,
@@ -296,8 +293,8 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     limits = [curves.force_at_nodes(unit, np.full(len(unit), node), eps)[0] for node in (0, -1)]
     unreachable = _UNREACHABLE * (10.0 + np.abs(limits).sum(axis=0))
     for sign in (-1.0, 1.0):
-        level = find_roots(curves, sign * unreachable, eps, unit).level
-        limits += [curves.force(unit, level, eps)[0], level]
+        roots = find_roots(curves, sign * unreachable, eps, unit)
+        limits += [roots.force, roots.level]
     counts = curves.throttled.sum(axis=1)
     scale = counts / counts[first][kind]
     scales = (scale, scale, scale, 1, scale, 1)

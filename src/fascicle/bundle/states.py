@@ -12,7 +12,7 @@ and of largest. Bundles, their efficiency and designs use it.
 
 from collections.abc import Sequence
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from math import prod
 from typing import Any, NamedTuple
 
@@ -169,13 +169,13 @@ class States(NamedTuple):
             by_kind: dict[int, list[int]] = {}
             for unit in np.flatnonzero(throttled).tolist():
                 by_kind.setdefault(kinds[unit], []).append(unit)
-            count = prod(len(units) + 1 for units in by_kind.values()) - 1
+            choices = [[units[:n] for n in range(len(units) + 1)] for units in by_kind.values()]
+            count = prod(map(len, choices)) - 1
             if count > max_sets:
                 rule = f"{self.scheme!r} has {count} sets of motor units, more than {max_sets}"
                 raise InvalidInputError("scheme", rule, count, "take fewer units", shown="")
-            for numbers in product(*(range(len(units) + 1) for units in by_kind.values())):
-                pairs = zip(by_kind.values(), numbers, strict=True)
-                members = sorted(unit for units, number in pairs for unit in units[:number])
+            for choice in product(*choices):
+                members = sorted(chain.from_iterable(choice))
                 if members:
                     rows.append((int(full.sum()) + len(members), members, full, state))
         rows.sort(key=lambda row: row[:2])
