@@ -139,7 +139,14 @@ class Calibration(Fit):
         boots = self.bootstrapped
         if boots is None:
             profiles = {profile.name: profile for profile in self.profiles}
-            return tuple(_with_profile(e, profiles.get(e.name)) for e in linear)
+            low, high = (
+                value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
+                for side in (-1, 1)
+            )
+            return tuple(
+                _with_profile(e, profiles.get(e.name), *ends)
+                for e, *ends in zip(linear, low, high, strict=True)
+            )
         narrow = np.std(boots.coordinates, axis=0) < KNOWN
         return tuple(
             replace(
@@ -358,11 +365,18 @@ def _prior_deviations(problem: Problem) -> np.ndarray:
     )
 
 
-def _with_profile(estimate: Estimate, profile: Profile | None) -> Estimate:
-    """An `estimate` with the finite ends of its `profile`."""
-    if profile is None or not (np.isfinite(profile.low) or np.isfinite(profile.high)):
+def _with_profile(
+    estimate: Estimate, profile: Profile | None, lowest: float, highest: float
+) -> Estimate:
+    """An `estimate` with the ends of its `profile`; without those beyond the 90 % interval of its
+    prior, `lowest` to `highest`, unless the data determine it.
+    """
+    if profile is None:
         return estimate
-    low, high = np.isfinite(profile.low), np.isfinite(profile.high)
+    low = np.isfinite(profile.low) and (profile.known or profile.low > lowest)
+    high = np.isfinite(profile.high) and (profile.known or profile.high < highest)
+    if not (low or high):
+        return estimate
     bound = "" if profile.known or (low and high) else "lower" if low else "upper"
     return replace(
         estimate,

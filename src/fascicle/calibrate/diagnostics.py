@@ -62,7 +62,8 @@ _CAUSES = {
     "ends": ("an end effect, ends that do not swell",
              "compare tension laws: tondu_lopez scales the strain"),
     "length": ("an error of the length's zero", "check the rest length"),
-    "zero": ("an offset of the load cell", "subtract its reading at rest from the forces"),
+    "zero": ("an offset of the load cell",
+             "subtract the load cell's reading without pressure at the rest length"),
     "rubber": (
         "the bladder's elasticity, a force that depends on contraction, not on pressure",
         "rely on the model at the measured strains only: c10 and c01 can't reproduce such a force",

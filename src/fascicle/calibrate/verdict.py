@@ -161,10 +161,11 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
         tests = (*diagnosis.significant, *diagnosis.autocorrelated)
         along = [word for test in tests for word in test.along.split(" and ")]
         cause = "The cause is unknown."
-        if diagnosis.causes:
-            best = diagnosis.causes[0]
-            share = f"{100 * best.share:.2g} % of the squared residuals"
-            cause = f"Likely cause ({share}): {best.name}."
+        if causes := diagnosis.causes:
+            share = f"{100 * causes[0].share:.2g} % of the squared residuals"
+            plural = "s" * (len(causes) > 1)
+            alternatives = "; or ".join(cause.name for cause in causes)
+            cause = f"Likely cause{plural} ({share}): {alternatives}."
         names = list_text(list(dict.fromkeys(along)))
         judgment += f" The residuals follow {names}. {cause}"
     gaps = [
@@ -305,7 +306,9 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
         pieces.append(
             f"Likely cause: {'; or '.join(names)}." if names else "No known cause would explain it."
         )
-        action = causes[0].remedy if causes else "look for a pattern in the report's residuals"
+        # the data can't distinguish causes of about one share
+        action = "; or ".join(dict.fromkeys(cause.remedy for cause in causes))
+        action = action or "look for a pattern in the report's residuals"
         yield Notice(RESIDUALS, 3, " ".join(pieces), action)
         yield from (Notice(RESIDUALS, 9, line) for line in _pattern_lines(calibration))
     wider = []

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.calibrate.calibration import Estimate
+from fascicle.calibrate.calibration import Estimate, Profile
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.fitting import fit
 from fascicle.calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
@@ -170,6 +170,34 @@ def test_a_few_readings_at_one_pressure_are_no_verdict():
     verdict = judge(fitted)
     assert verdict.fit == "untested"
     assert "three pressures" in " ".join(verdict.actions)
+
+
+def test_causes_that_the_data_can_not_distinguish_are_all_named():
+    # synthetic: an ideal muscle with a dead band, and rubber that pushes in proportion to strain
+    ideal = fs.Muscle.from_dimensions(0.2, 8e-3, 1e-3, math.radians(25), "latex", tension="ideal")
+    P, strain = np.repeat([1e5, 2e5, 3e5, 4e5], 60), np.tile(np.linspace(0, 0.24, 60), 4)
+    noise = np.random.default_rng(7).normal(0, 1, P.size)
+    force = np.asarray(ideal.force(P - 15e3, strain)) - 120 * strain + noise
+    model = ideal.replace(tension="klute_hannaford")
+    fitted = fit(record(P, strain, force), model, ("c10", "c01", "dead_band"), whole=False)
+    names = [cause.name for cause in fitted.diagnosis.causes]
+    assert any("load cell" in name for name in names)
+    assert any("bladder's elasticity" in name for name in names)
+    verdict = judge(fitted)
+    assert all(name in verdict_lines(fitted, verdict)[0][0] for name in names)
+    assert "; or " in verdict.actions[0]
+
+
+def test_a_limit_beyond_the_prior_is_unknown():
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=0.5)
+    fitted = fit(data, MUSCLE, ("c10", "youngs_modulus_factor"), whole=False)
+    value, rise = np.array([1.0, 2.0]), np.array([0.0, 3.0])
+    for high, bound in ((5e10, ""), (40.0, "upper")):
+        profile = Profile("youngs_modulus_factor", value, rise, -np.inf, high)
+        factor = replace(fitted, profiles=(profile,)).parameters[0]
+        assert factor.name == "youngs_modulus_factor"
+        assert factor.bound == bound
+        assert factor.high < 1e3
 
 
 def test_sizes_that_are_not_the_muscles_are_named():
