@@ -30,6 +30,7 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -315,17 +316,10 @@ def _largest_work(
     target: Float[np.ndarray, " force"],
 ) -> Grid:
     """Largest work of the pressures that give a `target` force; NaN if none does."""
-    order = np.argsort(target)
-    rising, best = target[order, None], np.full((len(target), forces.shape[1]), -np.inf)
-    lowest, largest = np.minimum(forces[:-1], forces[1:]), np.maximum(forces[:-1], forces[1:])
-    first = np.searchsorted(rising[:, 0], lowest.min(axis=1))
-    last = np.searchsorted(rising[:, 0], largest.max(axis=1), side="right")
-    # level by level: few forces lie between two, and all at once don't fit into the cache
-    for n, (start, stop) in enumerate(zip(first, last, strict=True)):
-        force, rise = rising[start:stop], forces[n + 1] - forces[n]
-        slope = (works[n + 1] - works[n]) / np.where(rise == 0, 1.0, rise)
-        between = (lowest[n] <= force) & (force <= largest[n])
-        work = np.where(between, works[n] + (force - forces[n]) * slope, -np.inf)
-        np.maximum(best[start:stop], work, out=best[start:stop])
-    best = best[np.argsort(order)]
+    force, best = target[:, None], np.full((len(target), forces.shape[1]), -np.inf)
+    # level by level: all at once don't fit into the cache
+    for (low, high), (start, end) in zip(pairwise(forces), pairwise(works), strict=True):
+        between = (np.minimum(low, high) <= force) & (force <= np.maximum(low, high))
+        slope = (end - start) / np.where(high == low, 1.0, high - low)
+        np.maximum(best, start + (force - low) * slope, out=best, where=between)
     return np.where(np.isfinite(best), best, np.nan)

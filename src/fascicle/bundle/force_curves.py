@@ -41,7 +41,6 @@ ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
 TIE = 1e-10  # N: forces this near to each other are equal
 _KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
-_JUMP = 1e-7  # N, and of the force: two sides of a kink differ by less, but for a jump
 _ZOOM_POINTS, _ZOOMS = 9, 5  # to 1e-3 of a bracket, where a parabola is exact to 1e-6
 
 Array = np.ndarray
@@ -271,18 +270,14 @@ class Points(NamedTuple):
     linked: Array
     kink: Array
 
-    def insert(
-        self, row: Array, level: Array, excess: Array, linked: Any = True, kink: bool = False
-    ) -> "Points":
+    def insert(self, row: Array, level: Array, excess: Array, kink: Any = False) -> "Points":
         """Points with additional ones, which are linked to their neighbors."""
-        added = (row, level, excess, *(np.full(len(row), x) for x in (linked, kink)))
+        added = (row, level, excess, *(np.full(len(row), x) for x in (True, kink)))
         columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
         order = np.lexsort((columns[1], columns[0]))
-        points = Points(*(x[order] for x in columns))
-        repeats = np.zeros(len(order), bool)
-        repeats[1:] = (np.diff(points.row) == 0) & (np.diff(points.level) == 0)
-        points.linked[:-1] &= points.linked[1:] | ~repeats[1:]
-        return Points(*(x[~repeats] for x in points))
+        is_new = [np.diff(x[order], prepend=-1) != 0 for x in columns[:2]]
+        order = order[is_new[0] | is_new[1]]
+        return Points(*(x[order] for x in columns))
 
 
 def find_roots(
@@ -373,22 +368,16 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
     if not kinks:
         return points
     i, left, right = map(np.concatenate, zip(*kinks, strict=True))
-    row, start, end = points.row[i], points.level[i], points.level[i + 1]
-    before, after = left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)
-    levels = np.concatenate([left, right, before, after])
-    f_left, f_right, *f_insets = np.split(searches.excess(np.tile(row, 4), levels), 4)
-    # but for rounding both sides are one point, unless the force jumps
-    jumps = np.abs(f_right - f_left) > _JUMP * (1 + np.abs(f_left) + np.abs(f_right))
-    points = points.insert(row, right, f_right, kink=True)
-    points = points.insert(row, left, f_left, ~jumps, kink=True)
-    row, level, excess = np.tile(row, 2), np.append(before, after), np.concatenate(f_insets)
-    return points.insert(row, level, excess)
+    before = left - _KINK_INSET * (left - points.level[i])
+    after = right + _KINK_INSET * (points.level[i + 1] - right)
+    # a force that jumps has two sides
+    rows, levels = np.tile(points.row[i], 4), np.concatenate([left, right, before, after])
+    is_kink = np.repeat([True, True, False, False], len(i))
+    return points.insert(rows, levels, searches.excess(rows, levels), is_kink)
 
 
 def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     """Points with the extrema that come as near to the target as `slack` [N]."""
-    if len(points.row) < 3:
-        return points
     sign = np.where(points.excess[1:-1] > 0, 1.0, -1.0)
     windows = (slice(None, -2), slice(1, -1), slice(2, None))
     before, middle, after = (sign * points.excess[window] for window in windows)
