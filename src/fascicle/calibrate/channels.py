@@ -17,6 +17,7 @@ _END_COUNT, _END_SHARE, _END_RATIO, _END_NEIGHBORS = 5, 0.02, 4, 10
 _DISTINCT = 0.5  # of the readings: a channel with fewer values was set, or is from a table
 _MIN_STEP = 2e-3  # of the largest force: a finer step is below the error of any fit
 _MIN_READINGS = 30  # fewer don't show steps or lags
+_MIN_VALUES = 10  # fewer forces were set, such as those of hung masses
 _ALIGNED = 0.8  # mean resultant length of values over a step: 1 if all are its multiples
 _ALMOST = 0.9  # of the best resultant length, between grid points of the periodogram
 _FINE = 8  # frequencies in the width of the periodogram's peak
@@ -84,7 +85,7 @@ def _force_step(record: Record) -> float:
     """Coarse step [N] that the forces differ by multiples of; 0 if there is none."""
     values = np.unique(record.force[~record.censored])
     top = float(np.max(np.abs(values), initial=0.0))
-    if len(record) < _MIN_READINGS or values.size < 3:
+    if len(record) < _MIN_READINGS or values.size < _MIN_VALUES:
         return 0.0
     gaps = np.diff(values)
     gaps = gaps[gaps > 1e-9 * top]  # closer values are the same, but for rounding

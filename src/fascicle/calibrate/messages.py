@@ -31,16 +31,16 @@ def hysteresis_message(calibration: Calibration) -> str:
     loop, friction = calibration.loop, calibration.friction
     if loop is None:
         return ""
-    count = loop.pressure.size
+    count, width = loop.pressure.size, np.maximum(loop.width, 0.0)  # noise may be negative
     if friction is not None and friction.law is None:
         return (
             "No hysteresis loop above the noise: mean width"
-            f" {float(np.mean(loop.width)):.2g} N at {count} pressure{'s' * (count > 1)}."
+            f" {float(np.mean(width)):.2g} N at {count} pressure{'s' * (count > 1)}."
         )
     scope = f"at {count} pressures" if count > 1 else "there"
     message = (
-        f"Hysteresis loop: its width is {range_text(100 * loop.share)} % of the pull at a"
-        f" pressure, {range_text(loop.width)} N {scope}. The error of a muscle in use,"
+        f"Hysteresis loop: its width is {range_text(100 * np.maximum(loop.share, 0.0))} % of the"
+        f" pull at a pressure, {range_text(width)} N {scope}. The error of a muscle in use,"
         f" {calibration.rmse:.4g} N, contains half of it; against the half-way curve the error is"
         f" {calibration.half_way_rmse:.4g} N."
     )

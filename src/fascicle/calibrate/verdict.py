@@ -38,8 +38,9 @@ _GAUGE = "with a gauge that measures pushes"
 _TESTS: dict[str, str] = dict.fromkeys(("c10", "c01"), " in a tensile test of the rubber")
 _GAUGE_ERRORS = {
     "force_zero": ("The load cell does not read zero without force", "zero the load cell"),
-    "force_gain": ("The load cell's readings are not to scale", "check it with a known weight"),
-    "force_drift": ("The load cell's zero drifts", "let it warm up before a record"),
+    "force_gain": ("The load cell's readings are not to scale",
+                   "check the load cell with a known weight"),
+    "force_drift": ("The load cell's zero drifts", "let the load cell warm up"),
     "pressure_zero": ("The pressure transducer does not read zero without pressure",
                       "zero the transducer with the muscle vented"),
     "displacement_zero": ("The contraction does not read zero at the rest length",
@@ -151,7 +152,7 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
     if (loop := calibration.loop) is not None and calibration.friction_is_visible:
         error += (
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
-            f" loops, which are {range_text(loop.width)} N wide"
+            f" loops, which are {range_text(np.maximum(loop.width, 0.0))} N wide"
         )
     shares = verdict.relative_rmse, float(np.fmax(verdict.relative_rmse, verdict.left_out_rmse))
     fitted, worst = (f"{100 * share:.2g} % of the largest force" for share in shares)

@@ -19,6 +19,7 @@ _CERTAIN = (" read as ", " read with it", ": note: ", ": source: ", "columns not
             "all readings at ", "corrected for ", "its name gives ",
             "lines above the header", "time from X0")  # fmt: skip
 _DOUBTS = 3  # in a line that is still read
+_LINES = 10  # of a verdict with the constants: more are not read
 _SHARE = "errors over the largest force"
 _CRITERIA = (
     "left-out error: at pressures left out of the fit; pull at clipped: largest pull of the law"
@@ -52,25 +53,37 @@ def print_calibration(result: "CalibrationResult", verbose: bool) -> None:
         print(f"Constants{chosen.rstrip(',')}: the data determine none of them.")
     else:
         print(f"Constants: as given{chosen.rstrip(',')}; none was fitted.")
-    widths = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
-    for name, value, interval in rows:
+    last += _analysis_lines(result)
+    # with the heading of the constants, and the line on the files that were written
+    room = len(rows) if verbose else max(_LINES - len(first) - len(last) - 2, 1)
+    shown = rows if len(rows) <= room else rows[: room - 1]
+    widths = [max((len(row[i]) for row in shown), default=0) for i in range(2)]
+    for name, value, interval in shown:
         print(escape_invisible(f"  {name:<{widths[0]}}  {value:>{widths[1]}}  {interval}"))
+    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[len(shown) :]]:
+        print(escape_invisible(f"  {'also ' if shown else ''}{', '.join(further)}"))
     for line in last:
         print_line(line)
     if verbose:
         _print_details(result)
-    elif result.comparison is not None:
+
+
+def _analysis_lines(result: "CalibrationResult") -> list[str]:
+    """Lines on a comparison of laws and on samples of the posterior."""
+    lines = []
+    if result.comparison is not None:
         best = result.comparison.rows[0]
-        print_line(
+        lines.append(
             f"Best of {len(result.comparison.rows)} laws, by AIC: {best.label}, error"
             f" {pretty(best.rmse, 'force', 3)}."
         )
     if (posterior := result.posterior) is not None:
         converged = "converged" if posterior.agrees else "not converged yet"
-        print_line(
+        lines.append(
             f"Posterior: {converged}, R-hat up to {max(posterior.r_hat):.4f}, effective sample size"
             f" {min(posterior.ess):.0f}, {posterior.divergences} divergences."
         )
+    return lines
 
 
 def _print_details(result: "CalibrationResult") -> None:

@@ -5,8 +5,10 @@ import math
 import os
 import re
 import sys
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +30,21 @@ _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practi
 def print_line(line: str, error: bool = False) -> None:
     """Print a line with foreign text, such as file names, to standard output or error."""
     print(sanitize_line(line, _MAX_LINE), file=sys.stderr if error else sys.stdout)
+
+
+@contextlib.contextmanager
+def warnings_last() -> Iterator[None]:
+    """Print the warnings of a command after its output."""
+    show, caught = warnings.showwarning, list[Callable[[], None]]()
+    warnings.showwarning = lambda *arguments: caught.append(partial(show, *arguments))
+    try:
+        yield
+    finally:
+        warnings.showwarning = show
+        with contextlib.suppress(OSError, ValueError):  # standard output may be lost
+            sys.stdout.flush()
+        for print_warning in caught:
+            print_warning()
 
 
 def print_text(text: str, style: str = "") -> None:

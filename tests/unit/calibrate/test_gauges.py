@@ -128,6 +128,11 @@ def test_a_saturated_transducer_is_found():
     assert fault.value == pytest.approx(90e3)
 
 
+def test_hung_masses_are_no_steps_of_a_load_cell():
+    force = 9.80665 * np.repeat([0.5, 1.0, 2.0, 4.0], SWEEP.size // 4)
+    assert not [f for f in channel_faults(_record(force, 1e3 * SWEEP)) if f.kind == "quantization"]
+
+
 def test_a_clean_channel_has_no_fault():
     assert not channel_faults(_record(SWEEP + RNG.normal(0, 0.1, SWEEP.size)))
 

@@ -15,7 +15,7 @@ from ..calibration_text import print_calibration
 from ..errors import UserError, user_errors
 from ..inputs import load_laws, read_muscle, read_quantity
 from ..options import Command, complete_target, flag, option
-from ..outputs import print_written, result_folder, status, write_folder
+from ..outputs import print_written, result_folder, status, warnings_last, write_folder
 
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "lengt
           "braid_angle": "angle"}  # fmt: skip
 
 
+@warnings_last()
 def run(
     data: list[str] = reading.DATA,
     muscle: str | None = option(
