@@ -38,7 +38,7 @@ import fascicle as fs
 from fascicle.calibrate import bootstrap
 from fascicle.calibrate.calibration import slope_of, value_of
 from fascicle.calibrate.fitting import fit
-from fascicle.calibrate.intervals import refit, simulate
+from fascicle.calibrate.intervals import refit, simulate_grid
 from fascicle.calibrate.least_squares import NORMAL, linearize
 from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
@@ -114,7 +114,7 @@ def recover(title: str, seeds: int, samples: int, draws: int, kept: Path | None)
         again = []
         rng = np.random.default_rng(_DRAWN + seed)
         for _ in range(draws):
-            data = simulate(made, rng)
+            data = simulate_grid(made, rng)
             scatter = (
                 made.diagnosis.noise if made.diagnosis.significant else float(made.problem.noise)
             )

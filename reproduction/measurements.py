@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fascicle.calibrate.calibration import Calibration, Selection
-from fascicle.calibrate.comparison import Row, compare_published, row, tension_fits
+from fascicle.calibrate.comparison import Row, compare_published, comparison_row, tension_fits
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.fitting import FitOptions
 from fascicle.calibrate.messages import interval_texts
@@ -193,7 +193,8 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
     names = list(choice.calibration.names) if choice.calibration.method == "constants" else None
     fits = tension_fits(select_fit_data(record), muscle, names, None, FitOptions(whole=False))
     errors = [
-        _law_error(row(label, fit), fit, fit.force, _misfit(fit)) for label, fit in fits.items()
+        _law_error(comparison_row(label, fit), fit, fit.force, _misfit(fit))
+        for label, fit in fits.items()
     ]
     first = next(iter(fits.values()))
     errors += [

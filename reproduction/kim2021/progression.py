@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.shapes import Outline, draw_muscle, name_row, outlines, stack
+from fascicle.plot.shapes import Outline, draw_muscle, name_row, outlines, shape_axes
 from fascicle.plot.theme import BLACK, GRAY, WHITE
 
 from . import setting
@@ -72,7 +72,7 @@ def progression() -> Progression:
 def draw_pair(p: Progression, state: int, title: str) -> tuple[Figure, Axes, float]:
     """Figure of the free strain, (a), and a `state`, (b), its axes, and the level of (b) [mm]."""
     shapes = [p.outlines[FREE], p.outlines[state]]
-    figure, ax, (upper, lower) = stack(float(p.muscle.length), shapes, gap=15.0)
+    figure, ax, (upper, lower) = shape_axes(float(p.muscle.length), shapes, gap=15.0)
     titles = f"free strain, ε = {p.free_strain:.3f}", f"{title}, ε = {p.strain[state]:.3f}"
     for shape, level, mark, text in zip(shapes, (upper, lower), "ab", titles, strict=True):
         draw_muscle(ax, shape, level)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from .core.validation import is_concrete
-from .units import figures
+from .units import format_digits
 
 
 _MAX_ROWS = 12  # as many as fit on a screen beside the code
@@ -103,7 +103,7 @@ def title_with_shape(title: str, points: Any) -> str:
 def format_number(value: float, digits: int = 4) -> str:
     """A number in a table: four digits, "-" for NaN."""
     value = float(value)
-    return "-" if value != value else figures(value + 0.0, digits)  # noqa: PLR0124 NaN
+    return "-" if value != value else format_digits(value + 0.0, digits)  # noqa: PLR0124 NaN
 
 
 def _if_concrete(concrete: Callable[[Any], str], traced: Callable[[Any], str]) -> Callable:

@@ -179,7 +179,7 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
     return float(_exact(text, dimension, name or dimension))
 
 
-def sample(dimension: str) -> str:
+def example_text(dimension: str) -> str:
     """An example of a quantity of a `dimension` as a file has it."""
     text = _EXAMPLES[dimension]
     return text if DIMENSIONS[dimension].unitless else f'"{text}"'
@@ -235,10 +235,10 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
     plain = (unit for unit, x in scaled.items() if "e" not in f"{x:.{digits}g}")
     nearest = min(units, key=lambda unit: abs(math.log10(abs(scaled[unit]) or 1.0)))
     unit = next(plain, nearest)
-    return f"{figures(scaled[unit], digits)} {unit}".strip()
+    return f"{format_digits(scaled[unit], digits)} {unit}".strip()
 
 
-def figures(value: float, digits: int = 4) -> str:
+def format_digits(value: float, digits: int = 4) -> str:
     """Text of a number with significant `digits`: `"12300"` rather than `"1.23e+04"`; exponents
     only from ten million on, and below 0.0001.
     """

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fascicle.units import DIMENSIONS, MAX_POINTS, exact, figures, parse, parse_list, pretty
+from fascicle.units import DIMENSIONS, MAX_POINTS, exact, format_digits, parse, parse_list, pretty
 
 
 REGISTRY = pint.UnitRegistry()
@@ -169,7 +169,7 @@ def test_what_is_shown_reads_back(dimension):
 
 
 def test_figures_are_plain_up_to_ten_million():
-    assert [figures(x, 3) for x in (999.6, 1234.0, 9.87e6, 2e7, 0.5, -2345.0)] == [
+    assert [format_digits(x, 3) for x in (999.6, 1234.0, 9.87e6, 2e7, 0.5, -2345.0)] == [
         "1000", "1230", "9870000", "2e+07", "0.5", "-2340"
     ]  # fmt: skip
 

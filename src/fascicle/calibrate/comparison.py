@@ -155,7 +155,9 @@ def resisting_law_comparison(
         free = None if parameters is None else [n for n in parameters if n not in dropped]
         law_priors = {name: prior for name, prior in (priors or {}).items() if name not in dropped}
         fits[", ".join(names)] = fit_data(data, variant, free, law_priors, FitOptions(**options))
-    return LawComparison(ranked([row(label, fitted) for label, fitted in fits.items()]), fits)
+    return LawComparison(
+        ranked([comparison_row(label, fitted) for label, fitted in fits.items()]), fits
+    )
 
 
 def compare_tension(
@@ -196,7 +198,7 @@ def tension_law_comparison(
     """
     data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
-    rows = [row(label, calibration) for label, calibration in fits.items()]
+    rows = [comparison_row(label, calibration) for label, calibration in fits.items()]
     first = next(iter(fits.values()))
     published = compare_published(first)
     constants = (SAROSI_DMSP_20_200N, fit_sarosi(first.grid))
@@ -233,7 +235,7 @@ def tension_fits(
     return fits
 
 
-def row(label: str, calibration: Calibration) -> Row:
+def comparison_row(label: str, calibration: Calibration) -> Row:
     """Row of a calibration with this `label`."""
     forces = calibration.force, left_out_force(calibration)
     return _row_from_forces(label, len(calibration.names), forces, calibration, calibration.status)

@@ -33,7 +33,7 @@ from .least_squares import (
     Solutions,
     first_noise,
     minimum_at,
-    search,
+    search_minimum,
     solve_with_noise,
     starts_around,
 )
@@ -271,7 +271,7 @@ def solve_problem(
     covariance = None if readings is None else readings.covariance
     starts = starts_of(problem, options)
     if options.thorough:
-        problem, ends, point, minimum = search(problem, starts, options.seed, covariance)
+        problem, ends, point, minimum = search_minimum(problem, starts, options.seed, covariance)
     else:
         problem, ends, point, minimum = solve_with_noise(problem, starts, covariance, ROUGH)
     if readings is not None:

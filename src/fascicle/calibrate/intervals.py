@@ -187,7 +187,7 @@ def bootstrap(
     rng, rows = np.random.default_rng(seed), []
     for draw in range(draws):
         tell(f"bootstrapping, {draw + 1} of {draws}")
-        z = refit(calibration, simulate(calibration, rng))
+        z = refit(calibration, simulate_grid(calibration, rng))
         if np.all(np.isfinite(z)):
             rows.append(z)
     if len(rows) < draws / 2:
@@ -201,7 +201,7 @@ def bootstrap(
     return replace(calibration, bootstrapped=boots)
 
 
-def simulate(calibration: Calibration, rng: np.random.Generator) -> Grid:
+def simulate_grid(calibration: Calibration, rng: np.random.Generator) -> Grid:
     """Simulate a record of the fitted muscle, as a grid."""
     grid, diagnosis = calibration.grid, calibration.diagnosis
     noise = diagnosis.noise if diagnosis.significant else calibration.problem.noise

@@ -547,7 +547,7 @@ def solve_with_noise(
     return problem, ends, best, minimum_at(problem, best, curves_covariance)
 
 
-def search(
+def search_minimum(
     problem: Problem, starts: np.ndarray, seed: int, curves_covariance: np.ndarray | None
 ) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
     """Search from `starts`, then a second time about the best end.

@@ -23,7 +23,7 @@ from .bundle_curves import (
 from .chart import Chart, cycle_colors, hover_tooltips, screen_height
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
-from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled
+from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled_muscle
 from .tab import LatestResult, Tab
 from .theme import column, pane, row, side_column
 from .widgets import (
@@ -127,7 +127,7 @@ class UnitRows:
         if unit.own is None:
             self._set_unit(i, replace(unit, size=size))
         else:
-            self._set_unit(i, replace(unit, own=scaled(unit.own, size)))
+            self._set_unit(i, replace(unit, own=scaled_muscle(unit.own, size)))
 
     def _set_pressure(self, i: int, pressure: float) -> None:
         pressures = self._session.view.pressures
@@ -200,7 +200,10 @@ class BundleView(Tab):
         parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
                  self._solution_column)  # fmt: skip
         main = column(
-            self.notes, self._strain.panel, self.status, row(space, column(*parts, kind="equal"))
+            self.notes,
+            self._strain.panel,
+            self.status,
+            row(space, column(*parts, kind="equal")),
         )
         self.panel = row(left, main)
 

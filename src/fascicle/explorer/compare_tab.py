@@ -11,11 +11,11 @@ from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..files.shipped_files import named_muscles
 from ..plot.theme import DASHES, Colors
 from .chart import Chart, cycle_colors, screen_height
-from .exports import compare, download_buttons
+from .exports import comparison_downloads, download_buttons
 from .link import linked_pins
 from .muscle_curves import alternative_laws, law_label, with_alternative
 from .pins import (
-    Quantity,
+    PinQuantity,
     add_pin,
     pin_curve,
     quantities,
@@ -159,7 +159,7 @@ class CompareView(Tab):
         self._table = pane(sizing_mode="stretch_width", margin=(8, 8))
         pinned = (self._strain.panel, self._legend, chart.new_pane(), self._table)
         downloads = row(
-            *download_buttons(lambda: compare(session.view, session.input_names)),
+            *download_buttons(lambda: comparison_downloads(session.view, session.input_names)),
             kind="wrapped", sizing_mode=None,
         )  # fmt: skip
         self._comparison = column(self.notes, *pinned, downloads)
@@ -237,7 +237,7 @@ class CompareView(Tab):
         tables = "".join(self._table_html(quantity, view.pins) for quantity in values)
         self._table.object = f'<div class="tables">{tables}</div>'
 
-    def _table_html(self, quantity: Quantity, pins: tuple[Pin, ...]) -> str:
+    def _table_html(self, quantity: PinQuantity, pins: tuple[Pin, ...]) -> str:
         unit = self.unit("force")[0] if quantity.dimension == "force" else ""
         heads = "".join(f"<th>{text}</th>" for text in ("curve", "value", "difference", "percent"))
         lines = "".join(

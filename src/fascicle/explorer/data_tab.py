@@ -124,7 +124,7 @@ class RecordInputs:
         return {name: value for name, value in options.items() if value}
 
 
-class Fit(NamedTuple):
+class FitResult(NamedTuple):
     """Result of a fit to a `record`, with the `muscle` before it and the `names` of constants."""
 
     selection: Selection
@@ -153,7 +153,7 @@ class DataView(Tab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self.record: Record | None = None
-        self.fit: Fit | None = None
+        self.fit: FitResult | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
         self._read_options: Mapping[str, Any] = {}
         self._stage, self._usual, self._start_time, self._timer = "", "", 0.0, None  # of a fit
@@ -390,8 +390,8 @@ class DataView(Tab):
                 raise ValueError("The fit was cancelled.")
             self._stage = stage if stage.startswith(_STAGES) else f"fitting: {stage}"
 
-        def compute() -> Fit:
-            fit = Fit(fit_record(record, muscle, progress, names), "", record, muscle, names)
+        def compute() -> FitResult:
+            fit = FitResult(fit_record(record, muscle, progress, names), "", record, muscle, names)
             progress("drawing the report")
             pictures = figures(fit.calibration)
             page = report(fit.calibration, _today(), pictures, choice=fit.candidates)
@@ -428,7 +428,7 @@ class DataView(Tab):
             self._end_fit()
             self.fail(error)
 
-    def _show_fit(self, fit: Fit) -> None:
+    def _show_fit(self, fit: FitResult) -> None:
         if fit.record is not self.record:  # another one was opened meanwhile
             return
         self._end_fit()
@@ -492,7 +492,7 @@ class DataView(Tab):
         self.session.open(view_of(muscle, "tuned muscle", self.session.view))
 
     @property
-    def _shown_fit(self) -> Fit:
+    def _shown_fit(self) -> FitResult:
         assert self.fit is not None  # else the buttons are disabled
         return self.fit
 

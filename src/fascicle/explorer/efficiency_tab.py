@@ -20,7 +20,7 @@ from ..muscle import Muscle
 from ..plot.theme import CLEAR, FIGURES, Colors
 from .chart import Chart, screen_height
 from .remarks import remarks_html, words_html
-from .state import Session, View, scaled
+from .state import Session, View, scaled_muscle
 from .tab import LatestResult, Tab
 from .theme import column, pane, row
 from .widgets import dropdown, html_table, status_line
@@ -107,7 +107,7 @@ def equivalent_muscle(view: View) -> Muscle:
     """The view's muscle, scaled to the cross-section of the whole bundle; same length."""
     radius = float(view.muscle.outer_radius)
     total = sum(unit.count * float(view.muscle_of(unit).outer_radius) ** 2 for unit in view.units)
-    return scaled(view.muscle, float(np.sqrt(total)) / radius)
+    return scaled_muscle(view.muscle, float(np.sqrt(total)) / radius)
 
 
 @lru_cache(maxsize=16)  # visitors share it

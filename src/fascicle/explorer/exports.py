@@ -88,7 +88,7 @@ def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
     return Export(stem, variables, lambda: target.plot(resistance=view.resistance), script)
 
 
-def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
+def reversal_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     """Downloads of free strain against the second unit's pressure."""
     stem = output_stem(view.name, "reversal", input_names)
     curves = split_curves(view.muscle, view.splits, view.supply)
@@ -103,7 +103,7 @@ def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
     return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", reversals), script)
 
 
-def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
+def efficiency_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     """Downloads of the bundle's efficiency maps, with resistance and without."""
     stem = output_stem(view.name, "efficiency", input_names)
     maps = efficiency_maps(view.bundle, view.path)
@@ -115,7 +115,7 @@ def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
     return Export(stem, variables, lambda: draw_efficiency(maps.resisted), script)
 
 
-def compare(view: View, input_names: Iterable[str] = ()) -> Export:
+def comparison_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     """Downloads of the view's pins; there must be one."""
     stem = output_stem(view.name, "compare", input_names)
     top = top_strain(view.pins)
@@ -166,8 +166,11 @@ def data(
 
 
 EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
-    "muscle": muscle, "bundle": bundle, "reversal": reversal, "efficiency": efficiency,
-}  # fmt: skip
+    "muscle": muscle,
+    "bundle": bundle,
+    "reversal": reversal_downloads,
+    "efficiency": efficiency_downloads,
+}
 _FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Python"}
 
 

@@ -43,7 +43,7 @@ class PinCurve:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class PinQuantity:
     """A quantity of all pins: `values` [SI, of a `dimension`], the first is the reference."""
 
     label: str
@@ -81,20 +81,20 @@ def pin_curve(muscle: Muscle, pressure: float, top: float) -> PinCurve:
     return PinCurve(strain, force, float(muscle.blocked_force(pressure)), free, collapse)
 
 
-def quantities(pins: Sequence[Pin], strain: float) -> list[Quantity]:
+def quantities(pins: Sequence[Pin], strain: float) -> list[PinQuantity]:
     """Quantities of `pins` to compare; the last is the force at a `strain` [-]."""
     top = top_strain(pins)
     curves = [pin_curve(pin.muscle, pin.pressure, top) for pin in pins]
     at_strain = tuple(float(pin.muscle.force(pin.pressure, strain)) for pin in pins)
     return [
-        Quantity("Blocked force", "force", tuple(curve.blocked_force for curve in curves)),
-        Quantity("Free strain", "strain", tuple(curve.free_strain for curve in curves)),
-        Quantity("Collapse strain", "strain", tuple(curve.collapse_strain for curve in curves)),
-        Quantity(f"Force at ε = {strain:.4g}", "force", at_strain),
+        PinQuantity("Blocked force", "force", tuple(curve.blocked_force for curve in curves)),
+        PinQuantity("Free strain", "strain", tuple(curve.free_strain for curve in curves)),
+        PinQuantity("Collapse strain", "strain", tuple(curve.collapse_strain for curve in curves)),
+        PinQuantity(f"Force at ε = {strain:.4g}", "force", at_strain),
     ]
 
 
-def quantity_texts(quantity: Quantity, unit: str) -> list[tuple[str, str, str]]:
+def quantity_texts(quantity: PinQuantity, unit: str) -> list[tuple[str, str, str]]:
     """Value, difference and percentage of each pin, numbers in a `unit` with real minus signs."""
     scale = unit_factor(unit, quantity.dimension)
     form = ".4f" if quantity.dimension == "strain" else ".4g"
@@ -132,7 +132,7 @@ def add_pin(
         if pin.muscle == muscle and pin.pressure == pressure:
             rule = f"must differ: this curve is “{pin.name}” already"
             raise InvalidInputError("pins", rule, None)
-    check_count(len(pins) + 1)
+    check_pin_count(len(pins) + 1)
     at_pressure = format_quantity(pressure, unit, "pressure", 4)
     parts = [] if not pins else _differences(pins[0].muscle, muscle)
     if pins and pins[0].pressure != pressure:
@@ -145,11 +145,11 @@ def add_pin(
 def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
     """The `pins`, one of them with another `name`; `InvalidInputError` for a bad name."""
     pins_left = (*pins[:index], *pins[index + 1 :])
-    name = check_name(name, pins_left)
+    name = check_pin_name(name, pins_left)
     return (*pins[:index], Pin(name, pins[index].muscle, pins[index].pressure), *pins[index + 1 :])
 
 
-def check_name(name: str, pins_left: Sequence[Pin]) -> str:
+def check_pin_name(name: str, pins_left: Sequence[Pin]) -> str:
     """Name of a pin in one line, none of `pins_left`; `InvalidInputError` if it can't be."""
     line = sanitize_line(name, 2 * LONGEST_NAME)
     # a spreadsheet takes a leading =, +, - or @ for a formula
@@ -161,7 +161,7 @@ def check_name(name: str, pins_left: Sequence[Pin]) -> str:
     return line
 
 
-def check_count(number: int) -> None:
+def check_pin_count(number: int) -> None:
     """Refuse a `number` of pins that is too large."""
     if number > MOST_PINS:
         rule = f"must be {MOST_PINS} curves at most, as many as can be told apart"
@@ -187,12 +187,12 @@ def parse_pins(text: str) -> tuple[Pin, ...]:
         items = None
     if not isinstance(items, list) or not all(map(_is_item, items)):
         raise InvalidInputError("pins", "are no curves that this explorer has packed", None)
-    check_count(len(items))
+    check_pin_count(len(items))
     pins: tuple[Pin, ...] = ()
     for item in items:
         pressure = parse(item["pressure"], "pressure")
         check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
-        name = check_name(item["name"], pins)
+        name = check_pin_name(item["name"], pins)
         if "file" in item:
             muscle = view_of(loads(item["file"], source=name), name).muscle
         elif item["example"] in named_muscles():

@@ -92,7 +92,7 @@ class View:
 
     def muscle_of(self, unit: Unit) -> Muscle:
         """Muscle of a `unit`."""
-        return scaled(self.muscle, unit.size) if unit.own is None else unit.own
+        return scaled_muscle(self.muscle, unit.size) if unit.own is None else unit.own
 
     @property
     def text(self) -> str:
@@ -100,7 +100,7 @@ class View:
         return dumps(self.muscle if self.units == (Unit(),) else self.bundle)
 
 
-def scaled(muscle: Muscle, size: float) -> Muscle:
+def scaled_muscle(muscle: Muscle, size: float) -> Muscle:
     """A muscle of `size` times the radius and wall thickness [-] and the same length."""
     if size == 1:
         return muscle

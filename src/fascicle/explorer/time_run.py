@@ -60,7 +60,9 @@ class SimulationResult(NamedTuple):
     notes: list[str]
 
 
-def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) -> SimulationResult:
+def run_policies(
+    progress: Progress, text: str, name: str, policies: Sequence[str]
+) -> SimulationResult:
     """Run the scenario of a `text` under each of the `policies`, or its own if there are none."""
     from ..control import pareto_front
     from ..reports import simulation as reports
@@ -86,7 +88,9 @@ def simulate(progress: Progress, text: str, name: str, policies: Sequence[str]) 
     return SimulationResult(name, quantity, rotary, results, heads, table_rows, remarks)
 
 
-def picture(progress: Progress, text: str, name: str, policies: Sequence[str], kind: str) -> bytes:
+def run_figure(
+    progress: Progress, text: str, name: str, policies: Sequence[str], kind: str
+) -> bytes:
     """Figure of `fascicle simulate`, or of its `--compare` for several `policies`, as a file of a
     `kind` "png" or "svg".
     """

@@ -31,7 +31,7 @@ from .tab import LatestResult, Tab, progress_bar
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, pane, row, side_column
 from .time_drawing import ALPHAS, HATCHED, STATES, part_colors
 from .time_film import ChartCurves, Curve, film
-from .time_run import PolicyResult, SimulationResult, picture, simulate
+from .time_run import PolicyResult, SimulationResult, run_figure, run_policies
 from .widgets import (
     Field,
     button,
@@ -351,7 +351,7 @@ class TimeView(Tab):
     def start_run(self) -> None:
         """Run the scenario in a worker process."""
         setup = self.session.view.setup
-        job = Job(simulate, setup.text(), setup.name, setup.policies)
+        job = Job(run_policies, setup.text(), setup.name, setup.policies)
         self._begin(job)
         self._runs.request(lambda: (setup, job()))
 
@@ -612,7 +612,7 @@ class TimeView(Tab):
 
     def _picture_job(self, kind: str) -> Job:
         setup = self._setup
-        return Job(picture, setup.text(), setup.name, setup.policies, kind)
+        return Job(run_figure, setup.text(), setup.name, setup.policies, kind)
 
     def _film_job(self) -> Job:
         run, (force, contraction, pressures, *_) = self.drawn_run, self._chart_curves(LIGHT)

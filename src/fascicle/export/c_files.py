@@ -41,7 +41,7 @@ _KEYWORDS = """
 _RESERVED = {*_HEADERS.split(), *_KEYWORDS.split()}
 
 
-def check_name(name: str) -> str:
+def check_c_name(name: str) -> str:
     """The name, if C allows it."""
     # C++ and CasADi refuse two underscores in succession, as `a_` would have before `_law0`
     if len(name) > 31 or not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
@@ -82,7 +82,7 @@ def render_template(file: str, values: Mapping[str, Any]) -> str:
     return text.rstrip("\n") + "\n"
 
 
-def join(values: Iterable[Any], number: Any = repr) -> str:
+def c_array(values: Iterable[Any], number: Any = repr) -> str:
     """Initializers of a C array; `number`: formats one of them."""
     return ", ".join(number(value) for value in values)
 

@@ -19,7 +19,14 @@ from ..core.module import unique_indices
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.validation import lowest_strain, strain_domain
-from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
+from .c_files import (
+    as_bundle,
+    c_array,
+    check_c_name,
+    length_ratios,
+    render_template,
+    write_c_files,
+)
 from .inverse import inverse_code
 
 
@@ -42,7 +49,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     **Raises:** `ValueError` for a name that C doesn't allow, and for anything but one muscle or
     bundle; `ModuleNotFoundError` if CasADi is missing.
     """
-    check_name(name)
+    check_c_name(name)
     bundle = as_bundle(target)
     muscles = [unit.muscle for unit in bundle.motor_units]
     for muscle in muscles:
@@ -65,10 +72,10 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "name": name,
         "guard": name.upper(),
         "units": len(muscles),
-        "unit_kinds": join(kinds),
+        "unit_kinds": c_array(kinds),
         "kind_count": len(terms),
-        "counts": join(int(unit.count) for unit in bundle.motor_units),
-        "ratios": join(ratios),
+        "counts": c_array(int(unit.count) for unit in bundle.motor_units),
+        "ratios": c_array(ratios),
         "cases": "\n".join(case.format(i, name) for i in range(len(terms))),
         "lowest": repr(lowest),
         "low": f"{lowest:.6f}",
@@ -118,7 +125,11 @@ def _inverse_values(
     values = inverse_code(
         bundle, name, top, ROOT_TOLERANCE, _AGREEMENT, pressure_argument=pressure_argument
     )
-    return values | {"nodes": len(pressures), "node_pressures": join(pressures), "kinks": _KINKS}
+    return values | {
+        "nodes": len(pressures),
+        "node_pressures": c_array(pressures),
+        "kinks": _KINKS,
+    }
 
 
 def _law_values(muscles: list[Muscle], name: str) -> tuple[str, int]:

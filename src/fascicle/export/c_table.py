@@ -24,7 +24,14 @@ from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, table_error
-from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
+from .c_files import (
+    as_bundle,
+    c_array,
+    check_c_name,
+    length_ratios,
+    render_template,
+    write_c_files,
+)
 from .controller import tabulate_controller, template_values
 from .inverse import inverse_code
 
@@ -40,7 +47,7 @@ _AGREEMENT = (
 _EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
-class MuscleTables(NamedTuple):
+class BundleTables(NamedTuple):
     """Tables of a bundle: `surfaces` of its different muscles, the index of each unit's surface
     (`kinds`), its `counts` and `ratios` [-]; `errors` in words; `precision`, "double" or "float";
     the `bundle`; a `controller` on them, or `None`.
@@ -95,7 +102,7 @@ class MuscleTables(NamedTuple):
             return repr(float(value))
 
         def initializers(values: Values) -> str:
-            return join(values, number)
+            return c_array(values, number)
 
         def nested_initializers(values: np.ndarray) -> str:
             if values.ndim == 1:
@@ -123,7 +130,7 @@ class MuscleTables(NamedTuple):
             "highs": initializers(ends[:, 1]),
             "cells": initializers((high - low) / columns for low, high in ends),
             "lengths": initializers(float(surface.rest_length) for surface in surfaces),
-            "kind_of": join(self.kinds),
+            "kind_of": c_array(self.kinds),
             "counts": initializers(self.counts),
             "ratios": initializers(self.ratios),
             "controller": "",
@@ -169,7 +176,7 @@ def table_code(
     **Raises:** `ValueError` for a name that C doesn't allow, anything but one muscle or bundle, and
     invalid pressures and shapes.
     """
-    return tabulate(target, precision, highest_pressure, shape).code(check_name(name))
+    return tabulate(target, precision, highest_pressure, shape).code(check_c_name(name))
 
 
 def write_table(
@@ -192,7 +199,7 @@ def tabulate(
     precision: str = "double",
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
-) -> MuscleTables:
+) -> BundleTables:
     """Tables of a muscle or bundle.
 
     **Arguments:** as for `table_code`.
@@ -220,7 +227,7 @@ def tabulate(
     )
     counts = tuple(int(unit.count) for unit in units)
     errors = _error_text(muscles, surfaces, precision)
-    return MuscleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision, bundle)
+    return BundleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision, bundle)
 
 
 def nodes(surface: UnitSurface) -> np.ndarray:

@@ -22,7 +22,7 @@ from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
-from .c_files import join, render_template
+from .c_files import c_array, render_template
 
 
 # chambers whose content the C code computes
@@ -103,7 +103,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "correct": "" if learned is None else render_template("correction.c", correction),
         "corrects": "" if learned is None else "    correct(unit, pressure, strain, &at);\n",
         "branch_count": len(branches.onsets),
-        "branch_of": join(map(int, branches.muscles.indices)),
+        "branch_of": c_array(map(int, branches.muscles.indices)),
         "policy": _c_policy(controller),
         "shares": branches.pressures.shape[-1] - 1,
         "onsets": ",\n".join(map(nested_initializers, branches.onsets)),

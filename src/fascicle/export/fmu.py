@@ -29,8 +29,8 @@ from ..core.types import Values
 from ..core.validation import check_choice, check_positive
 from ..io.atomic import write
 from ..muscle import Muscle
-from .c_files import check_name, render_template
-from .c_table import MuscleTables, tabulate
+from .c_files import check_c_name, render_template
+from .c_table import BundleTables, tabulate
 
 
 _STEP = 1e-3  # s, suggested to a host: a millisecond resolves a valve
@@ -50,7 +50,7 @@ class UnbuiltUnitError(Exception):
     """An FMU that has its sources alone, without a binary, and the reason."""
 
 
-class Variable(NamedTuple):
+class FmuVariable(NamedTuple):
     """A number of the FMU: its `name`, SI `unit` (none of an integer), whether it is an input, its
     `description`, and its initial value, `start` [SI].
     """
@@ -89,7 +89,7 @@ def write_fmu(
     """
     path = Path(path)
     folder = _platform(platform)
-    check_name(name)
+    check_c_name(name)
     step = _STEP if sample_time is None else float(check_positive(sample_time, "sample_time", "s"))
     tables = tabulate(target)
     if tables.controller is not None:
@@ -132,49 +132,51 @@ def write_fmu(
     return path
 
 
-def variables(tables: MuscleTables) -> list[Variable]:
+def variables(tables: BundleTables) -> list[FmuVariable]:
     """The numbers of an FMU, in the order of their references."""
     units = range(1, len(tables.kinds) + 1)
     supply = _supply_pressure(tables)
-    inputs = [Variable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
+    inputs = [
+        FmuVariable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units
+    ]
     inputs += [
-        Variable("strain", "1", True, "contraction over the plates' distance at rest"),
-        Variable("demand", "N", True, "demanded force"),
-        Variable("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
+        FmuVariable("strain", "1", True, "contraction over the plates' distance at rest"),
+        FmuVariable("demand", "N", True, "demanded force"),
+        FmuVariable("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
     ]
-    outputs = [Variable("force", "N", False, "force that pulls the plates together")]
+    outputs = [FmuVariable("force", "N", False, "force that pulls the plates together")]
     outputs += [
-        Variable(f"volume_{i}", "m3", False, f"volume of all muscles of unit {i}") for i in units
+        FmuVariable(f"volume_{i}", "m3", False, f"volume of all muscles of unit {i}") for i in units
     ]
     outputs += [
-        Variable(f"setpoint_{i}", "Pa", False, f"gauge pressure of unit {i} for the demand")
+        FmuVariable(f"setpoint_{i}", "Pa", False, f"gauge pressure of unit {i} for the demand")
         for i in units
     ]
-    outputs.append(Variable("reached_force", "N", False, "force at the setpoints"))
+    outputs.append(FmuVariable("reached_force", "N", False, "force at the setpoints"))
     if tables.controller is not None:
         inputs += [
-            Variable("strain_rate", "1/s", True, "rate of strain, measured"),
-            Variable("measured_force", "N", True, "force, measured"),
+            FmuVariable("strain_rate", "1/s", True, "rate of strain, measured"),
+            FmuVariable("measured_force", "N", True, "force, measured"),
         ]
         outputs += [
-            Variable(f"command_{i}", "1", False, f"command of unit {i}'s valve, -1 to 1")
+            FmuVariable(f"command_{i}", "1", False, f"command of unit {i}'s valve, -1 to 1")
             for i in units
         ]
     status = "0: reached, 1: above what is reachable, 2: below it, 3: no supply pressure"
     integers = [
-        Variable("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
-        Variable("demand_status", None, False, status),
+        FmuVariable("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
+        FmuVariable("demand_status", None, False, status),
     ]
     return inputs + outputs + integers
 
 
-def _supply_pressure(tables: MuscleTables) -> float:
+def _supply_pressure(tables: BundleTables) -> float:
     """Gauge pressure [Pa] of a controller's supply, or the highest of the tables."""
     plant = tables.controller.plant if tables.controller else None
     return plant.supply_pressure if plant else tables.highest_supply
 
 
-def _description(tables: MuscleTables, name: str, guid: str, step: float) -> bytes:
+def _description(tables: BundleTables, name: str, guid: str, step: float) -> bytes:
     """The FMU's `modelDescription.xml`."""
     root = ET.Element(
         "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,

@@ -16,7 +16,7 @@ from ..core.types import Float
 from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
-from ..units import figures, parse, pretty
+from ..units import format_digits, parse, pretty
 from .muscle_files import from_dict, parse_file
 from .schema import EntryFile, EntrySection, validate
 from .shipped_files import shipped_names, shipped_text
@@ -45,10 +45,12 @@ class FitError(NamedTuple):
 
     def __str__(self) -> str:
         """Text with units."""
-        rmse = "" if self.rmse is None else f"{figures(self.rmse, 3)} N"
+        rmse = "" if self.rmse is None else f"{format_digits(self.rmse, 3)} N"
         if self.relative_rmse is not None:
-            rmse += f" ({figures(100 * self.relative_rmse, 2)} % of the largest force)"
-        largest = "" if self.largest is None else f"at most {figures(100 * self.largest, 3)} %"
+            rmse += f" ({format_digits(100 * self.relative_rmse, 2)} % of the largest force)"
+        largest = (
+            "" if self.largest is None else f"at most {format_digits(100 * self.largest, 3)} %"
+        )
         return ", ".join(filter(None, (rmse, largest))) or "not published"
 
 

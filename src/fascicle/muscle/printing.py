@@ -9,7 +9,7 @@ import numpy as np
 from ..core.module import repr_fields
 from ..core.validation import HIGHEST_PRESSURE
 from ..repr_table import ReprTable, format_number, format_range
-from ..units import exact, figures, pretty
+from ..units import exact, format_digits, pretty
 from .law import Declared
 from .laws import LAWS, is_written_out
 from .materials import MATERIALS
@@ -32,7 +32,7 @@ def muscle_table(muscle: Any) -> ReprTable:
         if is_written_out(kind, law):
             facts.append((kind.replace("_", "-"), law_text(law)))
     if muscle.tuning.transition_rate is None:  # a tuning's rate is in its text
-        facts.append(("transition rate", format_range(muscle.transition_rate, figures)))
+        facts.append(("transition rate", format_range(muscle.transition_rate, format_digits)))
     facts.append(("tuning", tuning_text(muscle.tuning)))
     if not muscle.is_single:
         return ReprTable("Muscles, rows of them", facts)
@@ -94,11 +94,11 @@ def tuning_text(tuning: Any) -> str:
         texts.append(f"C1 and C2 at {rows} pressures up to {top}")
     bar: Callable[[float], str] = lambda x: f"{x * 1e5:+.3g}"  # noqa: E731
     for name, neutral, text, show in (
-        ("youngs_modulus_factor", 1.0, "E × {}", figures),
-        ("collapse_moment_factor", 1.0, "collapse moment × {}", figures),
-        ("hinge_stiffness_factor", 1.0, "hinge stiffness × {}", figures),
+        ("youngs_modulus_factor", 1.0, "E × {}", format_digits),
+        ("collapse_moment_factor", 1.0, "collapse moment × {}", format_digits),
+        ("hinge_stiffness_factor", 1.0, "hinge stiffness × {}", format_digits),
         ("hinge_stiffness_slope", 0.0, "hinge stiffness {} for each bar", bar),
-        ("transition_rate", None, "transition rate {}", figures),
+        ("transition_rate", None, "transition rate {}", format_digits),
         ("dead_band", 0.0, "dead band {}", partial(pretty, dimension="pressure")),
     ):
         value = getattr(tuning, name)

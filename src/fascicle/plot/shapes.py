@@ -121,14 +121,14 @@ def shapes(muscle: Muscle, states: Mapping[str, tuple[float, float]]) -> Figure:
 @styled
 def draw_states(rest_length: float, states: list[Outline], titles: list[str]) -> Figure:
     """Figure of outlines of a muscle of `rest_length` [m] under `titles`."""
-    figure, ax, levels = stack(rest_length, states)
+    figure, ax, levels = shape_axes(rest_length, states)
     for mark, title, state, level in zip("abcdefgh", titles, states, levels, strict=False):
         draw_muscle(ax, state, level)
         name_row(ax, state, level, mark, title)
     return figure
 
 
-def stack(
+def shape_axes(
     rest_length: float, states: list[Outline], gap: float = 8.0, right: float = 0.0
 ) -> tuple[Figure, Axes, list[float]]:
     """Figure with undistorted axes in millimeters, without frame, and the levels [mm] of muscles.

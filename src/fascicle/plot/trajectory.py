@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch, Rectangle
 from matplotlib.path import Path
 
-from ..units import figures
+from ..units import format_digits
 from .theme import (
     BLACK,
     BLUE,
@@ -323,7 +323,7 @@ def _draw_balance(ax: Axes, balance: "Balance") -> float:
         colors = [GRAY] if side == "right" and len(terms) == 1 else CYCLE
         for i, (name, value) in enumerate(terms.items()):
             _draw_band(ax, (x, outer[i]), (node, inner[i]), widths[i], colors[i % len(colors)])
-            text = f"{name} {value:.3g} {balance.unit}, {figures(100 * value / total, 2)} %"
+            text = f"{name} {value:.3g} {balance.unit}, {format_digits(100 * value / total, 2)} %"
             ax.text(x - 0.02 if side == "right" else x + 0.02, outer[i], text, ha=side, va="center")
     ax.add_patch(Rectangle((_NODE[0], 0), _NODE[1] - _NODE[0], 1, color=BLACK, linewidth=0))
     if small:

@@ -32,7 +32,7 @@ from .design_summary import (
     summarize_search,
     task_requirement,
 )
-from .interactive import parallel_coordinates, scaled, scatter
+from .interactive import objective_axis, parallel_coordinates, scatter
 from .page import mark, picture, render
 
 
@@ -149,7 +149,7 @@ def _pictures(result: SearchResult) -> dict[str, Any]:
     marks = result.recommended, result.compromise
 
     def scaled_axis(name: str, rows: Any) -> Any:
-        return scaled(result.values[name][rows], name, OBJECTIVES[name].unit)
+        return objective_axis(result.values[name][rows], name, OBJECTIVES[name].unit)
 
     axes = {name: scaled_axis(name, result.reported) for name in result.reported_objectives}
     allowed = np.flatnonzero(result.allowed)

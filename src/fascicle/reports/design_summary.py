@@ -16,7 +16,7 @@ from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fract
 from ..design.remedies import Remedy, remedies
 from ..design.scatter import Safety
 from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
-from ..units import DIMENSIONS, figures, pretty
+from ..units import DIMENSIONS, format_digits, pretty
 
 
 HEADS = ("case", "demanded force", "stroke", "contraction", "available force", "spare force", "")
@@ -30,7 +30,7 @@ _UNKNOWN = "unknown: "  # begins a fact without a number, and what to give in th
 def format_objective(name: str, value: float) -> str:
     """Text of an objective's `value` [SI], by its `name`."""
     unit = OBJECTIVES[name].unit
-    return pretty(value, _DIMENSIONS[unit]) if unit in _DIMENSIONS else figures(value)
+    return pretty(value, _DIMENSIONS[unit]) if unit in _DIMENSIONS else format_digits(value)
 
 
 def objective_label(name: str) -> str:
@@ -46,7 +46,7 @@ def objective_head(name: str) -> str:
 def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
     """Sizes of the muscles of one of the `designs` of a search, with an `index`, in a line."""
     used = designs.counts[index] > 0
-    radii = dict.fromkeys(figures(1e3 * r) for r in designs.radius[index][used])
+    radii = dict.fromkeys(format_digits(1e3 * r) for r in designs.radius[index][used])
     walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[index][used])
     text = (
         f"length {pretty(designs.length[index], 'length')}, radius {', '.join(radii)} mm,"
@@ -171,7 +171,7 @@ def _margin_text(summary: Summary) -> str:
         smallest = pretty(float(cases.spare[cases.tightest]), "force")
         text += f"; least force to spare: {smallest} at case {cases.tightest + 1}"
     if np.isfinite(summary.load_factor):
-        factor = figures(np.floor(1e3 * summary.load_factor) / 1e3)
+        factor = format_digits(np.floor(1e3 * summary.load_factor) / 1e3)
         text += f"; all loads could be {factor} times as large"
     return text
 
@@ -262,7 +262,9 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
         "life": "unknown; no source gives cycles for this muscle",
     }
     if summary.cost_of_a_cycle is not None:
-        cost = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
+        cost = (
+            f"{format_digits(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
+        )
         if fluid == "air" and catalog.air is None:
             cost += ", compressed without losses: a compressor takes more"
         facts[f"cost of {fluid}"] = cost
@@ -280,7 +282,7 @@ def design_facts(result: SearchResult, summary: Summary) -> dict[str, str]:
 
 
 def _mass(summary: Summary, density: float | None) -> str:
-    rubber = f"{figures(1e6 * summary.bladders, 3)} cm³ of bladder"
+    rubber = f"{format_digits(1e6 * summary.bladders, 3)} cm³ of bladder"
     if summary.mass is None:
         return f"{_UNKNOWN}give [design] density; {rubber}"
     mass = pretty(summary.mass, "mass", 3)
@@ -296,11 +298,11 @@ def _fluid(summary: Summary) -> str:
     if cases.task.time is None:
         cycle = (
             "for a cycle from rest to a load case and back (weighted mean;"
-            f" {figures(largest, 3)} at most)"
+            f" {format_digits(largest, 3)} at most)"
         )
     if cases.task.fluid == "liquid":
-        return f"{figures(mean, 3)} liters {cycle}"
-    return f"{figures(mean, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
+        return f"{format_digits(mean, 3)} liters {cycle}"
+    return f"{format_digits(mean, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
 
 
 def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
@@ -313,7 +315,7 @@ def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
             f"none is enough {demand}: a hose of {hose} up to {1e3 * WIDEST_BORE:g} mm wide lets"
             " too little air through; take a shorter hose, or more time, in [cycle]"
         )
-    conductances = [figures(1e8 * C, 3) for C in sizing.conductance]
+    conductances = [format_digits(1e8 * C, 3) for C in sizing.conductance]
     values = dict.fromkeys(conductances)
     units = f" (units {', '.join(map(str, range(1, 1 + len(conductances))))})"
     text = (
@@ -328,8 +330,8 @@ def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
     )
     text += f"; smallest verified valve: {', '.join(names)}"
     text += (
-        f"; {figures(6e4 * summary.flow, 3)} normal liters a minute,"
-        f" {figures(summary.supply_power, 3)} W of compression"
+        f"; {format_digits(6e4 * summary.flow, 3)} normal liters a minute,"
+        f" {format_digits(summary.supply_power, 3)} W of compression"
     )
     return f"{text}; {summary.run}" if summary.run else text
 
@@ -375,14 +377,14 @@ def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
 def _price_text(result: SearchResult, summary: Summary) -> str:
     catalog = result.catalog
     if summary.price is not None:
-        return f"{figures(summary.price, 6)} {catalog.currency}, of muscles and valves"
+        return f"{format_digits(summary.price, 6)} {catalog.currency}, of muscles and valves"
     if summary.price_of_muscles is not None:
         return (
-            f"{figures(summary.price_of_muscles, 6)} {catalog.currency}, of muscles; the price of a"
-            " valve is unknown"
+            f"{format_digits(summary.price_of_muscles, 6)} {catalog.currency}, of muscles; the"
+            " price of a valve is unknown"
         )
     if catalog.valve is not None:
-        valves = figures(summary.valves * catalog.valve, 6)
+        valves = format_digits(summary.valves * catalog.valve, 6)
         return f"{valves} {catalog.currency}, of valves; the price of the muscles is unknown"
     return f"{_UNKNOWN}give [prices] valve and muscle, or a catalog"
 

@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.ticker import MaxNLocator
 
-from ..units import figures
+from ..units import format_digits
 from .page import fill
 
 
@@ -28,7 +28,7 @@ class Axis(NamedTuple):
     values: np.ndarray
 
 
-def scaled(values: np.ndarray, name: str, unit: str) -> Axis:
+def objective_axis(values: np.ndarray, name: str, unit: str) -> Axis:
     """Axis of an objective's `values` [SI], by its `name` and SI `unit`, in a handy unit."""
     label = name.replace("_", " ")
     if unit == "-":
@@ -95,7 +95,7 @@ def parallel_coordinates(
     labels = []
     for i, (x, axis, y) in enumerate(zip(abscissas, axes, scales, strict=True)):
         labels += [
-            (x, y(end) + (-6 if y(end) < _HEIGHT / 2 else 16), figures(end), "middle")
+            (x, y(end) + (-6 if y(end) < _HEIGHT / 2 else 16), format_digits(end), "middle")
             for end in dict.fromkeys((y.least, y.most))
         ]
         labels.append((x, _BOTTOM + (34 if i % 2 == 0 else 48), axis.label, "middle"))

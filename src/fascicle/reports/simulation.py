@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..control import control_metrics, controlled_output, reachability
 from ..plot.trajectory import MOST, Tracking, display_unit, energy_balances, traces
-from ..units import figures, pretty
+from ..units import format_digits, pretty
 from .page import lines, mark, picture, render
 
 
@@ -128,7 +128,7 @@ def control_text(scenario: "Scenario") -> str:
         else {"position": "contraction"}
     )
     values = {
-        "force_gain": figures(float(gains.force)),
+        "force_gain": format_digits(float(gains.force)),
         "force_integral_time": _time_text(float(gains.force_integral)),
         "pressure_time": pretty(float(gains.pressure_time), "time"),
     }

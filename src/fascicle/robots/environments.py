@@ -64,7 +64,7 @@ _MASS = (
 )
 
 
-class Task(NamedTuple):
+class EnvironmentTask(NamedTuple):
     """Task of an environment: a `model`, the initial `contraction` of its tendons [m], `counts` of
     muscles in each motor unit of every bundle, the coordinate's `middle` and `reach`, the `speed`
     that is observed as 1, and targets between `low` and `high` [SI].
@@ -87,7 +87,7 @@ class Plan(NamedTuple):
     drive: Drive
 
     @classmethod
-    def of(cls, task: Task) -> "Plan":
+    def of(cls, task: EnvironmentTask) -> "Plan":
         """Compile a `task`."""
         spec = mujoco.MjSpec.from_string(task.model)
         muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
@@ -104,7 +104,9 @@ class Plan(NamedTuple):
         return Box(-1.0, 1.0, (3 + units,), np.float32), Box(-1.0, 1.0, (units,), np.float32)
 
 
-def observe(task: Task, position: Any, speed: Any, target: Any, pressures: Any) -> np.ndarray:
+def task_observation(
+    task: EnvironmentTask, position: Any, speed: Any, target: Any, pressures: Any
+) -> np.ndarray:
     """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
     each scaled to [-1, 1].
     """
@@ -135,7 +137,7 @@ class Environment(gymnasium.Env):
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}
-    task: ClassVar[Task]
+    task: ClassVar[EnvironmentTask]
 
     def __init__(self, render_mode: str | None = None):
         """`render_mode`: "rgb_array" for `render`, "human" for MuJoCo's viewer; or `None`."""
@@ -201,7 +203,7 @@ class Environment(gymnasium.Env):
         forces = -self.data.actuator_force[list(self.drive.actuators)]
         info = {"position": position, "target": self.target, "pressures": pressures,
                 "forces": forces, "air": float(fluid.drawn)}  # fmt: skip
-        return observe(self.task, position, speed, self.target, pressures), info
+        return task_observation(self.task, position, speed, self.target, pressures), info
 
     def render(self) -> Any:
         """Draw the scene: an image of 480 × 640 in the mode "rgb_array", MuJoCo's viewer in the
@@ -255,13 +257,13 @@ class Environment(gymnasium.Env):
 class AntagonisticJoint(Environment):
     """A forearm of 0.5 kg that two muscles turn against each other: to an angle [rad]."""
 
-    task = Task(_JOINT, 0.0127, (1,), 0.0, 1.2, 10.0, -0.6, 0.6)
+    task = EnvironmentTask(_JOINT, 0.0127, (1,), 0.0, 1.2, 10.0, -0.6, 0.6)
 
 
 class HangingMass(Environment):
     """A mass of 5 kg on a bundle of one and four muscles: to a height [m]."""
 
-    task = Task(_MASS, 0.0, (1, 4), 0.016, 0.024, 0.5, 0.005, 0.025)
+    task = EnvironmentTask(_MASS, 0.0, (1, 4), 0.016, 0.024, 0.5, 0.005, 0.025)
 
 
 class Proportional:

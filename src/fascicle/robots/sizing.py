@@ -34,7 +34,7 @@ _HALVINGS = 30  # of the length's range: to a millionth of it
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class SizeTrial:
     """A muscle of a `length` [m] that was tried: its `name`, the `count` in parallel, the `margin`
     of its pull over the one that is needed [-], and the `fluid` that fills it [m³].
     """
@@ -89,10 +89,10 @@ class Sizing:
     route: Route
     torque: np.ndarray
     pressure: float
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[SizeTrial, ...]
 
     @property
-    def chosen(self) -> Candidate:
+    def chosen(self) -> SizeTrial:
         """The candidate that takes the least fluid."""
         return self.candidates[0]
 
@@ -260,22 +260,22 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
 def _shortest_muscles(
     name: str, muscle: Muscle, route: Route, needed: np.ndarray, pressure: float,
     counts: Sequence[int], margin: float, stretch: float, room: float,
-) -> list[Candidate]:  # fmt: skip
+) -> list[SizeTrial]:  # fmt: skip
     """For each of the `counts` the shortest muscle that has the margin, or else the longest; those
     that the law refuses are left out.
     """
     active = needed > 0
 
-    def candidate(length: float, count: int) -> Candidate:
+    def candidate(length: float, count: int) -> SizeTrial:
         sized = muscle.replace(length=length)
         rest_length = float(route.lengths.max()) - stretch * length
-        candidate = Candidate(
+        candidate = SizeTrial(
             name, sized, count, length, rest_length, 0.0, count * float(sized.volume(0.0))
         )
         pull = candidate.pull(pressure, route.lengths[active])
         return replace(candidate, margin=float(np.min(pull / needed[active])) - 1.0)
 
-    def shortest(count: int) -> Candidate:
+    def shortest(count: int) -> SizeTrial:
         best, low = candidate(room, count), 0.0
         if best.margin < margin:
             return best
@@ -296,7 +296,7 @@ def _shortest_muscles(
 
 
 def _refuse(
-    tried: list[Candidate], tendon: str, stroke: float, room: float, margin: float, pressure: float
+    tried: list[SizeTrial], tendon: str, stroke: float, room: float, margin: float, pressure: float
 ) -> None:
     """Refuse with what would help."""
     rule = (

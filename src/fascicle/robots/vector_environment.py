@@ -25,7 +25,7 @@ from .environments import (
     HangingMass,
     Plan,
     check_action,
-    observe,
+    task_observation,
 )
 from .optional_imports import mjx, mujoco
 
@@ -153,7 +153,7 @@ class VectorEnvironment(VectorEnv):
         )  # fmt: skip
         info = {"position": position, "target": self.targets.copy(), "pressures": pressures,
                 "forces": -forces[:, list(self.drive.actuators)], "air": air}  # fmt: skip
-        return observe(self.task, position, speed, self.targets, pressures), info
+        return task_observation(self.task, position, speed, self.targets, pressures), info
 
 
 def antagonistic_joints(num_envs: int = 1, **options: Any) -> VectorEnvironment:

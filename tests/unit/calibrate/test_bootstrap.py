@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import bootstrap, fit
-from fascicle.calibrate.intervals import simulate
+from fascicle.calibrate.intervals import simulate_grid
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
 
@@ -40,7 +40,7 @@ def constants():
 
 def test_records_are_simulated_as_they_were_measured(constants):
     data, rng = constants.grid, np.random.default_rng(1)
-    made = [simulate(constants, rng) for _ in range(400)]
+    made = [simulate_grid(constants, rng) for _ in range(400)]
     there = np.asarray(data.count) > 0
     forces = np.array([one.force for one in made])
     clipped = np.array([one.censored for one in made])
@@ -65,7 +65,7 @@ def test_the_models_own_error_is_drawn_with_the_noise(constants):
     sure = there & (constants.force > 60)  # never clipped
     assert sure.sum() >= 3
     rng = np.random.default_rng(2)
-    off = [(simulate(wrong, rng).force - constants.force)[sure] for _ in range(50)]
+    off = [(simulate_grid(wrong, rng).force - constants.force)[sure] for _ in range(50)]
     # one number for all readings of a record, another for the next
     assert np.max(np.ptp(off, axis=1)) < 10 and np.std(np.mean(off, axis=1)) > 8
 

@@ -11,10 +11,10 @@ from fascicle.calibrate.comparison import (
     SAROSI_DMSP_20_200N,
     Row,
     compare_published,
+    comparison_row,
     deviance,
     fit_sarosi,
     ranked,
-    row,
     sarosi,
 )
 from fascicle.calibrate.data import Grid, tabulate
@@ -86,7 +86,7 @@ def test_clipped_readings_count_in_the_likelihood():
 
 
 def test_criteria_by_hand(made, errors):
-    found = row("a law", made)
+    found = comparison_row("a law", made)
     F, mu = np.asarray(made.grid.force), np.asarray(made.force)
     measured = ~np.asarray(made.grid.censored)
     n, k = 37, 2
@@ -111,7 +111,7 @@ def test_an_average_counts_as_what_it_averages(made):
     count = np.asarray(data.count).copy()
     count[0, 0] = 9.0
     heavy = replace(made.problem, grid=replace(data, count=count))
-    found = row("", replace(made, problem=heavy))
+    found = comparison_row("", replace(made, problem=heavy))
     r = (np.asarray(data.force) - made.force)[~np.asarray(data.censored)]
     assert_allclose(found.rmse, np.sqrt((np.sum(r**2) + 8 * r[0] ** 2) / 45), rtol=1e-12)
 

@@ -13,11 +13,11 @@ import pytest
 
 import fascicle as fs
 from fascicle.explorer.compare_tab import CompareView, PinButton
-from fascicle.explorer.exports import compare
+from fascicle.explorer.exports import comparison_downloads
 from fascicle.explorer.link import LONGEST, from_query, linked_pins, pack, to_query
 from fascicle.explorer.pins import (
     MOST_PINS,
-    Quantity,
+    PinQuantity,
     add_pin,
     parse_pins,
     pins_text,
@@ -87,7 +87,7 @@ def test_no_difference_to_a_muscle_that_never_collapses_or_has_no_force():
     blocked, *_ = quantities((Pin("empty", SIX, 0.0), Pin("full", SIX, P)), 0.1)
     assert abs(blocked.values[0]) < 1e-6  # zero but for rounding
     assert quantity_texts(blocked, "N")[1][2] == "–"
-    collapse = Quantity("Collapse strain", "strain", (math.inf, 0.25))
+    collapse = PinQuantity("Collapse strain", "strain", (math.inf, 0.25))
     assert quantity_texts(collapse, "") == [("never", "reference", ""), ("0.2500", "–", "–")]
 
 
@@ -212,7 +212,7 @@ def test_pins_that_a_link_has_no_room_for_are_left_out_and_counted():
 
 
 def test_the_python_makes_the_same_data(tmp_path, monkeypatch):
-    export = compare(replace(VIEW, pins=(*PINS, Pin("cost $1$ \\alpha", STEEP, 2e5))))
+    export = comparison_downloads(replace(VIEW, pins=(*PINS, Pin("cost $1$ \\alpha", STEEP, 2e5))))
     script = tmp_path / "script.py"
     script.write_bytes(export.content("py"))
     monkeypatch.chdir(tmp_path)

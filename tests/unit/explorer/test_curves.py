@@ -23,7 +23,7 @@ from fascicle.explorer.muscle_curves import (
 from fascicle.explorer.muscle_tab import MuscleView
 from fascicle.explorer.reversal_tab import POINTS, SplitCurve, split_curves
 from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
-from fascicle.explorer.state import Session, Unit, scaled, view_of
+from fascicle.explorer.state import Session, Unit, scaled_muscle, view_of
 from fascicle.muscle import LAWS
 from fascicle.muscle.ends import Compliant
 from fascicle.plot.theme import LIGHT
@@ -129,7 +129,7 @@ def test_no_slider_compiles_anything(monkeypatch):
 
     monkeypatch.setattr(compiler, "compile_or_get_cached", fail)
     for pressure, strain, supply, top in ((0.0, 0.0, 2e5, 0.3), (4e5, 0.35, 4e5, 0.6)):
-        muscle_curves(scaled(SIX, 1.3), pressure, strain, supply, top)
+        muscle_curves(scaled_muscle(SIX, 1.3), pressure, strain, supply, top)
 
 
 def test_a_straight_muscle_has_the_braids_radius_and_its_fibers_their_angle():

@@ -7,7 +7,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.explorer.data_tab import DataView, Fit
+from fascicle.explorer.data_tab import DataView, FitResult
 from fascicle.explorer.measured import (
     LARGEST_CONTENT,
     LARGEST_FILE,
@@ -271,6 +271,6 @@ def test_advice_on_an_undetermined_constant_can_be_followed_on_the_page(tab):
     names = ("outer_radius", "braid_angle")
     selection = fit_record(tab.record, SIX.muscle, lambda _: None, names)
     assert not all(parameter.identifiable for parameter in selection.calibration.parameters)
-    tab._show_fit(Fit(selection, "", tab.record, SIX.muscle, names))
+    tab._show_fit(FitResult(selection, "", tab.record, SIX.muscle, names))
     assert "--" not in tab.fit_notes.object
     assert "enter it in the tab Muscle" in tab.fit_notes.object

@@ -40,7 +40,7 @@ def silent(stage):
 @pytest.fixture(scope="module")
 def result():
     text = CHANGED.text()
-    return time_run.simulate(silent, text, NAME, ("threshold", "hand_over"))
+    return time_run.run_policies(silent, text, NAME, ("threshold", "hand_over"))
 
 
 @pytest.fixture
@@ -200,7 +200,7 @@ def test_the_film_lasts_as_long_as_the_run(tab, monkeypatch):
 
 
 def test_a_job_can_be_canceled_and_the_next_one_runs():
-    job, errors = Job(time_run.simulate, example_text("ramp_1_4"), "ramp_1_4", ()), []
+    job, errors = Job(time_run.run_policies, example_text("ramp_1_4"), "ramp_1_4", ()), []
 
     def run():
         try:
@@ -216,7 +216,7 @@ def test_a_job_can_be_canceled_and_the_next_one_runs():
     thread.join()
     assert len(errors) == 1
     with pytest.raises(ValueError, match=r"late\.toml"):
-        Job(time_run.simulate, "format = 1\n[load]\n", "late.toml", ())()
+        Job(time_run.run_policies, "format = 1\n[load]\n", "late.toml", ())()
     with pytest.raises(CanceledError):
         job()
 
@@ -224,7 +224,7 @@ def test_a_job_can_be_canceled_and_the_next_one_runs():
 def test_a_long_run_is_refused():
     text = example_text("lift_gas").replace('"6 s"', '"60 s"')
     with pytest.raises(ValueError, match=r"20000 steps here, got 60000"):
-        time_run.simulate(silent, text, "long.toml", ())
+        time_run.run_policies(silent, text, "long.toml", ())
 
 
 # the page

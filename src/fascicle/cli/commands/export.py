@@ -72,10 +72,10 @@ def run(
     law = "--c" if c is not None else "--page" if page is not None else ""
     target = _read_exported(file, law)
     from ... import export
-    from ...export.c_files import check_name
+    from ...export.c_files import check_c_name
 
     with user_errors():
-        check_name(name)
+        check_c_name(name)
     for flag, folder in (("--c", c), ("--table", table)):
         if folder is not None:
             _check_c(flag, folder, name, overwrite)
