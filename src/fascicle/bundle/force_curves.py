@@ -148,26 +148,23 @@ class StateCurves:
         self.states = len(self.throttled)
         self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
-    def fixed_force(self, strain: Array) -> Array:
-        """Force of the units that each state doesn't throttle, states last, and its slope [N]."""
-        total, ends = np.zeros((2, len(strain), self.states)), np.array([[0], [-1]])
-        for j, muscle in enumerate(self.muscles):
-            counts = np.stack([self.vented[:, j], self.full[:, j]])
-            if counts.any():
-                total += muscle.force_at_nodes(ends, strain).swapaxes(1, 2) @ counts
-        return total
+    def force_at_nodes(self, strain: Array, node: Array) -> Array:
+        """Force of one muscle of each kind and its slope [N], by `strain` [-], `node` and kind."""
+        forces = [muscle.force_at_nodes(node, strain[:, None]) for muscle in self.muscles]
+        return np.stack(forces, axis=-1)
 
     def force(self, state: Array, level: Array, strain: Array) -> Array:
         """Force of the units that each `state` throttles, at `level` and `strain` [-], and its
         slope in strain, both [N].
         """
-        return self._sum(MuscleCurves.force, state, level, strain)
+        total = np.zeros((2, len(state)))
+        for j, muscle in enumerate(self.muscles):
+            count = self.throttled[state, j]
+            if len(i := np.flatnonzero(count)):
+                total[:, i] += count[i] * muscle.force(level[i], strain[i])
+        return total
 
-    def force_at_nodes(self, state: Array, node: Array, strain: Array) -> Array:
-        """As `force` at a `node` of the grid."""
-        return self._sum(MuscleCurves.force_at_nodes, state, node, strain)
-
-    def throttled_force_at_all_nodes(self, state: Array, strain: Array) -> tuple[Array, Array]:
+    def interpolate(self, state: Array, strain: Array) -> tuple[Array, Array]:
         """Force [N] of the units that each `state` throttles at every node, nodes last, linear
         between the columns of a table over `strain` [-], and its change between both columns [N].
         """
@@ -175,25 +172,14 @@ class StateCurves:
         low, high = min(strain.min(), ends[0]), max(strain.max(), ends[1])
         if (low, high) != ends:
             self._columns = np.linspace(low, high, _COLUMNS)
-            self._table = np.zeros((_COLUMNS, self.states, len(self.levels)))
-            nodes, columns = np.arange(len(self.levels)), self._columns[:, None]
-            for count, muscle in zip(self.throttled.T, self.muscles, strict=True):
-                force, _ = muscle.force_at_nodes(nodes, columns)
-                self._table += count[:, None] * force[:, None, :]
+            forces = self.force_at_nodes(self._columns, np.arange(len(self.levels)))[0]
+            # nodes last: each state's row is read as one piece
+            self._table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
         position = np.interp(strain, self._columns, np.arange(_COLUMNS))
         column = np.minimum(position.astype(int), _COLUMNS - 2)
         weight = (position - column)[:, None]
         left, right = self._table[column, state], self._table[column + 1, state]
         return (1 - weight) * left + weight * right, np.abs(right - left)
-
-    def _sum(self, law: Callable, state: Array, points: Array, strain: Array) -> Array:
-        """Force and slope [N] that a `law` gives at `points` for the units of each `state`."""
-        total = np.zeros((2, len(state)))
-        for j, muscle in enumerate(self.muscles):
-            count = self.throttled[state, j]
-            if len(i := np.flatnonzero(count)):
-                total[:, i] += count[i] * law(muscle, points[i], strain[i])
-        return total
 
 
 def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
@@ -288,22 +274,31 @@ def find_roots(
     """
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
+    nodes = np.arange(len(curves.levels))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
         demand, column = np.indices(states[batch].shape).reshape(2, -1)
         F, eps, state = force[batch], strain[batch], states[batch][demand, column]
-        fixed = curves.fixed_force(eps)
+        is_few = len(demand) * len(nodes) <= FEW_CELLS
+        forces = curves.force_at_nodes(eps, nodes if is_few else nodes[[0, -1]])
+        fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
         target = F[demand] - fixed[0, demand, state]
+        throttled = forces[0] @ curves.throttled.T
+        excess = throttled[demand, :, state] - target[:, None] if is_few else None
         searches = Searches(curves, demand, state, eps[demand], target)
-        row, level, exact = _search_levels(searches, len(F))
+        row, level, exact = _search_levels(searches, len(F), excess)
         demand, state = demand[row], state[row]
         forces = curves.force(state, level, eps[demand]) + fixed[:, demand, state]
         parts.append((demand + batch.start, state, level, exact, *forces))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _search_levels(searches: Searches, count: int) -> tuple[Array, Array, Array]:
-    """Rows and levels [-] of the roots of so many demands, and whether they are exact."""
+def _search_levels(
+    searches: Searches, count: int, excess: Array | None
+) -> tuple[Array, Array, Array]:
+    """Rows and levels [-] of the roots of so many demands, and whether they are exact; `excess`: at
+    all nodes [N], if it is known.
+    """
     curves, demand, state, strain, target = searches
 
     def nearest_of(distance: Array, row: Array) -> Array:
@@ -312,22 +307,23 @@ def _search_levels(searches: Searches, count: int) -> tuple[Array, Array, Array]
         np.minimum.at(nearest, demand[row], distance)
         return nearest
 
-    cells = np.ones((len(demand), len(curves.levels) - 1), bool)
-    if cells.size > FEW_CELLS:  # those that may hold the target or the nearest force, by the table
-        forces, change = curves.throttled_force_at_all_nodes(state, strain)
-        excess = forces - target[:, None]
-        nearest = nearest_of((np.abs(excess) + change).min(axis=1), np.arange(len(demand)))
+    if excess is None:  # cells that may hold the target or the nearest force, by the table
+        forces, change = curves.interpolate(state, strain)
+        forces -= target[:, None]
+        nearest = nearest_of((np.abs(forces) + change).min(axis=1), np.arange(len(demand)))
         # a kink moves through the cells between two columns of the table
         slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
-        cells = _may_reach_zero(excess, slack + nearest[demand, None] + TIE)
+        cells = _may_reach_zero(forces, slack + nearest[demand, None] + TIE)
+    else:
+        cells = np.ones((len(demand), len(curves.levels) - 1), bool)
     padded = np.pad(cells, ((0, 0), (1, 1)))
     # neighbors show where a curve turns
     padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
     row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
-    excess = curves.force_at_nodes(state[row], node, strain[row])[0] - target[row]
-    linked = padded[row, node + 1]
-    points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
-    slack = nearest_of(np.abs(excess), row)[demand]
+    level, linked = curves.levels[node], padded[row, node + 1]
+    value = searches.excess(row, level) if excess is None else excess[row, node]
+    points = Points(row, level, value, linked, np.zeros(len(row), bool))
+    slack = nearest_of(np.abs(value), row)[demand]
     points = _insert_kinks(searches, points, node, slack)
     points = _insert_extrema(searches, points, slack)
     row, level = _collect_roots(searches, points)

@@ -290,15 +290,16 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     # once for each kind of muscle, by its first unit
     first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
     unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
-    limits = [curves.force_at_nodes(unit, np.full(len(unit), node), eps)[0] for node in (0, -1)]
-    unreachable = _UNREACHABLE * (10.0 + np.abs(limits).sum(axis=0))
+    counts = curves.throttled.sum(axis=1)
+    ends = curves.force_at_nodes(strain, np.array([0, -1]))[0]
+    limits = [ends[:, 0], ends[:, 1]]
+    unreachable = _UNREACHABLE * (10.0 + np.abs(ends).sum(axis=1)).ravel() * counts[unit]
     for sign in (-1.0, 1.0):
         roots = find_roots(curves, sign * unreachable, eps, unit)
-        limits += [roots.force, roots.level]
-    counts = curves.throttled.sum(axis=1)
-    scale = counts / counts[first][kind]
-    scales = (scale, scale, scale, 1, scale, 1)
-    return [x.reshape(len(strain), -1)[:, kind] * y for x, y in zip(limits, scales, strict=True)]
+        columns = (roots.force / counts[unit], roots.level)
+        limits += [column.reshape(limits[0].shape) for column in columns]
+    scales = (counts, counts, counts, 1, counts, 1)
+    return [x[:, kind] * scale for x, scale in zip(limits, scales, strict=True)]
 
 
 def _solve_traced(
