@@ -335,6 +335,7 @@ def fit_sarosi(grid: Grid) -> np.ndarray:
         return (weight * np.where(clipped, not_above, (mu - grid.force) / noise)).reshape(-1)
 
     for _ in range(_ROUNDS):
+        # to rounding: the formula is cheap, and published figures have four digits
         factors = least_squares(residuals, factors, method="lm", xtol=1e-12, ftol=1e-12).x
         errors = np.where(clipped, 0.0, weight * (sarosi(factors * published, grid) - grid.force))
         rms = float(np.sqrt(np.sum(errors**2) / freedom))

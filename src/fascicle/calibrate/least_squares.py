@@ -64,7 +64,7 @@ _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
 _NO_NUMBER = 1e9  # deviations, for a residual where the law has no number
 _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
-_NOISE_ROUNDS = 6
+_NOISE_ROUNDS = 6  # three are usual until the noise settles, five the most that was seen
 _FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
@@ -418,6 +418,7 @@ def _walk(
     minpack: Any = leastsq  # its stubs know only the short answer
     end, _, counts, _, flag = minpack(
         residuals, z, Dfun=jacobian, full_output=True, ftol=tolerance,
+        # gtol, an angle, would say nothing on the cost that is left
         xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS if tolerance < ROUGH else _MAX_ROUGH_STEPS,
     )  # fmt: skip
     r, status = problem.residuals(whole(end), force(end)), CONVERGED

@@ -177,6 +177,7 @@ class SequentialPolicy(Module):
         It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time.
         """
         last, next_ = pair
+        # 1e-9 N/s and 1e-9 N keep quotients finite; valves never get so slow
         dip, rise = select_unit(next_, capability.dip), maximum(demand.rate, 1e-9)
         onset = maximum(select_unit(next_, capability.onset), 1.0)
         deepest = select_unit(next_, capability.dip_pressure) / onset

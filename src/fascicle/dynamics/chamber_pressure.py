@@ -91,6 +91,7 @@ class ChamberEvaluation(NamedTuple):
     @property
     def is_unsolved(self) -> BoolBatch:
         """True where Newton's step is longer than 1 Pa plus 1e-4 of the pressure."""
+        # such a step changes the force by a ten-thousandth, less than a load cell shows
         return absolute(self.newton_step) > 1.0 + 1e-4 * absolute(self.pressures)
 
     def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:

@@ -139,6 +139,7 @@ class Drive(Module):
             else:
                 name, limit = "highest_pressure", HIGHEST_PRESSURE
                 top = float(check_interval(highest_pressure, 0.0, limit, name, "Pa"))
+            # a plant needs a valve; commands are pressures here, so none of its flow counts
             supply, chamber, valve = ConstantSupply(top), Isothermal(), SonicValve(1e-9, 0.3)
         assert supply is not None
         assert chamber is not None
