@@ -33,7 +33,7 @@ _CELLS = 8  # of a stretch that may hold an equilibrium: a dip between two nodes
 _MARGIN = 0.25  # of a unit's span over a stretch, beyond its control points
 _WIDTH = 1e-13  # strains closer than this are equal: some 100 units in the last place
 _INSET = 1e-7  # of a stretch: its ends are evaluated inside, where kinks have one slope
-_BATCH = 2**12  # bundles searched at once
+_BATCH = 2**8  # bundles searched at once: arrays of more leave the cache
 _PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
 
 
@@ -84,54 +84,50 @@ def attach_derivatives(
 def _equilibria_of_block(pressurized: PressurizedBundle, load: Numbers | None) -> Equilibria:
     """As `find_equilibria`, of a batch that fits the memory, with an axis of one ahead of units."""
 
-    def strains(function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
+    def strains(function: Callable[[PressurizedMuscle], Any]) -> Numbers:
         return pressurized.plate_strains(function)[..., 0, :]
 
     kinks = strains(lambda muscle: muscle.kinks)  # the first is the free strain
     lowest_free, highest_free = (pick(kinks[0], axis=1, keepdims=True) for pick in (np.min, np.max))
-    # the least and the largest strain in the domain of all muscles' laws
-    end = strains(lambda muscle: LARGEST_STRAIN + 0.0 * muscle.column.free_strain)
-    end = np.maximum(end.min(axis=1, keepdims=True), highest_free)
-    start = lowest_free
+    # the domain of all muscles' laws
+    end = strains(lambda _: LARGEST_STRAIN).min(axis=1, keepdims=True)
+    end, start = np.maximum(end, highest_free), lowest_free
     if load is not None:
-        start = strains(
-            lambda muscle: (
-                muscle.law.tension.bladder.braid.straight_strain + 0.0 * muscle.column.free_strain
-            )
-        ).max(axis=1, keepdims=True)
+        straight = strains(lambda muscle: muscle.law.tension.bladder.braid.straight_strain)
+        start = straight.max(axis=1, keepdims=True)
     target = 0.0 * lowest_free if load is None else load
     ends = np.sort(np.concatenate([start, *np.clip(kinks, start, end), end], axis=1), axis=1)
-    nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
+    batch, nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
     pulls = force > 0
     if load is None:
         # all units pull up to the least free strain, by definition; rounding may differ there
-        pulls |= nodes <= lowest_free
+        pulls |= nodes <= lowest_free[batch, 0]
 
-    change = pulls[:, 1:] != pulls[:, :-1]
-    slots = max_equilibria(kinks.shape[-1])
-    count = np.minimum(change.sum(axis=1), slots)
-    index = np.argsort(~change, axis=1, stable=True)[:, : count.max(initial=1)]
-    exists = np.arange(index.shape[1]) < count[:, None]
-    falls = np.take_along_axis(pulls, index, axis=1) & exists
-    low = np.take_along_axis(nodes, index, axis=1)
-    high = np.where(exists, np.take_along_axis(nodes, index + 1, axis=1), low)
-    theta = (pressurized, np.where(falls, 1.0, -1.0), target)
+    change = np.flatnonzero((pulls[1:] != pulls[:-1]) & (batch[1:] == batch[:-1]))
+    batch, falls = batch[change], pulls[change]
+    low, high = nodes[change, None], nodes[change + 1, None]
+    theta = (pressurized.take(batch), np.where(falls, 1.0, -1.0)[:, None], target[batch])
     strain = find_root(_falling_force, theta, low, high, 0.5 * (low + high))
     if load is None:
         # equal units all vanish at their free strain
-        equal = (low <= lowest_free) & (highest_free - lowest_free <= _WIDTH)
-        strain = np.where(equal, lowest_free, strain)
-    strain = np.where(exists, refine_root(_falling_force, theta, strain), np.nan)
-    padding = [(0, 0), (0, slots - index.shape[1])]
-    strain = np.pad(strain, padding, constant_values=np.nan)
-    return Equilibria(strain, np.pad(falls, padding), count)
+        equal = (low <= lowest_free[batch]) & ((highest_free - lowest_free)[batch] <= _WIDTH)
+        strain = np.where(equal, lowest_free[batch], strain)
+    strain = refine_root(_falling_force, theta, strain)[:, 0]
+
+    shape = (len(ends), max_equilibria(kinks.shape[-1]))
+    table, stable = np.full(shape, np.nan), np.zeros(shape, bool)
+    slot = np.arange(len(batch)) - np.searchsorted(batch, batch)
+    fits = slot < shape[1]
+    table[batch[fits], slot[fits]] = strain[fits]
+    stable[batch[fits], slot[fits]] = falls[fits]
+    return Equilibria(table, stable, np.isfinite(table).sum(axis=1))
 
 
 def _separating_nodes(
     bundles: PressurizedBundle, load: Numbers, ends: Numbers
-) -> tuple[Numbers, Numbers]:
-    """Strains [-] of nodes with one equilibrium at most between two, and the force beyond a `load`
-    [N] there, for each bundle in order; `ends`: of its stretches, rising [-].
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Nodes with one equilibrium at most between two, in order: index of the bundle, strain [-],
+    and force beyond its `load` [N]; `ends`: of the stretches of each bundle, rising [-].
     """
     left, right = ends[:, :-1], ends[:, 1:]
     wide, inset = right - left > _WIDTH, _INSET * (right - left)
@@ -167,15 +163,9 @@ def _separating_nodes(
     middle_value = cut.unit_forces(middle)[0].sum(axis=-1) - load[row, None]
     strains[row, ::2], strains[row, 1::2] = x, middle
     values[row, ::2], values[row, 1::2] = value, middle_value
-
-    tables = np.zeros((2, *wide.shape, 2 * _CELLS + 1))
-    tables[:, batch, column] = strains, values
-    exists = np.repeat(wide, 2 * _CELLS + 1, axis=1)
-    # stretches without a width take the node before them, at the beginning the first that is wide
-    before = np.where(exists, np.arange(exists.shape[1]), exists.argmax(axis=1)[:, None])
-    before = np.maximum.accumulate(before, axis=1)
-    strains, values = (np.take_along_axis(x.reshape(exists.shape), before, axis=1) for x in tables)
-    return strains, values
+    is_node = np.zeros(strains.shape, bool)
+    is_node[row], is_node[:, [0, -1]] = True, True
+    return batch[np.nonzero(is_node)[0]], strains[is_node], values[is_node]
 
 
 def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:

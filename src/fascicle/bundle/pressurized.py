@@ -50,11 +50,13 @@ class PressurizedBundle(Module):
         """Bundles of a batch by `index`; the batch is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
-    def plate_strains(self, function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
+    def plate_strains(self, function: Callable[[PressurizedMuscle], Any]) -> Numbers:
         """The plates' strain [-] at the strain that a `function` gives for one muscle of every
         unit, units on the last axis.
         """
-        strains = self._in_order([function(group) for group in self.groups])
+        # also one that is the same for all muscles has a value for each
+        values = [function(group) + 0.0 * group.column.free_strain for group in self.groups]
+        strains = self._in_order(values)
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
