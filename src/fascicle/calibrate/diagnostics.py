@@ -633,12 +633,16 @@ def _likely_causes(
         "zero": np.ones(strain.size),
         "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
     }
-    columns |= residuals.trend_columns
+    columns |= (known := residuals.trend_columns)
+    descriptions = dict(_CAUSES)
+    if "branch" not in known:  # one cycle of friction is like a drift
+        name, remedy = _CAUSES["time"]
+        descriptions["time"] = f"{name}, or friction on branches that are not known", remedy
     trials = [
         (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"fit {p.name}, too", column)
         for p, column in effects.items()
     ]
-    trials += [(*_CAUSES[kind], column) for kind, column in columns.items()]
+    trials += [(*descriptions[kind], column) for kind, column in columns.items()]
     freedom = len(residuals.readings.residual) - residuals.slopes.shape[1]
     causes: dict[str, Cause] = {}
     for name, remedy, column in trials:

@@ -169,6 +169,8 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             cause = f"Likely cause{plural} ({share}): {alternatives}."
         names = list_text(list(dict.fromkeys(along)))
         judgment += f" The residuals follow {names}. {cause}"
+    elif verdict.fit in ("roughly", "poorly"):
+        judgment += " The residuals look like noise."
     gaps = [
         f"{name} ({interval})"
         for name, _, interval in constant_rows(calibration.parameters)
