@@ -170,9 +170,9 @@ def workspace(
     strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
     states = states_of(scheme, len(bundle.motor_units))
     fine = np.union1d(np.linspace(0.0, supply, _LEVELS), levels)
-    region = unit_tables(bundle, supply, fine, strain, resistance)
-    curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
-    return Workspace(scheme.name, supply, strain, levels, curves, *states.edges(*region))
+    forces, *ends = unit_tables(bundle, supply, fine, strain, resistance)
+    curves = states.sums(forces[np.searchsorted(fine, levels)], *ends)
+    return Workspace(scheme.name, supply, strain, levels, curves, *states.edges(forces, *ends))
 
 
 def overlap(workspace: Workspace) -> Overlap:
@@ -183,12 +183,11 @@ def overlap(workspace: Workspace) -> Overlap:
     **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
     """
     pairs = tuple(combinations(range(1, len(workspace.low) + 1), 2))
-    shape = (len(pairs), len(workspace.strain))
-    low, high = np.full(shape, np.nan), np.full(shape, np.nan)
-    for row, pair in enumerate(pairs):
-        bottom, top = overlap_edges(*((workspace.low[k - 1], workspace.high[k - 1]) for k in pair))
-        inside = top - bottom > _TOUCH * np.abs(workspace.high).max()
-        low[row, inside], high[row, inside] = bottom[inside], top[inside]
+    first, second = np.array(pairs, int).reshape(-1, 2).T - 1
+    low, high = workspace.low, workspace.high
+    low, high = overlap_edges((low[first], high[first]), (low[second], high[second]))
+    inside = high - low > _TOUCH * np.abs(workspace.high).max()
+    low, high = (np.where(inside, edge, np.nan) for edge in (low, high))
     area = np.trapezoid(np.nan_to_num(high - low), workspace.strain, axis=1)
     return Overlap(pairs, workspace.strain, low, high, area)
 
