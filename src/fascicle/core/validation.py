@@ -269,27 +269,19 @@ def warn_once(kind: str, message: str) -> None:
         warn_user(f"{message} (shown once)")
 
 
-def warn_pressure_units(pressure: Any) -> None:
-    """Warn, once, of a `pressure` [Pa] so low that it may be in bar or kPa without a unit.
-
-    Zeros, and ranges that begin so low, don't warn.
-    """
-    highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0
-    if 0 < highest < FAINT_PRESSURE:
-        guess = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
-        warn_once(
-            "low pressure",
-            f'Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean "{guess}"?',
-        )
-
-
 def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
     """Return gauge pressures [Pa] as floats, in the array library of `value`, if they lie in 0 to
     1 MPa; warn of bare numbers that may be in bar.
     """
     pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
-    if not has_units(value):
-        warn_pressure_units(pressure)
+    highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0
+    # zeros, and ranges that begin so low, don't warn
+    if 0 < highest < FAINT_PRESSURE and not has_units(value):
+        guess = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
+        warn_once(
+            "low pressure",
+            f'Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean "{guess}"?',
+        )
     return match_array_type(value, pressure)
 
 

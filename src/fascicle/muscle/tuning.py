@@ -214,10 +214,8 @@ def _tuning_table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows
     xp = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
     P, rows1, rows2 = (xp.atleast_1d(xp.asarray(x, dtype=float)) for x in (pressures, c1, c2))
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
-        sizes, rule = (
-            (P.size, rows1.size, rows2.size),
-            ", `c1` and `c2` must be lists of equal length",
-        )
+        rule = ", `c1` and `c2` must be lists of equal length"
+        sizes = (P.size, rows1.size, rows2.size)
         text = "{}, {} and {} entries".format(*sizes)
         raise InvalidInputError("pressures", rule, sizes, shown=text)
     concrete = P.size and is_concrete(pressures)

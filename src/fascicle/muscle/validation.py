@@ -85,10 +85,8 @@ def check_active_length(ends: AbstractEnds, length: Batch) -> None:
     """Refuse `ends` that take a third of the `length` [m] or more: not much would contract."""
     ratio = ends.strain_ratio(length)
     if is_concrete(ratio) and not np.all((np.asarray(ratio) >= 1) & (ratio < _LARGEST_RATIO)):
-        rule, value = (
-            "must be less than a third of `length`",
-            getattr(ends, "inactive_length", None),
-        )
+        rule = "must be less than a third of `length`"
+        value = getattr(ends, "inactive_length", None)
         raise InvalidInputError("inactive_length", rule, value, "check its unit")
 
 

@@ -152,18 +152,16 @@ class AbstractBuckling(AbstractLaw):
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never."""
 
-    @abc.abstractmethod
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
-        """Centerline [m] at `strain` [-], `points` points on a new last axis."""
+        """Centerline [m] at `strain` [-], `points` points on a new last axis; by default the cosine
+        (8) [R4].
+        """
+        y_max, _ = self.bow(column, strain)
+        along = np.linspace(0.0, 1.0, points)
+        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
+        y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
+        return Centerline(z=chord * along, y=y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """True where a `column` has several equilibria at `strain` [-]; by default never."""
         return (strain + 0.0 * column.free_strain) < -np.inf
-
-
-def cosine_shape(column: Column, strain: BatchLike, y_max: Batch, points: int) -> Centerline:
-    """Cosine centerline [m], (8) [R4], of a deflection `y_max` [m] at `strain` [-]."""
-    along = np.linspace(0.0, 1.0, points)
-    chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
-    y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
-    return Centerline(z=chord * along, y=y)

@@ -57,15 +57,7 @@ from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..tension.tension_law import Pull
-from .buckling_law import (
-    BRAID_SHARE,
-    SHEAR,
-    AbstractBuckling,
-    Centerline,
-    Column,
-    Push,
-    cosine_shape,
-)
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Column, Push
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
@@ -134,10 +126,6 @@ class Kim2021(AbstractBuckling):
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if it never does [R7]."""
         xi, exists = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
         return where(exists, column.free_strain + xi * (1 - column.free_strain), np.inf)
-
-    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
-        """Centerline [m] of equation (8) [R4] at `strain` [-]."""
-        return cosine_shape(column, strain, self.bow(column, strain)[0], points)
 
 
 def _slenderness(column: Column) -> Batch:

@@ -35,16 +35,7 @@ from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
-from .buckling_law import (
-    BRAID_SHARE,
-    ROUNDING,
-    SHEAR,
-    AbstractBuckling,
-    Centerline,
-    Column,
-    Push,
-    cosine_shape,
-)
+from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Column, Push
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
@@ -118,10 +109,6 @@ class Kim2021Series(AbstractBuckling):
         exists, low, high = _first_cell(_force_excess_at_moment, (fixed, fixed_square), free)
         strain = root(_force_excess_at_moment, theta, low, high, 0.5 * (low + high))
         return where(logical_and(exists, isfinite(column.branch)), strain, np.inf)
-
-    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
-        """Centerline [m] of equation (8) [R4] at `strain` [-]."""
-        return cosine_shape(column, strain, self.bow(column, strain)[0], points)
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
