@@ -18,7 +18,7 @@ from scipy.optimize import brentq, least_squares
 from timing import Measured, Row, run
 
 import fascicle as fs
-from fascicle.calibrate.data import tabulate
+from fascicle.calibrate.data import fit_table
 from fascicle.calibrate.least_squares import Problem, solve
 from fascicle.calibrate.parameters import FACTORS, coordinates, put, values
 from fascicle.records import VirtualDynamometer
@@ -31,7 +31,7 @@ OWN = "fascicle"
 def problem(truth: fs.Muscle, untuned: fs.Muscle, samples: int = 200) -> Problem:
     """The factors' problem on a synthetic record, blocked force and free strain as they are."""
     record = VirtualDynamometer(samples=samples, both_ways=False).record(truth, seed=1)
-    data = tabulate(record).grid
+    data = fit_table(record).grid
     past = data.strain > truth.free_strain(data.pressure)
     return Problem(
         untuned, data, past.astype(float), 1.0, np.asarray(coordinates(FACTORS, untuned)),

@@ -13,7 +13,7 @@ from oracle_muscle import LATEX, SILICONE, Muscle, Tuning, free_strain
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.data import tabulate
+from fascicle.calibrate.data import fit_table
 from fascicle.calibrate.least_squares import Problem, solve
 from fascicle.calibrate.model_selection import left_out_errors
 from fascicle.calibrate.parameters import select_parameters
@@ -85,7 +85,7 @@ def test_factors_are_fitted_as_scipy_fits_them():
     F = np.array([[force(truth, p, e) for e in row] for p, row in zip(P, strain, strict=True)])
     F = F + sigma * np.random.default_rng(0).normal(size=F.shape)
     record = Record.of(P[:, None], strain, F)
-    muscle, data = library_muscle(start), tabulate(record).grid
+    muscle, data = library_muscle(start), fit_table(record).grid
     free = select_parameters(oracle.FACTORS, muscle)
     assert [one.name for one in free] == list(oracle.FACTORS)
     center = np.asarray(oracle.factors_of(start))

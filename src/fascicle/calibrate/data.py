@@ -206,7 +206,7 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
         left_out = {"on ramps between sweeps": ramps}
         note = f"{ramps} readings of ramps between sweeps left out of the fit"
         record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
-    data = tabulate(
+    data = fit_table(
         replace(record, branch=branch), read=read, left_out=left_out, faults=faults,
         at_ceiling=at_ceiling if np.any(at_ceiling) else None,
     )  # fmt: skip
@@ -229,7 +229,7 @@ def thin(data: FitData) -> FitData:
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
     rows = np.isin(data.level, chosen)
-    return tabulate(
+    return fit_table(
         data.record.only(rows), limit, read=data.read, left_out=data.left_out,
         noise_clipped=data.noise_clipped, pushes_clipped=data.pushes_clipped,
         faults=data.faults, at_ceiling=None if data.at_ceiling is None else data.at_ceiling[rows],
@@ -250,7 +250,7 @@ def pulling_only(data: FitData) -> FitData:
     at_ceiling = False if data.at_ceiling is None else data.at_ceiling
     force = np.where(clipped & ~np.asarray(at_ceiling), 0.0, record.force)
     record = replace(record, force=force, censored=clipped)
-    return tabulate(
+    return fit_table(
         record, read=data.read, left_out=data.left_out,
         noise_clipped=int(np.sum(noise)), pushes_clipped=int(np.sum(below)),
         faults=data.faults, at_ceiling=data.at_ceiling,
@@ -258,7 +258,7 @@ def pulling_only(data: FitData) -> FitData:
     )  # fmt: skip
 
 
-def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) -> FitData:
+def fit_table(record: Record, max_readings: int = MAX_READINGS, **counts: Any) -> FitData:
     """Table of a record by level of pressure.
 
     **Arguments:**

@@ -138,7 +138,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class Signs:
+class SignCounts:
     """Numbers of residuals near a `strain` [-]: `count` in all, `below` of them negative."""
 
     strain: float
@@ -180,7 +180,7 @@ class Diagnosis:
 
     trends: tuple[Trend, ...] = ()
     runs: tuple[Runs, ...] = ()
-    signs: tuple[Signs, ...] = ()
+    signs: tuple[SignCounts, ...] = ()
     lowest_strain_means: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
     inflation: float = 1.0
@@ -463,7 +463,7 @@ def _cells(strain: np.ndarray) -> tuple[np.ndarray, int]:
     return cell, _CELLS
 
 
-def _one_sided_strains(readings: Residuals) -> tuple[Signs, ...]:
+def _one_sided_strains(readings: Residuals) -> tuple[SignCounts, ...]:
     """Strains at which significantly many residuals have one sign, the clearest first."""
     cell, cells = _cells(readings.strain)
     signs = []
@@ -471,7 +471,7 @@ def _one_sided_strains(readings: Residuals) -> tuple[Signs, ...]:
         residual = readings.residual[cell == i]
         count, below = residual.size, int(np.sum(residual < 0))
         if count and 2 * cells * bdtr(min(below, count - below), count, 0.5) < ALPHA:
-            signs.append(Signs(float(np.mean(readings.strain[cell == i])), count, below))
+            signs.append(SignCounts(float(np.mean(readings.strain[cell == i])), count, below))
     return tuple(sorted(signs, key=lambda entry: -abs(2 * entry.below - entry.count)))
 
 

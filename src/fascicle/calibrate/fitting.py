@@ -30,7 +30,7 @@ from .least_squares import (
     Fit,
     Minimum,
     Problem,
-    Solutions,
+    SearchEnds,
     first_noise,
     minimum_at,
     search_minimum,
@@ -232,8 +232,8 @@ def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Pr
 
 
 def _with_corrected_readings(
-    data: FitData, solution: tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]
-) -> tuple[FitData, tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]]:
+    data: FitData, solution: tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]
+) -> tuple[FitData, tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]]:
     """Data and `solution` with readings corrected for the fitted gauge."""
     problem, readings, ends, point, minimum = solution
     gauge = problem.gauge_at(put(problem.parameters, problem.muscle, point))
@@ -266,7 +266,7 @@ def starts_of(problem: Problem, options: FitOptions) -> np.ndarray:
 
 def solve_problem(
     problem: Problem, readings: Readings | None, options: FitOptions
-) -> tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]:
+) -> tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]:
     """Find the minimum; of a tuning, then jointly with its curves."""
     covariance = None if readings is None else readings.covariance
     starts = starts_of(problem, options)
@@ -288,7 +288,7 @@ def _fields_of_fit(
     options: FitOptions,
     problem: Problem,
     readings: Readings | None,
-    ends: Solutions,
+    ends: SearchEnds,
     point: np.ndarray,
     minimum: Minimum,
 ) -> dict[str, Any]:

@@ -335,7 +335,7 @@ def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linea
 
 
 @dataclass(frozen=True, eq=False)
-class Solutions:
+class SearchEnds:
     """Ends of a search, one for each start: point, half the sum of squares [-], status, and number
     of steps.
     """
@@ -361,7 +361,7 @@ def solve(
     starts: np.ndarray,
     free_columns: np.ndarray | None = None,
     tolerance: float = FINE,
-) -> Solutions:
+) -> SearchEnds:
     """Minimize a problem by Levenberg-Marquardt from each row of `starts`.
 
     **Arguments:**
@@ -374,7 +374,7 @@ def solve(
     columns = np.arange(starts.shape[1]) if free_columns is None else free_columns
     ends = [_walk(problem, start, columns, tolerance) for start in np.asarray(starts, float)]
     points, cost, status, steps = zip(*ends, strict=True)
-    return Solutions(np.array(points), np.array(cost), np.array(status), np.array(steps))
+    return SearchEnds(np.array(points), np.array(cost), np.array(status), np.array(steps))
 
 
 def _walk(
@@ -521,7 +521,7 @@ def solve_with_noise(
     starts: np.ndarray,
     curves_covariance: np.ndarray | None = None,
     tolerance: float = FINE,
-) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
+) -> tuple[Problem, SearchEnds, np.ndarray, Minimum]:
     """Solve a problem, and find the noise that its own solution leaves.
 
     What a clipped reading says depends on the noise, and the noise on the fit; where none is
@@ -550,7 +550,7 @@ def solve_with_noise(
 
 def search_minimum(
     problem: Problem, starts: np.ndarray, seed: int, curves_covariance: np.ndarray | None
-) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
+) -> tuple[Problem, SearchEnds, np.ndarray, Minimum]:
     """Search from `starts`, then a second time about the best end.
 
     Each collapse is a kink in strain, which passes from one reading to the next as its place
@@ -568,7 +568,7 @@ def search_minimum(
     problem = replace(problem, noise=minimum.noise)
     nearby_ends = solve(problem, nearby_starts, tolerance=ROUGH)
     best = solve(problem, nearby_ends.best_point[None]).points[0]
-    ends = Solutions(
+    ends = SearchEnds(
         np.concatenate([first.points, nearby_ends.points]),
         np.concatenate([first.cost * scale, nearby_ends.cost]),
         np.concatenate([first.status, nearby_ends.status]),
@@ -600,7 +600,7 @@ class Fit:
     readings: Readings | None
     minimum: Minimum
     free_strain: np.ndarray
-    solutions: Solutions
+    solutions: SearchEnds
     weights: str
 
     @property

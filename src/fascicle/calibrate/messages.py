@@ -10,7 +10,7 @@ from ..units import pretty
 from .calibration import Calibration, Candidate, Estimate, Selection, Trial
 from .data import MIN_PUSHES, FitData
 from .friction import Friction
-from .least_squares import Solutions
+from .least_squares import SearchEnds
 
 
 TUNING = "the paper's tuning"
@@ -101,7 +101,7 @@ def fit_data_lines(data: FitData) -> list[str]:
     return lines
 
 
-def end_messages(solutions: Solutions) -> list[str]:
+def end_messages(solutions: SearchEnds) -> list[str]:
     """Ends of the search from all starts, a line each."""
     lowest, lines = np.nanmin(solutions.cost), []
     columns = (solutions.cost.tolist(), solutions.status.tolist(), solutions.steps.tolist())

@@ -58,7 +58,7 @@ from .parameters import (
     select_parameters,
     with_optional_laws,
 )
-from .readings import SmoothCurves, pulling_force, read, top_pressure
+from .readings import SmoothCurves, pulling_force, read_curves, top_pressure
 from .tuning import refit_tuning
 
 
@@ -362,7 +362,7 @@ def _pulling_trials(
     steps.total += len(bases) + _STEPWISE_TRIALS
     for names in bases:
         attempt(names)
-    noise = read(muscle, on_length(data, muscle)).noise
+    noise = read_curves(muscle, on_length(data, muscle)).noise
     if any(trial.valid for trial in trials.values()):
         usual = {*muscle.tension.fit_parameters(), _WALL}
         constants = identifiable_constants(data, with_optional_laws(muscle), options, usual)
@@ -412,7 +412,7 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Tr
     untuned = pulling_force(curves.law, grid.pressure, grid.strain)
 
     def tuned_force(grid_part: Grid) -> tuple[np.ndarray, int] | None:
-        readings = read(muscle, grid_part)
+        readings = read_curves(muscle, grid_part)
         if not np.any(readings.valid):
             return None
         c1, c2 = curves.corrections(readings.coefficients)

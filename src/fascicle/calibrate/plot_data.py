@@ -16,7 +16,7 @@ from ..records.segmentation import runs
 from ..units import DIMENSIONS
 from .calibration import Calibration, Profile
 from .comparison import LawComparison, sarosi
-from .data import Grid, tabulate
+from .data import Grid, fit_table
 from .least_squares import NORMAL
 from .readings import NO_PRESSURE, invert_force, pulling_force, static_force, without_tuning
 
@@ -134,7 +134,7 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     - `muscle`: the muscle.
     - `label`: of its curves.
     """
-    grid = tabulate(record).grid
+    grid = fit_table(record).grid
     P = np.clip(grid.pressure, 0.0, HIGHEST_PRESSURE)
     strain, force, curve = _plot_strains(grid)
     errors = force - np.asarray(muscle.force(P, np.where(grid.used, strain, 0.0)))

@@ -110,7 +110,7 @@ def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:
     return xp.where(xp.isnan(strain), _LARGEST_STRAIN, xp.clip(strain, low, _LARGEST_STRAIN))
 
 
-def read(muscle: Muscle, grid: Grid) -> Readings:
+def read_curves(muscle: Muscle, grid: Grid) -> Readings:
     """Read blocked forces and free strains from a `grid`, with the untuned law of a `muscle`."""
     law = without_tuning(to_numpy(muscle))
     P, strain, F, count = grid.pressure[:, 0], grid.strain, grid.force, grid.count

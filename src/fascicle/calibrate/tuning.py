@@ -38,7 +38,7 @@ from .least_squares import (
     starts_around,
 )
 from .parameters import WEAK
-from .readings import ORDERS, Readings, SmoothCurves, read, top_pressure
+from .readings import ORDERS, Readings, SmoothCurves, read_curves, top_pressure
 
 
 _CLEAR = 2.0  # deviations of the free strain: nearer readings may pull or resist
@@ -60,7 +60,7 @@ def with_readings(problem: Problem, grid: Grid, weights: str) -> tuple[Readings,
 
     **Returns:** the readings and the problem.
     """
-    readings = read(problem.muscle, grid)
+    readings = read_curves(problem.muscle, grid)
     curves = SmoothCurves(problem.muscle, readings.pressure, top_pressure(grid))
     # within the error of the free strain a reading may belong to either side
     error = curves.free_strain_deviation(readings.covariance)

@@ -93,7 +93,9 @@ def _infer(
     constants: set[str],
     roles: Sequence[str],
 ) -> None:
-    """Add the columns of `roles` found in the header to the `chosen` ones."""
+    """Add the columns of `roles` that the header tells to the `chosen` ones, and drop a torque
+    beside a force; raises for several candidates, or without pressure, force or position.
+    """
     used = {column.index for column in chosen.values()}
     for role in roles:
         supplied = constants | set(chosen)
@@ -208,7 +210,9 @@ def _candidates(table: Table, role: str, used: set[int], unit: str | None) -> li
 
 
 def _complete(table: Table, column: Column, override: str | None, *, atmosphere: bool) -> Column:
-    """The column with its unit, factor and sign."""
+    """The column with its unit (`override`, else the header's), factor and sign; an absolute
+    pressure is refused unless the `atmosphere` is known.
+    """
     if column.role in {"branch", "clipped"}:
         return column
     header, row_unit = table.header[column.index], strip_brackets(table.units[column.index])
@@ -327,5 +331,6 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
 
 
 def _list_names(names: Sequence[str]) -> str:
+    """Names in backticks: the first eight, and how many more."""
     text = ", ".join(f"`{name}`" for name in names[:8])
     return f"{text} and {len(names) - 8} more" if len(names) > 8 else text

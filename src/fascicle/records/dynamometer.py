@@ -328,8 +328,10 @@ class VirtualDynamometer:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Free strains of pairs, a row for each, over unit 2's `pressure` [Pa]; `nominal`: of
-    the pair on the drawing, `free_strain`: of the fabricated ones [-].
+    """Free strains of bundles of two motor units, fabricated with scatter.
+
+    `free_strain`: a row for each pair [-], over unit 2's `pressure` [Pa] at one pressure of unit 1;
+    relative to the pair's length without pressure. `nominal`: of the pair on the drawing [-].
     """
 
     pressure: Float[np.ndarray, " pressure"]

@@ -34,7 +34,7 @@ _COMPRESSED = 15  # type of a compressed element of a .mat file
 _LABELS = ("colheaders", "names", "labels", "columns", "header", "headers", "channels")
 
 
-def unpack(raw: bytes, source: str, table: str | None = None) -> bytes:
+def table_text(raw: bytes, source: str, table: str | None = None) -> bytes:
     """Text of a file's table; a text file is returned as it is.
 
     **Arguments:**

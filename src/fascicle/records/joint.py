@@ -77,14 +77,14 @@ class JointReadings(NamedTuple):
 
 
 def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
-    """Check a table of moment arms, with the keys `angle` and `arm`.
+    """Moment arms by angle, sorted, from a checked `table` with the keys `angle` and `arm`.
 
     Both are lists, or text such as `"0deg:90deg:10deg"`. `bare`: numbers are [rad] and [m].
     """
     if set(table) != {"angle", "arm"}:
         keys = ", ".join(sorted(table)) or "none"
         remedy = 'write angle = "0deg:90deg:45deg", arm = "20mm,25mm,22mm"'
-        raise _invalid("must have the keys angle and arm", remedy, keys)
+        raise _invalid_arms("must have the keys angle and arm", remedy, keys)
     columns = []
     for key, dimension in (("angle", "angle"), ("arm", "length")):
         values: list[float] = []
@@ -97,12 +97,12 @@ def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
     angle, arm = columns
     if angle.size != arm.size or angle.size < 2:
         text = f"{angle.size} and {arm.size}"
-        raise _invalid("must have as many arms as angles, at least 2", "", text)
+        raise _invalid_arms("must have as many arms as angles, at least 2", "", text)
     if not (np.isfinite(angle).all() and np.isfinite(arm).all() and np.any(arm)):
-        raise _invalid("must have finite angles and arms that aren't all 0", "", "others")
+        raise _invalid_arms("must have finite angles and arms that aren't all 0", "", "others")
     order = np.argsort(angle, kind="stable")
     if np.any(np.diff(angle[order]) == 0):
-        raise _invalid("must have each angle once", "", "one twice")
+        raise _invalid_arms("must have each angle once", "", "one twice")
     return ArmTable(angle[order], arm[order])
 
 
@@ -135,5 +135,5 @@ def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     return mask, (f"{count} {noun} left out: the moment arm is below {limit}",)
 
 
-def _invalid(rule: str, remedy: str, text: str) -> InvalidInputError:
+def _invalid_arms(rule: str, remedy: str, text: str) -> InvalidInputError:
     return InvalidInputError("moment_arm", rule, None, remedy, shown=text)

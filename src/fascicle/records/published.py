@@ -53,7 +53,7 @@ class SourceTable(_Table):
 
 
 class RecordTable(_Table):
-    """Readings of one muscle in the order in which they were taken, in SI units."""
+    """JSON file of a record: readings of one muscle, in the order taken, in SI units."""
 
     schema_: Literal["fascicle-record/1"] = Field(
         alias="schema", description="version of this schema", examples=[f'"{SCHEMA}"']
@@ -182,5 +182,5 @@ def _validate(data: Any, source: str) -> RecordTable:
 
 
 def _dump(value: Any) -> str:
-    """JSON of a `value`, which has neither NaN nor infinity."""
+    """JSON of a `value`; `ValueError` for NaN or infinity in it."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

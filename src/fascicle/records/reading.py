@@ -16,7 +16,7 @@ from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
-from .formats import unpack
+from .formats import table_text
 from .headers import DIMENSIONS, ROLES, read_header
 from .joint import read_arm_table
 from .joint_readings import check_direction, read_joint
@@ -248,7 +248,7 @@ def _read_record(
 ) -> Record:
     if raw.lstrip()[:1] == b"{":
         return _read_published(raw, source, info)
-    text = unpack(raw, source, info.table)
+    text = table_text(raw, source, info.table)
     table = open_table(text, source, info.header, info.names, wide="pressure" not in info.constants)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
@@ -336,7 +336,9 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
 def _read_cells(
     table: Table, columns: Mapping[str, Column], info: Sidecar
 ) -> tuple[TableColumns, list[Column]]:
-    """The columns' cells, and inferred optional columns that hold something else."""
+    """The columns' cells, and the columns of time and branch, inferred from the header, whose cells
+    are no times or branches.
+    """
     named = set(columns) if info.names else {*info.columns, *info.units}
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]

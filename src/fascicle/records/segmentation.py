@@ -164,7 +164,9 @@ def _ordered_runs(
     free: np.ndarray,
     motion: float = _MIN_MOTION,
 ) -> list[Run]:
-    """Runs of readings in order at one level, in which `free` moves by `motion` times its span."""
+    """Runs of consecutive readings at one level, short gaps closed, in which `free` moves by at
+    least `motion` times its range in the whole record.
+    """
     # close short gaps between readings at one level
     indices = np.arange(labels.size)
     before = np.maximum.accumulate(np.where(labels >= 0, indices, -1))

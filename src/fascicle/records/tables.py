@@ -321,8 +321,10 @@ def open_table(
 
 
 def _row_kind(row: Sequence[str], needed: Sequence[str], is_led: bool) -> str:
-    """Kind of a row: "words", "holes" in the `needed` cells, or "numbers"; `is_led`: those of
-    numbers begin with one.
+    """Kind of a row by its `needed` cells: "holes" if one is blank or such as nan, "words" if none
+    is a number or blank, else "numbers", bad cells among them.
+
+    `is_led`: readings begin with a number, so a row that begins with a word is "words".
     """
     is_text = is_led and row[0][:1].isalpha() and row[0].lower() not in _HOLES
     if not is_text and all(map(is_number, needed)):

@@ -65,7 +65,7 @@ def read_wide_header(
     if not kind:
         return None
     names = _column_names(rows, i, kind)
-    shared, groups = _group(rows[i], _levels(rows[i], kind), names, used)
+    shared, groups = _group_columns(rows[i], _levels(rows[i], kind), names, used)
     if len({number for number, _, _ in groups}) < 2:
         return None
     header = _long_names([names[j] for j in shared], [names[j] for j in groups[0][2]])
@@ -214,14 +214,16 @@ def _is_unit_row(row: Sequence[str]) -> bool:
     return len(cells) > 1 and all(map(is_unit, cells)) and not any(map(_PLAIN.fullmatch, cells))
 
 
-def _group(
+def _group_columns(
     row: Sequence[str],
     levels: Sequence[tuple[float, str] | None],
     names: Sequence[str],
     used: Sequence[bool],
 ) -> tuple[list[int], list[tuple[float, str, tuple[int, ...]]]]:
-    """Indices of shared columns, and the pressures with theirs, of those that are `used`. A blank
-    cell continues the pressure before it, and so does a repeated pressure over another name.
+    """Indices of the columns that all levels share, and each level's number, unit and column
+    indices; only `used` columns count.
+
+    A blank cell continues the level before it, and so does a repeated level over another name.
     """
     shared: list[int] = []
     groups: list[tuple[float, str, tuple[int, ...]]] = []

@@ -17,7 +17,7 @@ from fascicle.calibrate.comparison import (
     ranked,
     sarosi,
 )
-from fascicle.calibrate.data import Grid, tabulate
+from fascicle.calibrate.data import Grid, fit_table
 from fascicle.calibrate.fitting import fit_data
 from fascicle.calibrate.model_selection import left_out_errors
 from fascicle.muscle.collapse import Kim2021Collapse
@@ -72,7 +72,7 @@ def likelihood_by_hand(measured, law, at_clipped):
 def test_clipped_readings_count_in_the_likelihood():
     P, eps = np.array([[1e5], [2e5]]), np.array([[0.0, 0.1, 0.2]])
     force, clipped = np.array([[5.0, 2.0, 0.0], [9.0, 6.0, 0.0]]), np.array([[0, 0, 1], [0, 0, 1]])
-    data = tabulate(Record.of(P, eps, force, clipped.astype(bool))).grid
+    data = fit_table(Record.of(P, eps, force, clipped.astype(bool))).grid
     good, pulls = np.array([[5.1, 1.8, -1.0], [9.2, 6.1, -1.0]]), np.zeros((2, 3))
     pulls[:, 2] = 4.0
     for law in (good, good + pulls):
@@ -81,7 +81,7 @@ def test_clipped_readings_count_in_the_likelihood():
         assert_allclose(deviance(data, law), wanted, rtol=1e-9)
     assert deviance(data, good + pulls) > deviance(data, good) + 5
     # without clipped ones it is the sum of squares' logarithm
-    plain = tabulate(Record.of(P, eps, force)).grid
+    plain = fit_table(Record.of(P, eps, force)).grid
     assert_allclose(deviance(plain, good), 6 * np.log(np.mean((force - good) ** 2)), rtol=1e-12)
 
 

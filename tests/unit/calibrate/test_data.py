@@ -6,9 +6,9 @@ from fascicle.calibrate.data import (
     MAX_READINGS,
     MIN_PUSHES,
     assign_levels,
+    fit_table,
     pulling_only,
     select_fit_data,
-    tabulate,
 )
 from fascicle.calibrate.parameters import FACTOR_NAMES
 from fascicle.records.record import Record
@@ -53,7 +53,7 @@ def test_a_sweep_beside_steps_leaves_the_steps_alone():
 def test_short_rows_hold_the_readings_as_they_were():
     record = Record.of([1e5, 2e5, 1e5, 1e5], [0.1, 0.2, 0.0, 0.2], [5.0, 6.0, 7.0, 0.0],
                        [False, False, False, True])  # fmt: skip
-    made = tabulate(record).grid
+    made = fit_table(record).grid
     assert_array_equal(made.pressure, [[1e5], [2e5]])
     assert_array_equal(made.strain, [[0.1, 0.0, 0.2], [0.2, 0.0, 0.0]])
     assert_array_equal(made.force, [[5.0, 7.0, 0.0], [6.0, 0.0, 0.0]])
@@ -69,7 +69,7 @@ def test_averaging_keeps_counts_and_means(n):
     strain = rng.uniform(0, 0.3, n)
     force = 100 * (0.3 - strain) + rng.normal(size=n)
     clipped = force < 2
-    made = tabulate(Record.of(1e5 + rng.normal(scale=10, size=n), strain, force, clipped)).grid
+    made = fit_table(Record.of(1e5 + rng.normal(scale=10, size=n), strain, force, clipped)).grid
     assert made.count.shape[0] == 1
     assert made.count.shape[1] <= MAX_READINGS
     assert (made.count.shape[1] < n) == (n > MAX_READINGS)
@@ -85,7 +85,7 @@ def test_clipped_readings_are_never_averaged_with_others():
     n = 2000
     strain = np.repeat(np.linspace(0, 0.3, n // 2), 2)
     clipped = np.tile([False, True], n // 2)  # one of each at the same strain
-    made = tabulate(Record.of(1e5, strain, np.where(clipped, 0.0, 7.0), clipped)).grid
+    made = fit_table(Record.of(1e5, strain, np.where(clipped, 0.0, 7.0), clipped)).grid
     count, force = np.asarray(made.count)[0], np.asarray(made.force)[0]
     kinds = np.asarray(made.censored)[0][count > 0]
     assert kinds.sum() == (~kinds).sum() > 0
@@ -95,7 +95,7 @@ def test_clipped_readings_are_never_averaged_with_others():
 def test_averages_stay_in_their_step_of_strain():
     n, longest = 3000, 20
     strain = np.linspace(0, 0.3, n)
-    made = tabulate(Record.of(1e5, strain, strain), longest).grid
+    made = fit_table(Record.of(1e5, strain, strain), longest).grid
     assert made.count.shape == (1, longest)
     # the middles of twenty even steps
     step = 0.3 / longest
@@ -104,7 +104,7 @@ def test_averages_stay_in_their_step_of_strain():
 
 
 def test_a_long_stay_at_one_strain_is_one_average():
-    made = tabulate(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0))).grid
+    made = fit_table(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0))).grid
     assert_array_equal(made.count, [[500]])
     assert_allclose(made.strain, [[0.1]], rtol=1e-14)
 
@@ -113,7 +113,7 @@ def test_branches_are_never_averaged_with_each_other():
     n = 3000
     strain = np.r_[np.linspace(0, 0.3, n), np.linspace(0.3, 0, n)]
     branch = np.repeat([1, -1], n)
-    made = tabulate(Record.of(1e5, strain, 10.0 * branch, branch=branch))
+    made = fit_table(Record.of(1e5, strain, 10.0 * branch, branch=branch))
     used = np.asarray(made.grid.count) > 0
     # a loop of 20 N is still one: no mean lies between its branches
     assert_array_equal(np.asarray(made.grid.force)[used], 10.0 * made.branch[used])

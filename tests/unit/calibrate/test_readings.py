@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate.data import Grid
-from fascicle.calibrate.readings import SmoothCurves, read
+from fascicle.calibrate.readings import SmoothCurves, read_curves
 
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
@@ -49,7 +49,7 @@ def gridded(force, censored=None, strain=STRAIN, count=None):
 
 def read_many(data, forces):
     """Readings of many forces, each of their fields stacked; and the smooth free strains."""
-    found = [read(muscle, replace(data, force=np.asarray(force))) for force in forces]
+    found = [read_curves(muscle, replace(data, force=np.asarray(force))) for force in forces]
     names = ("free_strain", "free_strain_deviation", "blocked_force", "blocked_force_deviation",
              "valid", "noise", "coefficients", "covariance", "order")  # fmt: skip
     stacked = SimpleNamespace(**{
@@ -77,7 +77,7 @@ def scatter(z):
 def test_without_noise_they_are_what_made_the_data():
     quotient, stronger = 0.9 + 0.1 * P / P.max(), 0.95
     force, free, blocked = measured(quotient, stronger)
-    found = read(muscle, gridded(force))
+    found = read_curves(muscle, gridded(force))
     assert_array_equal(found.valid, P > 0)
     # forces are straight in the law's own here; what is left is the root's and sums' rounding
     assert_allclose(found.free_strain[1:], free[1:], rtol=1e-10)
@@ -91,7 +91,7 @@ def test_without_noise_they_are_what_made_the_data():
 def test_tables_give_back_blocked_force_and_free_strain():
     quotient = 0.9 + 0.1 * P / P.max()
     force, free, blocked = measured(quotient, 0.95)
-    found = read(muscle, gridded(force))
+    found = read_curves(muscle, gridded(force))
     c1, c2 = SmoothCurves(muscle, P, P.max()).corrections(found.coefficients)
     assert (c1[0], c2[0]) == (0.0, 1.0)
     tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
@@ -110,7 +110,7 @@ def test_a_dead_band_is_no_correction():
     force = np.asarray(banded.force(P[:, None], 0.9 * np.asarray(banded.free_strain(P))[:, None]
                                     * np.linspace(0, 1, 9)))  # fmt: skip
     strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)
-    found = read(banded, gridded(force, strain=strain))
+    found = read_curves(banded, gridded(force, strain=strain))
     c1, c2 = SmoothCurves(banded, P, P.max()).corrections(found.coefficients)
     assert_allclose(c1, 0, atol=1e-6 * force.max())
     assert_allclose(c2, 1, rtol=1e-6)
@@ -181,7 +181,7 @@ def test_without_pressure_nothing_is_read(noisy):
 def test_two_readings_that_pull_are_enough():
     strain = np.array([0.0, 0.03])
     force, free, blocked = measured(np.ones(P.size), 0.9, strain)
-    found = read(muscle, gridded(force, strain=strain))
+    found = read_curves(muscle, gridded(force, strain=strain))
     assert_array_equal(found.valid, P > 0)
     # two points and a line: exact without noise
     assert_allclose(found.blocked_force[1:], blocked[1:], rtol=1e-9)
@@ -196,7 +196,7 @@ def test_one_reading_that_pulls_is_not_enough():
     force, _, _ = measured(np.ones(P.size), 0.9, strain)
     count = np.ones(force.shape)
     count[3, 1] = 0.0
-    found = read(muscle, gridded(force, strain=strain, count=count))
+    found = read_curves(muscle, gridded(force, strain=strain, count=count))
     assert_array_equal(found.valid, (P > 0) & (np.arange(P.size) != 3))
     # the others' curves go through its place
     smooth = SmoothCurves(muscle, P, P.max()).free_strain(found.coefficients)
@@ -207,21 +207,21 @@ def test_clipped_readings_are_not_read():
     force, free, blocked = measured(np.ones(P.size), 0.95)
     # also where the muscle pulls, as by a gauge that slipped there
     clipped = (force < 0) | (np.arange(STRAIN.size) == 3)
-    found = read(muscle, gridded(np.where(clipped, 0.0, force), clipped))
+    found = read_curves(muscle, gridded(np.where(clipped, 0.0, force), clipped))
     assert_allclose(found.free_strain[1:], free[1:], rtol=1e-8)
     assert_allclose(found.blocked_force[1:], blocked[1:], rtol=1e-8)
 
 
 def test_where_all_is_clipped_nothing_is_valid():
     force = np.zeros((P.size, STRAIN.size))
-    found = read(muscle, gridded(force, np.ones(force.shape, bool)))
+    found = read_curves(muscle, gridded(force, np.ones(force.shape, bool)))
     assert not np.any(found.valid)
 
 
 def test_a_level_that_only_pushes_is_not_valid():
     force, _, _ = measured(np.ones(P.size), 0.95)
     force[2] = -5.0 - np.linspace(0, 1, STRAIN.size)
-    found = read(muscle, gridded(force))
+    found = read_curves(muscle, gridded(force))
     assert not bool(found.valid[2])
     assert np.all(np.asarray(found.valid)[3:])
 
@@ -230,8 +230,8 @@ def test_averages_weigh_what_they_average():
     # nine readings in one place are three times as sure
     force, _, _ = measured(np.ones(P.size), 0.95)
     force = force + np.random.default_rng(2).normal(scale=SIGMA, size=force.shape)
-    one = read(muscle, gridded(force))
-    nine = read(muscle, gridded(force, count=np.full(force.shape, 9.0)))
+    one = read_curves(muscle, gridded(force))
+    nine = read_curves(muscle, gridded(force, count=np.full(force.shape, 9.0)))
     assert_allclose(nine.free_strain[1:], one.free_strain[1:], rtol=1e-9)
     assert_allclose(nine.noise, 3 * one.noise, rtol=1e-6)
     assert_allclose(nine.blocked_force_deviation[1:], one.blocked_force_deviation[1:], rtol=1e-6)
@@ -242,6 +242,6 @@ def test_a_curve_that_misses_its_readings_is_widened():
     quotient = np.where(P > 180e3, 1.0, 0.8)
     force, _, _ = measured(quotient, 0.95)
     force = force + np.random.default_rng(3).normal(scale=0.05, size=force.shape)
-    found = read(muscle, gridded(force))
+    found = read_curves(muscle, gridded(force))
     assert found.misfit[0] > 10
     assert found.misfit[1] < 2

@@ -11,7 +11,7 @@ from fascicle.calibrate.least_squares import (
     CONVERGED,
     STOPPED,
     Problem,
-    Solutions,
+    SearchEnds,
     _remaining,
     solve,
     starts_around,
@@ -54,7 +54,7 @@ def given(straight):
 
 def ends(cost, status, steps=3):
     n = len(cost)
-    return Solutions(
+    return SearchEnds(
         np.arange(2.0 * n).reshape(n, 2),
         np.asarray(cost, dtype=float),
         np.asarray(status),

@@ -12,7 +12,7 @@ from fascicle.calibrate.calibration import Calibration, Profile
 from fascicle.calibrate.comparison import Row
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.diagnostics import Diagnosis
-from fascicle.calibrate.least_squares import Linearization, Minimum, Problem, Solutions
+from fascicle.calibrate.least_squares import Linearization, Minimum, Problem, SearchEnds
 from fascicle.calibrate.parameters import coordinates, select_parameters
 from fascicle.calibrate.plot_data import figures, fit_plot, profiles_plot, readings_plot
 from fascicle.calibrate.posterior import Posterior
@@ -49,7 +49,7 @@ def calibration(warnings=MappingProxyType({"the search": ("Mind < the step.",)})
         none,
     )  # fmt: skip
     minimum = Minimum(covariance, np.zeros((2, 2)), 0.5, 0.5, place)
-    solutions = Solutions(
+    solutions = SearchEnds(
         np.stack([center, center]), np.array([1.0, 2.0]), np.array([0, 1]), np.array([7, 100])
     )
     fit = {
