@@ -74,7 +74,7 @@ def reject_reason(request: Any, hosts: AllowedHosts) -> Reason | None:
         return reason
     if request.path.startswith(_CLOSED):
         return 404, "This page doesn't exist."
-    return _reject_link(request.path, request.query)
+    return _link_reject_reason(request.path, request.query)
 
 
 def guard(app: Any, hosts: AllowedHosts) -> None:
@@ -141,8 +141,8 @@ def _reject_other_page(host: str, headers: Mapping[str, str], hosts: AllowedHost
     return None
 
 
-def _reject_link(path: str, query: str) -> Reason | None:
-    """Reason to reject a link that no explorer made, or `None`."""
+def _link_reject_reason(path: str, query: str) -> Reason | None:
+    """Reason to reject a link with too many, too long or malformed parts, or `None`."""
     try:
         pairs = parse_qsl(query, keep_blank_values=True, max_num_fields=_MOST_KEYS)
     except ValueError:

@@ -149,9 +149,9 @@ def bundle_solids(view: View, top: float) -> BundleSolids:
     bundle = view.bundle
     count = sum(int(unit.count) for unit in bundle.motor_units)
     fibers = next((number for limit, number in _FIBERS.items() if count <= limit), 0)
-    solids, owners = [], []
+    solids, owners, shortening = [], [], min(view.strain, top)
     for i, unit in enumerate(bundle.motor_units):
-        strain = view.strain
+        strain = shortening
         if bundle.ratios is not None:
             strain = float(muscle_strain(bundle.ratios[i], np.asarray(strain)))
         curves = muscle_curves(unit.muscle, view.pressures[i], strain, view.supply, top)

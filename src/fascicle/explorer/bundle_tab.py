@@ -252,7 +252,7 @@ class BundleView(Tab):
     # the figure
 
     def _add_chart(self) -> None:
-        """Add the chart of force over strain: workspace, units, bundle, equilibria, target."""
+        """Add the chart of force over strain: workspace, units, bundle, equilibria, point."""
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(290))
         chart.add_zero_line()
@@ -272,7 +272,7 @@ class BundleView(Tab):
             "multi_line", "xs ys color", line_width=1.6, line_dash="dashed",
             legend_label="each motor unit",
         )  # fmt: skip
-        self._force = chart.source("strain force", "bundle_force")
+        self._force = chart.new_source("strain force", "bundle_force")
         chart.figure.line("strain", "force", source=self._force, line_color=colors.ink,
                           line_width=3, legend_label="all motor units")  # fmt: skip
         self._hover = chart.add_force_hover()

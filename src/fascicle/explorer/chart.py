@@ -104,13 +104,13 @@ class Chart:
             self.figure, margin=0, css_classes=["figure"], stylesheets=[LAYOUT_CSS]
         )
 
-    def source(self, columns: str, name: str | None = None) -> Any:
-        """An empty source of `columns`; the browser finds it by its `name`."""
+    def new_source(self, columns: str, name: str | None = None) -> Any:
+        """An empty source with `columns`, such as "x y"; tests find it by its `name`."""
         return ColumnDataSource(data={column: [] for column in columns.split()}, name=name)
 
     def add(self, kind: str, columns: str, name: str | None = None, **style: Any) -> Any:
         """Draw an empty source of `columns` by the figure's method `kind`; returns the source."""
-        source = self.source(columns, name)
+        source = self.new_source(columns, name)
         getattr(self.figure, kind)(source=source, **_COLUMNS[kind] | style)
         return source
 

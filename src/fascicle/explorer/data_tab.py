@@ -135,7 +135,7 @@ class FitResult(NamedTuple):
 
     @property
     def calibration(self) -> Calibration:
-        """The fit that was selected."""
+        """Calibration of the `selection`: its best candidate, or the only fit."""
         return self.selection.calibration
 
     @property
@@ -204,10 +204,10 @@ class DataView(Tab):
         self.saves = [
             download_button(
                 "Download tuned muscle", "toml",
-                lambda: self._file("tuned", self._tuned_muscle_toml()), disabled=True, width=184,
+                lambda: self._as_file("tuned", self._tuned_muscle_toml()), disabled=True, width=184,
             ),
             download_button(
-                "Download report", "html", lambda: self._file("report", self._shown_fit.report),
+                "Download report", "html", lambda: self._as_file("report", self._shown_fit.report),
                 disabled=True,
             ),
         ]  # fmt: skip
@@ -242,7 +242,7 @@ class DataView(Tab):
         self._after = chart.add(
             "multi_line", "xs ys color", "tuned", line_width=2.6, legend_label="tuned"
         )
-        self._labels = chart.source("x y label")
+        self._labels = chart.new_source("x y label")
         chart.add_labels(self._labels)
         chart.add_zero_line()
         self._measured_entry, _, self._tuned_entry = chart.style_legend()
@@ -483,8 +483,8 @@ class DataView(Tab):
         fit = self._shown_fit
         return calibrated_text(fit.calibration, _today(), fit.candidates)
 
-    def _file(self, kind: str, text: str) -> tuple[str, bytes]:
-        """Stem and content of a file of a `kind` on the fit."""
+    def _as_file(self, kind: str, text: str) -> tuple[str, bytes]:
+        """Stem of a download's name, with its `kind`, and `text` as its bytes."""
         return output_stem(self.file_name, kind, self.session.input_names), text.encode()
 
     def _use_tuned_muscle(self) -> None:

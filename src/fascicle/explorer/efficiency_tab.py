@@ -137,7 +137,7 @@ class EfficiencyView(Tab):
         self._path.param.watch(lambda event: session.change(path=event.new), "value")
         self._kind = dropdown("Map", _KINDS, width=230)
         self._kind.param.watch(lambda _: self._show_map(), "value")
-        self._make_map_chart()
+        self._add_map_chart()
         self._make_averages_chart()
         self._numbers, self._strip_note = pane(), pane(width=330)
         self.maps = LatestResult(self._show_maps, self.fail)
@@ -170,14 +170,15 @@ class EfficiencyView(Tab):
         for figure in self.figures:
             figure.loading = False
 
-    def _make_map_chart(self) -> None:
+    def _add_map_chart(self) -> None:
+        """Add the map of efficiency over contraction and force."""
         colors = self.colors
         chart = self.map_chart = Chart(
             colors, "Contraction ε [–]", "Force F [N]", screen_height(320)
         )
         self._mapper = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
         columns = ("image", "x", "y", "dw", "dh")
-        self._image = chart.source(" ".join(columns), "efficiency")
+        self._image = chart.new_source(" ".join(columns), "efficiency")
         chart.figure.image(*columns, source=self._image, color_mapper=self._mapper)
         self._hover = chart.add_hover([])
         self._strips = chart.add(
@@ -205,7 +206,7 @@ class EfficiencyView(Tab):
             (True, "solid", colors.curves[0], "circle"),
             (False, "dashed", colors.curves[1], "square"),
         ):
-            source = chart.source("x y", f"average_{resistance}".lower())
+            source = chart.new_source("x y", f"average_{resistance}".lower())
             both = {
                 "source": source,
                 "legend_label": f"with{'' if resistance else 'out'} resistance",

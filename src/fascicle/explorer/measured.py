@@ -52,7 +52,7 @@ class MeasuredCurves(NamedTuple):
 def read_record(
     raw: bytes, name: str, muscle: Muscle, options: Mapping[str, Any] | None = None
 ) -> Record:
-    """Record of an uploaded file; a `muscle` gives the rest length where it has none."""
+    """Record of an uploaded file; the `muscle`'s length stands in for a missing rest length."""
     if not raw.strip():
         raise ValueError(f"{name}: the file is empty, {len(raw)} bytes.")
     if len(raw) > LARGEST_FILE:
@@ -142,7 +142,9 @@ def example_record(muscle: Muscle) -> bytes:
 
 
 def mismatch_reason(muscle: Muscle, record: Record) -> str:
-    """Reason why a `record` can hardly be of this `muscle`, or stretches it; empty without one."""
+    """Reason why a `record` doesn't suit this `muscle`: it stretches it, has no pressure, or pulls
+    far past its free strain; else empty.
+    """
     if stretched := extension_message(record.strain, lowest_strain(*strain_domain(muscle))):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))

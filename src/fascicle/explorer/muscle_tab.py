@@ -94,7 +94,7 @@ class MuscleView(Tab):
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Show a `view`, with its strain lowered to the muscle's limit."""
         self.top, strain = strain_limit(view.muscle, view.supply), view.strain
         if strain > self.top:
             self.session.view = view = replace(view, strain=self.top)
@@ -152,9 +152,9 @@ class MuscleView(Tab):
             "multi_line", "xs ys color label", "family", line_width=1.2, line_alpha=0.9
         )
         chart.add_hover([("P", "@label")])
-        self._family_names = chart.source("x y label")
+        self._family_names = chart.new_source("x y label")
         chart.add_labels(self._family_names)
-        self.curve = chart.source(f"strain {' '.join(PARTS)}", "curve")
+        self.curve = chart.new_source(f"strain {' '.join(PARTS)}", "curve")
         for (component, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
             chart.figure.line("strain", component, source=self.curve, line_color=color,
                               line_dash=dash, line_width=1.8, legend_label=component)  # fmt: skip

@@ -193,6 +193,6 @@ class LineFormatter(logging.Formatter):
 
 
 def _handle_exception(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Report an exception of the loop, except that a page was closed meanwhile."""
+    """Report an exception of the loop, unless it only says that a page was closed."""
     if not isinstance(context.get("exception"), StreamClosedError | WebSocketClosedError):
         loop.default_exception_handler(context)

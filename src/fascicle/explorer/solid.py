@@ -141,11 +141,11 @@ class Scene:
         figure = chart.figure
         figure.stylesheets = [*figure.stylesheets, _FRAME]
         figure.background_fill_color = figure.border_fill_color = colors.raised
-        camera = chart.source("azimuth elevation")
+        camera = chart.new_source("azimuth elevation")
         camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
-        self.points = chart.source("x y z", name)
-        self._faces = chart.source("a b c d red green blue")
-        self._fibers = chart.source("x y z nx ny nz", f"{name}_fibers")
+        self.points = chart.new_source("x y z", name)
+        self._faces = chart.new_source("a b c d red green blue")
+        self._fibers = chart.new_source("x y z nx ny nz", f"{name}_fibers")
         drawn = chart.add("patches", "xs ys color", f"{name}_drawn", color="color", line_width=0.6)
         project = CustomJS(
             args={"camera": camera, "points": self.points, "faces": self._faces,
@@ -170,7 +170,7 @@ class Scene:
         self._kinds: tuple[Any, ...] = ()
 
     def panes(self, *widgets: Any) -> tuple[Any, Any]:
-        """The figure, and a row of its slider and `widgets`."""
+        """The figure, and a row of the slider that turns it and `widgets`."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
         return self._chart.new_pane(), row(slider, *widgets, kind="")
 

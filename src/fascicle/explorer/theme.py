@@ -56,7 +56,7 @@ def height_css(height: str) -> str:
 
 
 def page_css(colors: Colors) -> str:
-    """Style sheet of the page's head, or of its outermost element, as in a notebook."""
+    """Style sheet of a whole page, for its head or, in a notebook, for its root element."""
     # the browser's own arrow of a list is black on dark pages, too
     path = f"<path d='M1 1l4 5 4-5' fill='none' stroke='{colors.ink}' stroke-width='1.6'/>"
     arrow = f"<svg xmlns='http://www.w3.org/2000/svg' width='10' height='8'>{path}</svg>"

@@ -50,8 +50,8 @@ class Drawing(NamedTuple):
     extent: tuple[float, float, float, float]
 
 
-def part_colors(colors: Colors) -> dict[str, str]:
-    """Colors of the kinds of parts on a page of these `colors`."""
+def rigid_colors(colors: Colors) -> dict[str, str]:
+    """Colors by kind of what is drawn around muscles: plates, rods, load, pulley, arm, demand."""
     return {
         "plate": colors.fitting, "rod": colors.soft, "load": colors.soft, "held": colors.edge,
         "pulley": mix(colors.soft, colors.paper, 0.5), "arm": colors.ink, "demand": colors.bad,
@@ -70,7 +70,7 @@ def bundle_drawing(
     for unit, muscle in enumerate(muscles):
         pressure = np.maximum(P[:, unit], 0.0)
         bounded = np.clip(eps, low, high)[:, unit]
-        tubes.append(_tubes(muscle, pressure, bounded))
+        tubes.append(_tube_outlines(muscle, pressure, bounded))
         response = muscle.law.at(pressure[:, None]).response(bounded[:, None])
         states.append(np.asarray(response.region)[:, 0])
     # a unit of shorter muscles hangs on a rod, which keeps its length
@@ -102,8 +102,8 @@ def bundle_drawing(
     )  # fmt: skip
 
 
-def _tubes(muscle: object, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """Outline of a muscle that hangs from y = 0 [mm], at each `pressure` [Pa] and `strain` [-]."""
+def _tube_outlines(muscle: object, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """Outlines [mm] of a muscle that hangs from y = 0, at each `pressure` [Pa] and `strain` [-]."""
     shapes = []
     for shape in outlines(muscle, pressure, strain):  # type: ignore[arg-type]
         sides = [

@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 from PIL import Image
 
 from ..plot.theme import FIGURES, LIGHT, new_figure, styled
-from .time_drawing import ALPHAS, HATCHED, STATES, Drawing, part_colors
+from .time_drawing import ALPHAS, HATCHED, STATES, Drawing, rigid_colors
 
 
 MOST_FRAMES = 90  # of a film: some megabytes, and ten seconds to draw
@@ -69,7 +69,7 @@ def film(
     left, right, low, high = drawing.extent
     scene.set(xlim=(left, right), ylim=(low, high), aspect="equal")
     scene.axis("off")
-    fills = part_colors(LIGHT)
+    fills = rigid_colors(LIGHT)
     for polygon, kind in zip(drawing.fixed, drawing.fixed_kinds, strict=True):
         scene.add_patch(Polygon(polygon, color=fills[kind]))
     rigid = [Polygon(drawing.rigid[0, i], color=fills[kind])

@@ -29,7 +29,7 @@ from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_
 from .state import Session, View
 from .tab import LatestResult, Tab, progress_bar
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, pane, row, side_column
-from .time_drawing import ALPHAS, HATCHED, STATES, part_colors
+from .time_drawing import ALPHAS, HATCHED, STATES, rigid_colors
 from .time_film import ChartCurves, Curve, film
 from .time_run import PolicyResult, SimulationResult, run_figure, run_policies
 from .widgets import (
@@ -207,10 +207,10 @@ class TimeView(Tab):
             "text", "x y label", "time_labels", text_color=colors.ink, text_align="center",
             text_baseline="bottom", text_font_size="12px", text_line_height=1.1,
         )  # fmt: skip
-        valves = scene.source("x y marker size color", "time_valves")
+        valves = scene.new_source("x y marker size color", "time_valves")
         scene.figure.scatter("x", "y", source=valves, marker="marker", size="size",
                              fill_color="color", line_color="color", line_width=2)  # fmt: skip
-        frames = self._frames = scene.source("time", "time_frames")
+        frames = self._frames = scene.new_source("time", "time_frames")
         frames.tags = [None]
         code = CustomJS(
             args={
@@ -548,7 +548,7 @@ class TimeView(Tab):
         pressure_unit, pressure = self.unit("pressure")
         openings = self._openings(run)
         openings = np.where(np.abs(openings) < _OPEN, 0.0, openings)
-        fills = part_colors(colors)
+        fills = rigid_colors(colors)
         force, contraction, *_ = self._chart_curves(colors)
         numbers, columns = [], {}
         for (name, unit, curves), key in ((force, "force"), (contraction, "position")):

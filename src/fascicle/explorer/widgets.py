@@ -105,7 +105,7 @@ class Message:
 
     @property
     def text(self) -> str:
-        """HTML of the line; empty where there is no error."""
+        """HTML of the error that is shown, or empty."""
         return str(self.pane.object)
 
     def show(

@@ -250,6 +250,13 @@ def test_muscles_stand_apart_inside_their_envelope():
     assert scene.envelope > np.hypot(*centers.T).max() + deflection
 
 
+def test_muscles_are_drawn_at_the_largest_strain_if_the_view_has_a_larger_one():
+    beyond, largest = (
+        bundle_curves.bundle_solids(replace(VIEW, strain=x), 0.3) for x in (0.5, 0.3)
+    )
+    assert beyond.envelope == largest.envelope
+
+
 def test_split_curves_are_the_reversals_of_the_library():
     (curve,) = split_curves(SIX, ((1, 2),), 344.7e3)
     bundle = fs.Bundle([fs.MotorUnit(SIX, 1), fs.MotorUnit(SIX, 2)], 344.7e3)

@@ -210,5 +210,5 @@ def test_every_point_of_the_bundles_picture_is_in_its_legend():
 
 def test_the_typeface_of_labels_is_no_column():
     chart = Chart(LIGHT, "x", "y", "300px")
-    chart.add_labels(chart.source("x y label"))
+    chart.add_labels(chart.new_source("x y label"))
     assert chart.figure.center[-1].text_font == value("DejaVu Sans")
