@@ -15,7 +15,6 @@ $$F = -F_c + (F(\varepsilon_c) + F_c) e^{-\beta (\varepsilon - \varepsilon_c)}. 
 **Source:** Kim, Mazzoleni and Bryant (2021), 3.3.
 """
 
-import abc
 from typing import ClassVar
 
 import numpy as np
@@ -35,13 +34,19 @@ def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
 
 @with_former_names
 class AbstractPostCollapse(AbstractLaw):
-    """A reading of (25): two clamped halves and a hinge that push the ends apart."""
+    """A reading of (25): two clamped halves and a hinge that push the ends apart. `slope_factor`:
+    $f$ of their slope at the hinge, $f \\sqrt{x/(L_{fs} - x)}$.
+    """
 
     slope_factor: ClassVar[float]
 
-    @abc.abstractmethod
     def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
-        """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]."""
+        """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]; by
+        default $EI\\pi^2 f^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$, as the square of their slope.
+        """
+        EI, L, x = column.bending_stiffness, column.free_length, compression
+        unit = EI * np.pi**2 / (L - x) ** 3 * (self.slope_factor**2 / 4)
+        return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
 
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
         """Push $F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge`: $M_h$ [N·m]."""
@@ -66,24 +71,12 @@ class AbstractPostCollapse(AbstractLaw):
         return Centerline(z=chord * along, y=y)
 
 
-def bent_halves(column: Column, x: Batch) -> tuple[Batch, Batch]:
-    """$EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N] at a compression of `x` [m], and its slope."""
-    EI, L = column.bending_stiffness, column.free_length
-    unit = EI * np.pi**2 / (L - x) ** 3
-    return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
-
-
 class Derived(AbstractPostCollapse):
     """The term that (24) leads to: halves whose slope at the hinge is $\\sqrt{x/(L_{fs} - x)}$."""
 
     name: ClassVar[str] = "derived"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), derived from (24)"
     slope_factor: ClassVar[float] = 1.0
-
-    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
-        """$B = EI\\pi^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$ [N], and its slope [N/m]."""
-        B, slope = bent_halves(column, compression)
-        return B / 4, slope / 4
 
 
 class Consistent(AbstractPostCollapse):
@@ -92,10 +85,6 @@ class Consistent(AbstractPostCollapse):
     name: ClassVar[str] = "consistent"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), with inextensible halves"
     slope_factor: ClassVar[float] = 2.0
-
-    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
-        """$B = EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N], and its slope [N/m]."""
-        return bent_halves(column, compression)
 
 
 class Printed(AbstractPostCollapse):
