@@ -8,9 +8,9 @@ $$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
 then is their zero. These readings come first: they correct the record before the fit if the zero
-exceeds their scatter and half of the push that the muscle's law predicts. A passive force that
-the law lacks is a polynomial of the strain; only readings repeated at one strain show a drift
-beside it.
+exceeds their scatter and half of the push that the muscle's law predicts, also if the law lacks a
+passive force, a polynomial of the strain. Only readings repeated at one strain show a drift beside
+such a force.
 
 **Assumes** that the lowest pressure of a record is a vented muscle if it is below 1 % of the
 highest. **Not resolved:** a scale of the force beside a free radius, and a zero of the pressure
@@ -199,32 +199,43 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     elapsed = np.zeros(count) if record.time is None else record.time[vented] - start
     # a passive force that the law lacks; at the rest length it is zero
     orders = min(_PASSIVE_ORDERS, np.unique(strain // _SAME_STRAIN).size - 1)
-    constant = np.polynomial.polynomial.polyvander(
-        strain / max(float(np.max(strain)), 1e-9), orders
-    )
-    later = elapsed - constant @ np.linalg.lstsq(constant, elapsed, rcond=None)[0]
+    smooth = np.polynomial.polynomial.polyvander(strain / max(float(np.max(strain)), 1e-9), orders)
+    later = elapsed - smooth @ np.linalg.lstsq(smooth, elapsed, rcond=None)[0]
     drifts = duration > 0 and float(np.ptp(later)) > _APART * duration
-    # the push predicted by the law may be in error by a share with a prior of its own
-    basis = np.column_stack([constant, push, *([elapsed] if drifts else [])])
-    best, _, rank, _ = np.linalg.lstsq(basis, F - push, rcond=None)
-    freedom = count - int(rank)
-    if freedom < 1:
-        return VentedReadings(Gauge(**zeros, start=start), deviations, count)
-    noise = np.linalg.norm(F - push - basis @ best) / np.sqrt(freedom)
-    # never zero, as of readings without noise
-    noise = max(float(noise), 1e-6 * float(np.max(np.abs(record.force))))
-    share = constant.shape[1]  # column of the push
-    precision = basis.T @ basis
-    precision[share, share] += (noise / _PUSH_ERROR) ** 2
-    covariance = noise**2 * np.linalg.inv(precision)
-    best = covariance @ basis.T @ (F - push) / noise**2
-    # wider, as the scatter of few readings is itself uncertain
-    deviation = np.sqrt(np.diag(covariance)) * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
-    deviations["force_zero"] = float(deviation[0])
-    if drifts:
-        deviations["force_drift"] = float(deviation[-1])
-        if abs(best[-1]) > _CLEAR * deviation[-1]:
-            zeros["force_drift"] = float(best[-1])
-    if abs(best[0]) > _CLEAR * deviation[0] or "force_drift" in zeros:
+    names = ["force_zero", *(["force_drift"] if drifts else [])]
+    columns = [smooth[:, 0], *([elapsed] if drifts else [])]
+    least_noise = 1e-6 * float(np.max(np.abs(record.force)))  # of readings without any
+    # errors of the gauges show whether the law lacks a passive force or not
+    fits = [
+        _fit_push(F - push, push, np.column_stack([*columns, *passive]), least_noise)
+        for passive in ([], smooth.T[1:])
+    ]
+    best, _ = fits[-1]
+    for i, name in enumerate(names):
+        deviations[name] = max(float(deviation[i]) for _, deviation in fits)
+        if all(abs(value[i]) > _CLEAR * deviation[i] for value, deviation in fits):
+            zeros[name] = float(best[i])
+    if "force_drift" in zeros:  # it is the change of a zero
         zeros["force_zero"] = float(best[0])
     return VentedReadings(Gauge(**zeros, start=start), deviations, count)
+
+
+def _fit_push(
+    missed: np.ndarray, push: np.ndarray, columns: np.ndarray, least_noise: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients of `columns` in the forces that a predicted `push` missed [N], and their
+    standard deviations; infinite without a reading more than coefficients.
+    """
+    # the push predicted by the law may be in error by a share with a prior of its own
+    basis = np.column_stack([columns, push])
+    best, _, rank, _ = np.linalg.lstsq(basis, missed, rcond=None)
+    freedom = missed.size - int(rank)
+    if freedom < 1:
+        return best[:-1], np.full(columns.shape[1], np.inf)
+    noise = max(float(np.linalg.norm(missed - basis @ best)) / np.sqrt(freedom), least_noise)
+    precision = basis.T @ basis
+    precision[-1, -1] += (noise / _PUSH_ERROR) ** 2
+    inverse = np.linalg.inv(precision)
+    # wider, as the scatter of few readings is itself uncertain
+    wider = noise * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
+    return (inverse @ basis.T @ missed)[:-1], wider * np.sqrt(np.diag(inverse))[:-1]

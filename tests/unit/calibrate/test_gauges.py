@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fascicle as fs
 from fascicle.calibrate import Gauge, Prior, fit
 from fascicle.calibrate.channels import _lag, channel_faults
 from fascicle.calibrate.gauges import PERFECT, read_vented
 from fascicle.calibrate.plot_data import fit_plot
 from fascicle.files.calibration_files import calibrated_files, provenance_of
+from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
 from gauge_bench import MUSCLE, TRUTH, bench_record
 
@@ -53,6 +55,16 @@ def test_a_passive_force_of_later_lengths_is_no_drift(seed, interval):
     time = interval * np.arange(P.size)
     record = Record.of(P, strain, force, time=time, rest_length=0.2, synthetic=True)
     assert read_vented(record, MUSCLE).gauge == PERFECT
+
+
+def test_a_wrong_push_of_the_law_is_no_zero():
+    # synthetic: the factors on the resisting force are not those of the muscle that predicts it
+    true = fs.example("kim2021_slenderness_10")
+    sizes = true.length, true.outer_radius, true.wall_thickness, true.braid_angle
+    model = fs.Muscle.from_dimensions(*sizes, material=true.material)
+    machine = VirtualDynamometer(pressures=[0.0, 344.7e3], samples=60, both_ways=False)
+    for seed in range(30):
+        assert read_vented(machine.record(true, seed=seed), model).gauge == PERFECT
 
 
 def test_a_prior_of_a_gauge_may_be_far_from_its_unit():
