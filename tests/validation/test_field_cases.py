@@ -36,7 +36,7 @@ def test_every_file_is_read(name):
     ("name", "choice"),
     [
         ("01_headerless.csv", ("columns", "")),
-        ("04_bluehill_200kPa.csv", ("constants", "pressure")),
+        ("04_bluehill_200kPa.csv", ("name_pattern", "")),
         ("07_hanging_mass.csv", ("units", "force")), ("07b_mass_kg.csv", ("units", "force")),
     ],
 )  # fmt: skip

@@ -128,12 +128,15 @@ def read_record(
     """
     from ..records import join, load
     from ..records.columns import MissingMetadataError
+    from ..records.file_names import check_pressures_in_names
     from ..records.reading import find_files
 
     records, assumed = [], False
     with user_errors():
         try:
-            for path in find_files(paths):
+            files = find_files(paths)
+            check_pressures_in_names(files, options["constants"])
+            for path in files:
                 try:
                     records.append(load(path, **options))
                 except MissingMetadataError as error:

@@ -4,12 +4,13 @@ Every inference becomes a note of the record; an ambiguous header is refused, wi
 """
 
 import difflib
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from ..core.errors import InvalidInputError
+from .file_names import suggest_pattern
 from .headers import (
     DIMENSIONS,
     LONGER,
@@ -301,13 +302,8 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         if name and i not in used and (fits or (role == "pressure" and is_absolute(stated))):
             names.append(name)
     before = f"{table.where}: no column of {quantity} found: "
-    # a pressure or length in the file's name
-    units = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N"}[role]
-    pattern = rf"(?<![\d.,])(\d+(?:[.,]\d+)?)\s*({units})(?![a-z])"
-    stem = re.search(pattern, table.source, re.IGNORECASE)
-    example = f"{stem[1].replace(',', '.')} {stem[2]}" if stem else _EXAMPLES[role]
-    reason = ", as the file's name says" if stem else ", if it is one for all readings"
-    constant = ("constants", role, example, reason)
+    constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
+    pattern = suggest_pattern(Path(table.source).stem, role)
     if role == "pressure" and len(set(names)) < len(names):
         what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
         return MissingMetadataError(what, ("constants", role, "200 kPa", ", if it is one"))
@@ -320,8 +316,9 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         after = ", or length[mm] or displacement[mm] instead, in the units of the file"
         what = f"{before}name the columns of one pressure, {_list_names(names)}, with "
         return MissingMetadataError(what, ("columns", "", ",".join(example), after))
-    if stem or not names:
-        return MissingMetadataError(f"{before}add it, or give ", constant)
+    if pattern or not names:
+        named = ("name_pattern", "", pattern, ", as the file's name says")
+        return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
     if len(names) == 1 and role == "length" and is_unit(read_header(names[0])[0][1], ("length",)):
         choices = [("columns", role, names[0], ""), ("columns", "displacement", names[0], "")]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)

@@ -13,6 +13,7 @@ from .units import POSITIONS, SPELLINGS, is_absolute, is_unit, strip_brackets
 
 ROLES = ("pressure", "force", "torque", "strain", "length", "displacement", "angle", "moment_arm",
          "time", "branch", "clipped")  # fmt: skip
+CONSTANTS = ROLES[:8]  # that one file may share
 # of the roles that aren't dimensions themselves
 DIMENSIONS = {"displacement": "length", "torque": "moment", "moment_arm": "length"}
 TERMS = {
@@ -120,6 +121,11 @@ def score(header: str, unit: str, role: str) -> int:
         elif role in {"pressure", "force", "torque"} and fits:
             best = max(best, 1)
     return best
+
+
+def dimension_of(role: str) -> str:
+    """Dimension of a role's quantity, also of the rest length."""
+    return "length" if role == "rest_length" else DIMENSIONS.get(role, role)
 
 
 def is_known(header: str) -> bool:

@@ -16,8 +16,9 @@ from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
+from .file_names import check_pressures_in_names, read_name
 from .formats import table_text
-from .headers import DIMENSIONS, ROLES, read_header
+from .headers import CONSTANTS, ROLES, dimension_of, read_header
 from .joint import read_arm_table
 from .joint_readings import check_direction, read_joint
 from .published import from_json
@@ -32,7 +33,7 @@ from .quantities import (
     read_time,
 )
 from .record import Record, Source, join
-from .sidecar import CONSTANTS, ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
+from .sidecar import ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, TableColumns, open_table
 from .units import Column
 
@@ -42,7 +43,6 @@ _TEXT_ROLES = ("branch", "clipped")
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
 _SI_UNITS = {"pressure": "Pa", "force": "N", "torque": "N*m", "length": "m", "displacement": "m",
              "angle": "rad", "moment_arm": "m", "strain": "-"}  # fmt: skip
-_PATTERN_NAMES = (*CONSTANTS, "rest_length")
 
 
 def load(
@@ -103,15 +103,16 @@ def load(
         "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "moment_arm": moment_arm,
         "rows": rows, "table": table,
     }  # fmt: skip
-    records = []
-    for file in find_files(path):
+    records, files = [], find_files(path)
+    check_pressures_in_names(files, constants)
+    for file in files:
         raw = read_bytes(file, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
         if sidecar is None:
             info, notes = sidecar_beside(file)
         else:
             info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
         if name_pattern is not None:
-            changes = _read_name(file, name_pattern)
+            changes = read_name(file, name_pattern)
             info = info.model_copy(update=changes)
             notes += (f"its name gives {_list_values(changes)}",)
         records.append(_read_record(raw, str(file), file.name, _overrule(info, **options), notes))
@@ -186,7 +187,7 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
     for name, (role, value) in quantities.items():
         # a constant's name alone would be that of the muscle's size
         label = f"constant {name}" if name == role != "moment_arm" else name
-        number = parse(value, _dimension(role), label) if isinstance(value, str) else value
+        number = parse(value, dimension_of(role), label) if isinstance(value, str) else value
         number = float(to_si(number, role, _SI_UNITS[role]))
         is_size = name in ("rest_length", "moment_arm")
         if not np.isfinite(number) or (is_size and number <= 0):
@@ -205,42 +206,10 @@ def _direction(role: str, text: str) -> str:
     return direction
 
 
-def _read_name(path: Path, pattern: str) -> dict[str, float]:
-    """Constants [SI] that the file's name holds where the `pattern` has their names in braces.
-
-    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`.
-    """
-    # text, and after each piece of it a name, its unit in the braces, and the unit behind them
-    *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
-    expression, fields = "", []
-    for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
-        expression += _wildcard_expression(text) + r"([+-]?\d+(?:[.,]\d+)?)"
-        fields.append((name, inside or behind))
-        if name not in _PATTERN_NAMES:
-            hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
-            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
-    if not fields:
-        hint = 'write such as "{length}cm_{pressure}kPa"'
-        raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
-    match = re.search(expression + _wildcard_expression(end), path.stem)
-    if match is None:
-        raise ValueError(f"{path}: the file's name doesn't fit the pattern {pattern!r}.")
-    values = {}
-    for (name, unit), text in zip(fields, match.groups(), strict=True):
-        values[name] = parse(f"{text.replace(',', '.')} {unit}", _dimension(name), name)
-    return values
-
-
-def _wildcard_expression(text: str) -> str:
-    return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
-
-
 def _list_values(values: Mapping[str, float]) -> str:
-    return ", ".join(f"{role} {pretty(value, _dimension(role))}" for role, value in values.items())
-
-
-def _dimension(role: str) -> str:
-    return "length" if role == "rest_length" else DIMENSIONS.get(role, role)
+    return ", ".join(
+        f"{role} {pretty(value, dimension_of(role))}" for role, value in values.items()
+    )
 
 
 def _read_record(

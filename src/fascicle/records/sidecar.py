@@ -54,14 +54,12 @@ from ..io.toml import parse_toml
 from ..table_model import Quantity, TableModel, validation_message
 from ..units import parse
 from .columns import check_roles, split_names
+from .headers import CONSTANTS
 from .joint import ArmTable, read_arm_table
 
 
 _MAX_SIZE = 1_000_000  # bytes
 _NEGATIVE = ("pushing positive", "extension positive")
-# that one file may share
-CONSTANTS = ("pressure", "force", "torque", "strain", "length", "displacement", "angle",
-             "moment_arm")  # fmt: skip
 # gauges that may be off by a constant, and the joint's angle at rest
 ZEROS = ("pressure", "force", "torque", "displacement", "angle")
 

@@ -1,6 +1,7 @@
 """Files in the manner of instruments and loggers, all with the same four readings."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from numpy.testing import assert_allclose
 from fascicle.core.errors import MissingExtraError
 from fascicle.records import load, loads, runs
 from fascicle.records.columns import MissingMetadataError
+from fascicle.records.file_names import read_name, suggest_pattern
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
@@ -268,7 +270,7 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
     strain = (180 - 167) / 180
     with pytest.raises(MissingMetadataError) as error:
         load(path, rest_length=REST)
-    assert error.value.choices[-1][:3] == ("constants", "length", "16.7 cm")
+    assert error.value.choices[-1][:3] == ("name_pattern", "", "{length}cm")
     for options in (
         {"constants": {"length": 0.167}}, {"constants": {"length": "167 mm"}},
         {"name_pattern": "{length}cm"}, {"name_pattern": "run_{length:cm}*up"},
@@ -289,6 +291,41 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
         load(path, name_pattern="{mass}kg")
     with pytest.raises(ValueError, match="constant pressure: 3e\\+06 Pa is above 1 MPa"):
         load(path, constants={"pressure": "3 MPa"})
+
+
+@pytest.mark.parametrize(
+    ("name", "pattern", "value"),
+    [
+        ("P=150kPa_run2", "{pressure}kPa", 150e3), ("M7_14.5psi_up", "{pressure}psi", 99.97e3),
+        ("180mm-200 KPA", "-{pressure:kPa} KPA", 200e3), ("p1_0bar", "", 0), ("p_1_5bar", "", 0),
+    ],
+)  # fmt: skip
+def test_a_pattern_is_offered_for_a_pressure_in_a_name(name, pattern, value):
+    assert suggest_pattern(name, "pressure") == pattern
+    if pattern:
+        read = read_name(Path(f"{name}.csv"), pattern)
+        assert read == {"pressure": pytest.approx(value, rel=1e-4)}  # 99.97 has four digits
+
+
+def test_one_pressure_for_files_whose_names_state_several_is_refused(tmp_path):
+    for pressure in (150, 250):
+        rows = table(",", [[f + pressure for f in FORCE], CONTRACTION])
+        (tmp_path / f"{pressure}kPa.csv").write_text("F [N],x [mm]\n" + rows)
+    pattern, options = str(tmp_path / "*.csv"), {"rest_length": REST}
+    with pytest.raises(MissingMetadataError) as error:
+        load(pattern, constants={"pressure": 150e3}, **options)
+    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
+    assert set(load(pattern, name_pattern="{pressure}kPa", **options).pressure) == {150e3, 250e3}
+    # a name's pressure may be a nominal one
+    record = load(tmp_path / "150kPa.csv", constants={"pressure": 148e3}, **options)
+    assert set(record.pressure) == {148e3}
+
+
+def test_grams_in_a_name_are_a_weight(tmp_path):
+    path = tmp_path / "m=500g.csv"
+    path.write_text("P [kPa],x [mm]\n" + table(",", [PRESSURE, CONTRACTION]))
+    record = load(path, name_pattern="m={force}g", rest_length=REST)
+    assert_allclose(record.force, 4.903325)
 
 
 def test_files_by_pattern(tmp_path):

@@ -1,0 +1,71 @@
+"""Constants in the names of files, such as `run_150kPa.csv`, and patterns that read them."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import InvalidInputError
+from ..units import parse
+from .headers import CONSTANTS, MissingMetadataError, dimension_of
+from .units import SPELLINGS, weight_unit
+
+
+_PATTERN_NAMES = (*CONSTANTS, "rest_length")
+_UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N"}
+
+
+def read_name(path: Path, pattern: str) -> dict[str, float]:
+    """Constants [SI] that the file's name holds where the `pattern` has their names in braces.
+
+    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams and the
+    like of a force are weights.
+    """
+    # text, and after each piece of it a name, its unit in the braces, and the unit behind them
+    *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
+    expression, fields = "", []
+    for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
+        expression += _wildcard_expression(text) + r"([+-]?\d+(?:[.,]\d+)?)"
+        fields.append((name, inside or behind))
+        if name not in _PATTERN_NAMES:
+            hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
+            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
+    if not fields:
+        hint = 'write such as "{length}cm_{pressure}kPa"'
+        raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
+    match = re.search(expression + _wildcard_expression(end), path.stem)
+    if match is None:
+        raise ValueError(f"{path}: the file's name doesn't fit the pattern {pattern!r}.")
+    values = {}
+    for (name, unit), text in zip(fields, match.groups(), strict=True):
+        dimension = dimension_of(name)
+        number = f"{text.replace(',', '.')} {weight_unit(unit, dimension) or unit}"
+        values[name] = parse(number, dimension, name)
+    return values
+
+
+def _wildcard_expression(text: str) -> str:
+    return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
+
+
+def suggest_pattern(name: str, role: str) -> str:
+    """Pattern that reads a quantity with a unit in a file's `name`; empty without one."""
+    # 1_0bar may be 1.0 bar
+    number = r"(-?)(?<![\d.,])(?:\d+[.,]\d+|\d{2,}|(?<!\d_)\d)"
+    match = re.search(rf"{number}(\s*)({_UNITS[role]})(?![a-z])", name, re.IGNORECASE)
+    if match is None:
+        return ""
+    minus, blank, unit = match.groups()
+    usual = SPELLINGS[role][unit.lower()]
+    return f"{minus}{{{role}{'' if unit == usual and not blank else f':{usual}'}}}{blank}{unit}"
+
+
+def check_pressures_in_names(files: Sequence[Path], constants: Mapping[str, Any] | None) -> None:
+    """Refuse one pressure of all readings of `files` whose names state several."""
+    if "pressure" not in (constants or {}):
+        return
+    patterns = {path: suggest_pattern(path.stem, "pressure") for path in files}
+    stated = [(path, pattern) for path, pattern in patterns.items() if pattern]
+    if len({read_name(*pair)["pressure"] for pair in stated}) > 1:
+        before = f"{files[0]}: one pressure was given, the names of the files state several: give "
+        raise MissingMetadataError(before, ("name_pattern", "", stated[0][1], " instead"))
