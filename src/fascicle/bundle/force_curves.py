@@ -47,7 +47,7 @@ Array = np.ndarray
 Residual = Callable[[Array, Array], Array]
 
 
-class MuscleCurves:
+class ForceOverLevel:
     """Force of one kind of muscle, by its law, over level: its pressure over the supply's, from 0
     to 1. A grid of levels says which region a muscle is in and where searches start.
 
@@ -91,10 +91,10 @@ class MuscleCurves:
         cell = np.searchsorted(self.levels[1:-1], level, "right")
         free_strain = np.minimum(self.free_strain[:-1], self.free_strain[1:])[cell]
         # without a force: a free strain that falls with pressure within a cell
-        rest = (strain >= free_strain) | (force <= 0)
-        if rest.any():
-            muscle = self.law.at(pressure[rest], self._free_strain(level[rest]))
-            force[rest], slope[rest] = muscle.force(strain[rest])
+        resists = (strain >= free_strain) | (force <= 0)
+        if resists.any():
+            muscle = self.law.at(pressure[resists], self._free_strain(level[resists]))
+            force[resists], slope[resists] = muscle.force(strain[resists])
         return self._between_plates(force, slope)
 
     def _between_plates(self, force: Array, slope: Array) -> Array:
@@ -134,7 +134,7 @@ class StateCurves:
         self.levels = pressure_grid([units[i].muscle.tuning for i in unique], supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
         self.muscles = [
-            MuscleCurves(units[i].muscle, ratios[i], supply, self.levels, resistance)
+            ForceOverLevel(units[i].muscle, ratios[i], supply, self.levels, resistance)
             for i in unique
         ]
         masks = states.throttled, states.vented, states.full

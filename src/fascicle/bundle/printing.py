@@ -80,8 +80,8 @@ def equilibria_table(equilibria: Any) -> ReprTable:
     stable = np.asarray(equilibria.stable).reshape(strains.shape)
     exists = np.isfinite(strains)
     rows = []
-    for i, found in enumerate(exists):
-        pairs = zip(strains[i, found], stable[i, found], strict=True)
+    for i, mask in enumerate(exists):
+        pairs = zip(strains[i, mask], stable[i, mask], strict=True)
         texts = [f"{strain:.4f}{'' if is_stable else ' u'}" for strain, is_stable in pairs]
         rows.append([str(i + 1), ", ".join(texts) or "none"])
     notes = []

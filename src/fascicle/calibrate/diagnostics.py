@@ -633,9 +633,9 @@ def _likely_causes(
         "zero": np.ones(strain.size),
         "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
     }
-    columns |= (known := residuals.trend_columns)
+    columns |= (trends := residuals.trend_columns)
     descriptions = dict(_CAUSES)
-    if "branch" not in known:  # one cycle of friction is like a drift
+    if "branch" not in trends:  # one cycle of friction is like a drift
         name, remedy = _CAUSES["time"]
         descriptions["time"] = f"{name}, or friction on branches that are not known", remedy
     trials = [

@@ -348,11 +348,11 @@ def _pulling_trials(
         # a search that begins at the end of a subset's search can't end with a larger error
         subsets = [key for key in ends if key <= set(names)]
         start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=None)
-        near = {} if start is None else ends[start]
+        closest_end = {} if start is None else ends[start]
         starts = min(options.starts, _STARTS)
         trial, end = _try_constants(
             data, muscle, names, _priors_of(priors, names),
-            replace(options, near=near, starts=starts),
+            replace(options, near=closest_end, starts=starts),
         )  # fmt: skip
         trials[frozenset(names)] = trial
         if names and not trial.violation:

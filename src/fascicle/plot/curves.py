@@ -325,7 +325,7 @@ def free_strain_states(
     names = [f"$P_{{{i + 1}}}$" for i in range(rows.shape[1]) if i != unit]
     labeled = len(states) <= _MAX_LABELS
     figure, axes = new_figure(width=SINGLE)
-    ax, jump_count, turns = axes[0, 0], 0, []
+    ax, jump_count, turn_points = axes[0, 0], 0, []
     for i, state in enumerate(states):
         mask = (constant == state).all(axis=1)
         P, first = np.unique(rows[mask, unit], return_index=True)
@@ -349,13 +349,13 @@ def free_strain_states(
         lowest = int(np.nanargmin(line[1]))
         # an invisible fall is no reversal
         if min(line[1][0], np.nanmax(line[1][lowest:])) - line[1][lowest] > _VISIBLE:
-            turns.append((line[0][lowest] / 1e3, line[1][lowest]))
+            turn_points.append((line[0][lowest] / 1e3, line[1][lowest]))
     dot: dict[str, Any] = {"linestyle": "", "marker": "o"}
     signs = [Line2D([], [], color=GRAY, markersize=2.4, label="computed", **dot)]
     if jump_count:
         signs.append(Line2D([], [], color=GRAY, label="jump", **_DOTTED))
-    if turns:
-        ax.plot(*np.transpose(turns), "o", color=BLACK, markersize=4, zorder=6)
+    if turn_points:
+        ax.plot(*np.transpose(turn_points), "o", color=BLACK, markersize=4, zorder=6)
         signs.append(Line2D([], [], color=BLACK, markersize=4, label="reversal point", **dot))
     symbol = "P" if isinstance(system, Muscle) else f"of unit {unit + 1}, $P_{{{unit + 1}}}$"
     ax.set(xlabel=f"Pressure {symbol} [kPa]", ylabel="Free strain $ε_f$ [–]")

@@ -90,7 +90,7 @@ def outline(
     """
     along = np.r_[0.0, np.cumsum(np.hypot(np.diff(z), np.diff(y)))]
     slope = np.arctan2(np.gradient(y, along), np.gradient(z, along))
-    above, below = np.full_like(z, radius), np.full_like(z, radius)
+    upper, below = np.full_like(z, radius), np.full_like(z, radius)
     if collapsed:
         # the hinge is repeated, so that the outer wall goes around it
         middle = ARC_POINTS // 2
@@ -101,9 +101,9 @@ def outline(
         slope[middle:end] = np.linspace(slope[middle - 2], slope[end + 1], _HINGE_POINTS)
         crease = 2 * float(muscle.wall_thickness) - radius
         distance = np.clip(np.abs(along - along[-1] / 2) / (_CREASE * radius), 0, 1)
-        above = crease + (radius - crease) * np.sin(np.pi / 2 * distance)
+        upper = crease + (radius - crease) * np.sin(np.pi / 2 * distance)
     normal = np.stack([-np.sin(slope), np.cos(slope)])
-    return Outline(z, y, along, above, below, normal, radius, angle, float(muscle.outer_radius))
+    return Outline(z, y, along, upper, below, normal, radius, angle, float(muscle.outer_radius))
 
 
 def shapes(muscle: Muscle, states: Mapping[str, tuple[float, float]]) -> Figure:
