@@ -5,6 +5,7 @@ Functions such as `sqrt` and `where` come from `array_namespace(x)`, the library
 """
 
 from .core.array_namespace import array_namespace
+from .core.lazy import attach_lazy
 from .core.parameters import (
     POSITIVE,
     SHARE,
@@ -19,7 +20,7 @@ from .core.types import Batch, BatchLike, BoolBatch
 from .muscle import LAWS
 from .muscle.bladder import Bladder
 from .muscle.braid import Braid
-from .muscle.buckling import AbstractBuckling, Centerline, Column, Push
+from .muscle.buckling import AbstractBuckling, BucklingColumn, Centerline, Push
 from .muscle.collapse import AbstractCollapse
 from .muscle.ends import AbstractEnds
 from .muscle.post_collapse import AbstractPostCollapse
@@ -37,8 +38,8 @@ __all__ = [
     "Bladder",
     "BoolBatch",
     "Braid",
+    "BucklingColumn",
     "Centerline",
-    "Column",
     "Constant",
     "LAWS",
     "Offset",
@@ -54,3 +55,5 @@ __all__ = [
     "solved_free_strain",
     "symmetric_scale",
 ]
+
+__getattr__, __dir__ = attach_lazy(__name__, {})  # former names

@@ -33,6 +33,7 @@ NAMES: Mapping[str, Mapping[str, str]] = {
     },
     "fascicle.export": {"on_table": "tabulate_controller", "tabulated": "tabulate"},
     "fascicle.fluid": {"Balance": "StateResidual", "checked_commands": "validate_commands"},
+    "fascicle.laws": {"Column": "BucklingColumn"},
 }  # fmt: skip
 
 # modules in fascicle by their former names in a package

@@ -19,7 +19,7 @@ from ..core.module import tree_leaves, with_fields
 from ..core.types import Batch, BatchLike
 from ..muscle import Muscle
 from ..muscle.bladder import Bladder
-from ..muscle.buckling import Column
+from ..muscle.buckling import BucklingColumn
 from ..muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
 from ..muscle.post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 from ..muscle.tension.tension_law import LEAST_PRESSURE
@@ -55,7 +55,7 @@ class AnyPostCollapse(AbstractPostCollapse):
         """Slope of the hinge over that of the derived law [-]."""
         return _select_value(self.choice, [law.slope_factor for law in POST_COLLAPSE_LAWS.values()])
 
-    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: BucklingColumn, compression: Batch) -> tuple[Batch, Batch]:
         """Bending force $B$ of both halves [N] at `compression` [m], and its slope [N/m]."""
         pairs = [law().bending_force(column, compression) for law in POST_COLLAPSE_LAWS.values()]
         force, slope = (

@@ -41,7 +41,7 @@ from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch
 from ..repr_table import ReprTable, format_number, title_with_shape, with_table_repr
-from .buckling.buckling_law import ROUNDING, AbstractBuckling, Centerline, Column
+from .buckling.buckling_law import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
 from .collapse.collapse_law import AbstractCollapse
 from .post_collapse.post_collapse_law import AbstractPostCollapse, hinge_moment
 from .tuning import TunedTension
@@ -129,7 +129,7 @@ class Piecewise(Module):
         if free_strain is None:
             free_strain = self.tension.free_strain(pressure)
         column = self.buckling.solve(
-            Column(
+            BucklingColumn(
                 tension=self.tension,
                 pressure=pressure,
                 free_strain=free_strain,
@@ -154,7 +154,7 @@ class PressurizedMuscle(NamedTuple):
     """
 
     law: Piecewise
-    column: Column
+    column: BucklingColumn
     hinge_moment: Batch
     collapse_strain: Batch
 

@@ -2,8 +2,8 @@
 
 from ..law import LawRegistry
 from .buckling_law import AbstractBuckling as AbstractBuckling
+from .buckling_law import BucklingColumn as BucklingColumn
 from .buckling_law import Centerline as Centerline
-from .buckling_law import Column as Column
 from .buckling_law import Push as Push
 
 

@@ -49,7 +49,7 @@ _KAPPA = 0.5  # of a thin tube, whose shear flow goes as the sine around it; a s
 ROUNDING = 1e-15
 
 
-class Column(NamedTuple):
+class BucklingColumn(NamedTuple):
     """A muscle at a `pressure` [Pa] for buckling laws: free strain [-], stiffnesses $EI$ [N·m²] and
     $EA$ [N]; `branch`: the law's results that depend on pressure alone.
     """
@@ -109,7 +109,7 @@ class AbstractBuckling(AbstractLaw):
 
     braid_share: ClassVar[Batch]
 
-    def solve(self, column: Column) -> Column:
+    def solve(self, column: BucklingColumn) -> BucklingColumn:
         """The `column` with its bending stiffness, (B2) and (S1) [N·m²], and its `branch`."""
         tension, EI = column.tension, column.bending_stiffness
         bladder, free = tension.bladder, column.free_strain * tension.strain_ratio
@@ -124,24 +124,24 @@ class AbstractBuckling(AbstractLaw):
         return column._replace(branch=self.branch(column))
 
     @abc.abstractmethod
-    def branch(self, column: Column) -> Any:
+    def branch(self, column: BucklingColumn) -> Any:
         """Results for a `column` that depend on pressure alone, such as its onset."""
 
     @abc.abstractmethod
-    def push(self, column: Column, strain: BatchLike) -> Push:
+    def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Force [N] by component, negative where it pushes, the slope of their sum [N] and the
         arc's strain [-], elementwise, at a `strain` [-] no less than the free strain.
         """
 
     @abc.abstractmethod
-    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+    def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Largest deflection [m] and bending moment [N·m] at `strain` [-], elementwise."""
 
     @abc.abstractmethod
-    def onset(self, column: Column) -> Batch:
+    def onset(self, column: BucklingColumn) -> Batch:
         """Strain [-] at which a `column` begins to bow; inf where it never does."""
 
-    def folds(self, column: Column) -> tuple[Batch, ...]:
+    def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """Strains [-] past the onset at which the force jumps, inf where it doesn't; by default
         none.
         """
@@ -149,10 +149,10 @@ class AbstractBuckling(AbstractLaw):
         return ()
 
     @abc.abstractmethod
-    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+    def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
         """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never."""
 
-    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
+    def shape(self, column: BucklingColumn, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], `points` points on a new last axis; by default the cosine
         (8) [R4].
         """
@@ -162,6 +162,6 @@ class AbstractBuckling(AbstractLaw):
         y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
         return Centerline(z=chord * along, y=y)
 
-    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
+    def several(self, column: BucklingColumn, strain: BatchLike) -> BoolBatch:
         """True where a `column` has several equilibria at `strain` [-]; by default never."""
         return (strain + 0.0 * column.free_strain) < -np.inf

@@ -61,7 +61,15 @@ from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Centerline, Column, Push
+from .buckling_law import (
+    BRAID_SHARE,
+    ROUNDING,
+    SHEAR,
+    AbstractBuckling,
+    BucklingColumn,
+    Centerline,
+    Push,
+)
 from .elliptic import elliptic, jacobi
 
 
@@ -82,13 +90,15 @@ class Elastica(AbstractBuckling):
     braid_share: Batch = BRAID_SHARE.field()
     shear: str = SHEAR.field()
 
-    def branch(self, column: Column) -> "_Branch":
+    def branch(self, column: BucklingColumn) -> "_ElasticaBranch":
         """Onset [-] of a `column`, and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
         fixed = stop_gradient(column)
-        return _Branch(onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain))
+        return _ElasticaBranch(
+            onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain)
+        )
 
-    def push(self, column: Column, strain: BatchLike) -> Push:
+    def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
         state = _state_at_arc(column, arc)
@@ -105,18 +115,18 @@ class Elastica(AbstractBuckling):
             straight=xp.logical_not(bent),
         )
 
-    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+    def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection $\\ell k/K$ [m] and bending moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
         bent, arc = _bent_arc(column, strain)
         k, K = _modulus(bent, _state_at_arc(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
         return column.rest_length * (1 - arc) * k / K, moment
 
-    def onset(self, column: Column) -> Batch:
+    def onset(self, column: BucklingColumn) -> Batch:
         """First strain [-] at which the straight muscle buckles; inf where it never does."""
         return column.branch.onset
 
-    def folds(self, column: Column) -> tuple[Batch, ...]:
+    def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """One-entry tuple: strain [-] of the fold past the onset, where force jumps, or inf."""
         onset, curve = column.branch
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
@@ -126,14 +136,14 @@ class Elastica(AbstractBuckling):
         exists = logical_and(bracket.exists, xp.isfinite(onset))
         return (where(logical_and(exists, bracket.start < stop_gradient(onset)), fold, np.inf),)
 
-    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+    def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
         """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never.
 
         A moment that is skipped at the onset or at a fold is reached where the jump begins.
         """
         # the moment fixes m alone, m the arc's load on the branch, and both the strain
         onset, curve = column.branch
-        buckles, fits = xp.isfinite(onset), _fits()
+        buckles, fits = xp.isfinite(onset), _fit_polynomials()
         onset = guarded(buckles, onset, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
         reachable = logical_and(bend <= fits.largest_bend, buckles)
@@ -149,7 +159,7 @@ class Elastica(AbstractBuckling):
             reachable, xp.maximum(strain, xp.maximum(onset, bracket.largest_strain)), np.inf
         )
 
-    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
+    def shape(self, column: BucklingColumn, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _bent_arc(column, strain)
         k = xp.add_table_axis(_modulus(bent, _state_at_arc(column, arc).load)[0])
@@ -160,7 +170,7 @@ class Elastica(AbstractBuckling):
         # below the axis, as (8) is drawn
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - xp.cos(phase)))
 
-    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
+    def several(self, column: BucklingColumn, strain: BatchLike) -> BoolBatch:
         """True where a `column` has several equilibria at `strain` [-]."""
         # all bent states lie on (E6), between the free strain and `strain`; the straight one is an
         # equilibrium while G < π²/4. Where G is larger (E6) goes on as ε = ε_a, which crosses
@@ -177,7 +187,7 @@ class Elastica(AbstractBuckling):
         return logical_and(count + straight > 1.5, eps > fixed.free_strain)
 
 
-class _State(NamedTuple):
+class _BentState(NamedTuple):
     """Bent state at an arc's strain: load $G$, chord over arc $c$ and the ends' strain [-], with
     slopes in the arc's strain.
     """
@@ -191,7 +201,7 @@ class _State(NamedTuple):
     strain_slope: Batch
 
 
-def _state_at_arc(column: Column, arc: Batch) -> _State:
+def _state_at_arc(column: BucklingColumn, arc: Batch) -> _BentState:
     """Load, chord and ends' strain, with slopes, of the elastica (E6) whose arc has the strain
     `arc` [-]; where its load $G$ is above $\\pi^2/4$ it can't bend, and the chord is the arc.
     """
@@ -202,7 +212,7 @@ def _state_at_arc(column: Column, arc: Batch) -> _State:
     chord, by_load = _chord(load)
     chord_slope = by_load * load_slope
     strain, strain_slope = 1 - (1 - arc) * chord, chord - (1 - arc) * chord_slope
-    return _State(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
+    return _BentState(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
 
 
 def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
@@ -235,7 +245,7 @@ class _Curve(NamedTuple):
     end: _Points
 
 
-class _Branch(NamedTuple):
+class _ElasticaBranch(NamedTuple):
     """State at a pressure: the `onset` [-], and the `curve` from there to free strain."""
 
     onset: Batch
@@ -255,7 +265,7 @@ class _Bracket(NamedTuple):
         return 0.5 * (self.start + self.stop)
 
 
-def _onset(column: Column) -> Batch:
+def _onset(column: BucklingColumn) -> Batch:
     """First strain [-] at which the straight muscle buckles; inf where it never does."""
     fixed = stop_gradient(column)
     free = fixed.free_strain
@@ -265,7 +275,7 @@ def _onset(column: Column) -> Batch:
     rank = node_axis(np.arange(float(_ONSET_CELLS)), free)
     low, high = (free + span * ((rank + i) / _ONSET_CELLS) ** 2 for i in (0.0, 1.0))
     # a load that rises and falls again within a cell may be large enough in between
-    curve = _subdivide(fixed, low, high, lambda state: state.load_slope)
+    curve = _cut_cells(fixed, low, high, lambda state: state.load_slope)
     bracket = _first_bracket(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
     buckles = logical_and(bracket.exists, free < LARGEST_STRAIN)
     theta = (column, where(buckles, _EULER, 0.0))
@@ -273,13 +283,13 @@ def _onset(column: Column) -> Batch:
     return where(buckles, strain, np.inf)
 
 
-def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
+def _curve(column: BucklingColumn, top: Batch, bottom: BatchLike) -> _Curve:
     """Load and strain along the bent branch, (E6), in cells from the arc strain `top` [-] to
     `bottom` [-], each cut where the strain of the ends turns.
     """
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
     low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
-    return _subdivide(column, low, high, lambda state: state.strain_slope)
+    return _cut_cells(column, low, high, lambda state: state.strain_slope)
 
 
 def _branch_start(onset: Batch) -> Batch:
@@ -287,8 +297,12 @@ def _branch_start(onset: Batch) -> Batch:
     return guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
 
 
-def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State], Batch]) -> _Curve:
-    """Cells from `low` to `high` arc [-], cut where a `slope` vanishes, else in the middle."""
+def _cut_cells(
+    column: BucklingColumn, low: Batch, high: Batch, slope: Callable[[_BentState], Batch]
+) -> _Curve:
+    """Cut each cell, from arc strain `low` to `high` [-], once: where `slope` vanishes if its sign
+    changes, else in the middle.
+    """
     # the error of the extremum is the square of the cut's
     start, end = _state_at_arc(column, low), _state_at_arc(column, high)
     a, b = (low, slope(start)), (high, slope(end))
@@ -326,7 +340,7 @@ def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Brac
     )  # fmt: skip
 
 
-def _bent_arc(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
+def _bent_arc(column: BucklingColumn, strain: BatchLike) -> tuple[BoolBatch, Batch]:
     """True where the muscle is bent at `strain` [-], and its arc's strain [-]."""
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
@@ -352,8 +366,10 @@ class _Fits(NamedTuple):
 
 
 @cache  # fitted at the first use
-def _fits() -> _Fits:
-    """Polynomials fitted to $K$ and $E$."""
+def _fit_polynomials() -> _Fits:
+    """The elastica's polynomials (chord, parameter, load), fitted at points computed from $K$ and
+    $E$.
+    """
     low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
     # many more points than the degree needs, so that nothing is aliased
     m = 0.5 * (low + high) + 0.5 * (high - low) * chebyshev.chebpts1(200)
@@ -369,17 +385,19 @@ def _fits() -> _Fits:
 
 
 def _chord(load: Batch) -> tuple[Batch, Batch]:
-    """Chord over arc $c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
+    """Chord over arc $c$ [-] of a bent elastica, and its slope by the arc's load $G$ [-]; 1 and 0
+    above Euler's $\\pi^2/4$, where no bent state exists.
+    """
     bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
     inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
     x = inside * (2 / _EULER) - 1
-    chord, slope = (polyval(x, c) for c in _fits()[:2])
+    chord, slope = (polyval(x, c) for c in _fit_polynomials()[:2])
     return where(bends, chord, 1.0), where(bends, slope, 0.0)
 
 
 def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     """Modulus $k$ and complete integral $K$ [-] of an elastica under a load $G$ [-]."""
-    m = polyval(guarded(bent, load, _EULER) * (2 / _EULER) - 1, _fits().parameter)
+    m = polyval(guarded(bent, load, _EULER) * (2 / _EULER) - 1, _fit_polynomials().parameter)
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
     curved = logical_and(bent, m > 0)
     k = where(curved, xp.sqrt(guarded(curved, m)), 0.0)

@@ -57,7 +57,7 @@ from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Column, Push
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
@@ -81,11 +81,11 @@ class Kim2021(AbstractBuckling):
     braid_share: Batch = BRAID_SHARE.field()
     shear: str = SHEAR.field()
 
-    def branch(self, column: Column) -> Pull:
+    def branch(self, column: BucklingColumn) -> Pull:
         """Force of the tension law at the free strain [N], by component, with slopes [N]."""
         return column.pull(column.free_strain)
 
-    def push(self, column: Column, strain: BatchLike) -> Push:
+    def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
         # a quotient of numbers that all strains have in common would be a division for each strain
@@ -110,7 +110,7 @@ class Kim2021(AbstractBuckling):
             straight=shortening < -np.inf,  # never
         )
 
-    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+    def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
         eps_f = column.free_strain
         xi = (strain - eps_f) / (1 - eps_f)
@@ -118,23 +118,23 @@ class Kim2021(AbstractBuckling):
         y_max = 2 / np.pi * column.free_length * xi * sqrt(v * (1 - xi))
         return y_max, _moment_unit(column) * xi * sqrt(v / (1 - xi) ** 3)
 
-    def onset(self, column: Column) -> Batch:
+    def onset(self, column: BucklingColumn) -> Batch:
         """Free strain [-]: the law lets the bladder bow at once."""
         return column.free_strain
 
-    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+    def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if it never does [R7]."""
         xi, exists = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
         return where(exists, column.free_strain + xi * (1 - column.free_strain), np.inf)
 
 
-def _slenderness(column: Column) -> Batch:
+def _slenderness(column: BucklingColumn) -> Batch:
     """Slenderness $c = EA L_{fs}^2/(4\\pi^2 EI)$ [-]."""
     EA, EI = column.axial_stiffness, column.bending_stiffness
     return EA * column.free_length**2 / (4 * np.pi**2 * EI)
 
 
-def _moment_unit(column: Column) -> Batch:
+def _moment_unit(column: BucklingColumn) -> Batch:
     """Unit of $\\hat m$, $4\\pi EI/L_{fs}$ [N·m]."""
     return 4 * np.pi * column.bending_stiffness / column.free_length
 
@@ -264,7 +264,9 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
 
 
 def _peak_coordinate(c: BatchLike) -> Batch:
-    """Variable of the series of peaks [-], falling from 1 with the slenderness `c` [-]."""
+    """Variable $z = 1/(1 + c^{1/4})$ [-] in which `_PEAK_SERIES` gives the compression of the
+    largest moment; `c`: slenderness [-].
+    """
     return 1 / (1 + c**0.25)
 
 

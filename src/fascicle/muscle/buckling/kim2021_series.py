@@ -35,7 +35,7 @@ from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Column, Push
+from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
@@ -61,7 +61,7 @@ class Kim2021Series(AbstractBuckling):
     braid_share: Batch = BRAID_SHARE.field()
     shear: str = SHEAR.field()
 
-    def branch(self, column: Column) -> Batch:
+    def branch(self, column: BucklingColumn) -> Batch:
         """Onset of a `column` [-]; inf where it never bows."""
         fixed = stop_gradient(column)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness
@@ -69,10 +69,9 @@ class Kim2021Series(AbstractBuckling):
         onset = root(_load_reserve, column, low, high, 0.5 * (low + high))
         return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
-    def push(self, column: Column, strain: BatchLike) -> Push:
-        """Components of the force [N] past the free strain, at `strain` [-], (12s): the tension
-        law's at the arc's strain, in series with the bow, so that bending adds none; negative where
-        it pushes.
+    def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
+        """Force [N] past the free strain, (12s), at `strain` [-]. Arc and bow carry one force in
+        series: the components are the tension law's at the arc's strain, and `bending` is zero.
         """
         state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
         T = state.pull.force
@@ -88,7 +87,7 @@ class Kim2021Series(AbstractBuckling):
             straight=logical_not(state.bent),
         )
 
-    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+    def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
         state = _bow_state(column, strain)
         x = state.arc - state.chord
@@ -96,11 +95,11 @@ class Kim2021Series(AbstractBuckling):
         y_max = where(bends, 2 / np.pi * sqrt(guarded(bends, x) * state.chord), 0.0)
         return y_max, 2 * np.pi**2 * column.bending_stiffness * y_max / state.chord**2
 
-    def onset(self, column: Column) -> Batch:
+    def onset(self, column: BucklingColumn) -> Batch:
         """Strain [-] at which the straight muscle bows; inf where it never does."""
         return column.branch
 
-    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+    def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
         """First strain [-] at which the bending moment reaches `moment` [N·m]; inf if never."""
         # the moment says by how much the arc is longer than each chord, and so its strain
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
@@ -123,7 +122,7 @@ def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch,
     return isfinite(cell), low, low + step
 
 
-def _load_reserve(column: Column, strain: Batch) -> tuple[Batch, Batch]:
+def _load_reserve(column: BucklingColumn, strain: Batch) -> tuple[Batch, Batch]:
     """Load that a straight muscle can take yet before it bows [N], negative past it; its slope."""
     pull, length = column.pull(strain), column.rest_length * (1 - strain)
     euler = 4 * np.pi**2 * column.bending_stiffness / length**2
@@ -140,7 +139,7 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
     return unit * (2 * L0 * (1 - arc_strain) - chord) + pull.force, pull.slope - 2 * unit * L0
 
 
-def _bow_state(column: Column, strain: BatchLike) -> _BowState:
+def _bow_state(column: BucklingColumn, strain: BatchLike) -> _BowState:
     """State of Kim's arc with a stretched bladder at `strain` [-]: bent past the onset wherever
     the straight muscle would give way.
     """

@@ -51,7 +51,7 @@ class Oval(NamedTuple):
     touch: Batch
 
 
-class States(NamedTuple):
+class ColumnStates(NamedTuple):
     """Column at each node of $w$, nodes first [-]: its load $n$; over $\\sqrt w$ its
     deflection in the middle, its curvature at the end, and its sines.
     """
@@ -91,7 +91,7 @@ def shortenings() -> np.ndarray:
     return np.linspace(0.0, _FARTHEST, _NODES)
 
 
-def states(oval: Oval) -> States:
+def states(oval: Oval) -> ColumnStates:
     """Bent states at all shortenings of columns with `oval` sections [-], nodes first."""
     fixed = Oval(*(stop_gradient(x) for x in oval))
     xp: Any = array_namespace(*fixed)
@@ -120,7 +120,7 @@ def states(oval: Oval) -> States:
     straight[:4] = 4 * np.pi**2, 2 / np.pi, 4 * np.pi, 2.0
     first = xp.broadcast_to(xp.asarray(straight), (1, *shape, 3 + _SINES))
     rows = xp.concatenate([first, rows])
-    return States(rows[..., 0], rows[..., 1], rows[..., 2], xp.moveaxis(rows[..., 3:], -1, 1))
+    return ColumnStates(rows[..., 0], rows[..., 1], rows[..., 2], xp.moveaxis(rows[..., 3:], -1, 1))
 
 
 @lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again

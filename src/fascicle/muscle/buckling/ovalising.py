@@ -41,28 +41,35 @@ from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, Centerline, Column, Push
-from .oval_column import STEP, Oval, States, interpolate_spline, shortenings, spline_slopes, states
+from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, BucklingColumn, Centerline, Push
+from .oval_column import (
+    STEP,
+    ColumnStates,
+    Oval,
+    interpolate_spline,
+    shortenings,
+    spline_slopes,
+    states,
+)
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an arc: past the domain of strains
 
 
-class _Branch(NamedTuple):
+class _OvalBranch(NamedTuple):
     """State at a pressure: the `onset` [-], the column's states over $w$ with their slopes,
     and the `strain` of the ends at them [-], nodes first.
     """
 
     onset: Batch
-    states: States
-    slopes: States
+    states: ColumnStates
+    slopes: ColumnStates
     strain: Batch
 
 
-class _State(NamedTuple):
-    """State of a muscle whose section ovalizes: mask of the bent muscle, the cell and the
-    shortening $w$ of its bent arc, the arc's $1 - \\varepsilon_a$ [-], and its pull by the tension
-    law.
+class _OvalState(NamedTuple):
+    """Mask of the bent muscle; shortening $w$ of its arc [-] and the spline's cell in $w$ [-]; the
+    arc's $1 - \\varepsilon_a$ [-], and its pull by the tension law.
     """
 
     bent: BoolBatch
@@ -88,11 +95,11 @@ class Ovalising(AbstractBuckling):
 
     braid_share: Batch = BRAID_SHARE.field()
 
-    def branch(self, column: Column) -> _Branch:
+    def branch(self, column: BucklingColumn) -> _OvalBranch:
         """Onset of a `column` [-], and all of its bent states."""
         nodes = states(_oval(column))
         n, bow, bend = (spline_slopes(x) for x in nodes[:3])
-        slopes = States(n, bow, bend, nodes.sines)
+        slopes = ColumnStates(n, bow, bend, nodes.sines)
         free, end = column.free_strain, _FARTHEST_STRAIN
         theta = (column, 4 * np.pi**2 * _force_unit(column))
         onset = root(_arc_residual, theta, free, end + 0.0 * free, free + 1e-3)
@@ -102,9 +109,9 @@ class Ovalising(AbstractBuckling):
         low = fixed.free_strain + 0.0 * target
         arc = find_root(_arc_residual, (fixed, target), low, end + 0.0 * low, low + 1e-3)
         onset = where(onset < 0.999 * end, onset, np.inf)
-        return _Branch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
+        return _OvalBranch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
 
-    def push(self, column: Column, strain: BatchLike) -> Push:
+    def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (O4)."""
         bent, _, w, arc, pull = state = _state_at_strain(column, strain)
         unit, chord, T = _force_unit(column), 1 - w, pull.force
@@ -125,7 +132,7 @@ class Ovalising(AbstractBuckling):
             straight=xp.logical_not(bent),
         )
 
-    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+    def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and largest bending moment [N·m], at the ends or in the middle."""
         state, branch = _state_at_strain(column, strain), column.branch
         n, bow, bend = (
@@ -136,11 +143,11 @@ class Ovalising(AbstractBuckling):
         length = column.rest_length * state.arc
         return length * bow * state.root_w, moment * column.bending_stiffness / column.free_length
 
-    def onset(self, column: Column) -> Batch:
+    def onset(self, column: BucklingColumn) -> Batch:
         """Strain [-] at which the straight muscle buckles; inf where it never does."""
         return column.branch.onset
 
-    def folds(self, column: Column) -> tuple[Batch, ...]:
+    def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """One-entry tuple: strain [-] of the first fold, past the onset, rounded to a node of the
         branch; inf without one.
         """
@@ -151,11 +158,11 @@ class Ovalising(AbstractBuckling):
         exists = logical_and(xp.isfinite(first), fold > stop_gradient(column.branch.onset))
         return (where(exists, fold, np.inf),)
 
-    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+    def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
         """Infinite strain [-] for any `moment` [N·m]: the section softens instead of collapsing."""
         return where(0.0 * (moment + column.free_strain) < 0, 0.0, np.inf)
 
-    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
+    def shape(self, column: BucklingColumn, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
         state, sines = _state_at_strain(column, strain), column.branch.states.sines
         root_w, node = state.root_w, state.w / STEP
@@ -173,7 +180,7 @@ class Ovalising(AbstractBuckling):
         chord = xp.add_table_axis(column.rest_length * (1 - strain))
         return Centerline(z=z * chord / z[..., -1:], y=-y)
 
-    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
+    def several(self, column: BucklingColumn, strain: BatchLike) -> BoolBatch:
         """True where a `column` has several bent states at `strain` [-]."""
         eps = stop_gradient(strain + 0.0 * column.free_strain)
         is_past = expand_nodes(column.branch.strain, eps) > eps
@@ -181,17 +188,17 @@ class Ovalising(AbstractBuckling):
         return logical_and(count > 1.5, eps > stop_gradient(column.free_strain))
 
 
-def _force_unit(column: Column) -> Batch:
+def _force_unit(column: BucklingColumn) -> Batch:
     """Unit of forces, $EI/(L_{fs} L_0)$ [N]."""
     return column.bending_stiffness / (column.free_length * column.rest_length)
 
 
-def _interpolate_load(column: Column, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
+def _interpolate_load(column: BucklingColumn, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
     """Load $n$ [-] of the oval column and its slope at a shortening `w` [-] in a `cell`."""
     return interpolate_spline(column.branch.states.load, column.branch.slopes.load, cell, w)
 
 
-def _oval(column: Column) -> Oval:
+def _oval(column: BucklingColumn) -> Oval:
     """Coefficients of the section's ovality, (O3), over those of the column [-]."""
     bladder, EI, L = column.tension.bladder, column.bending_stiffness, column.free_length
     E, t = column.axial_stiffness / bladder.area, bladder.wall_thickness
@@ -224,7 +231,7 @@ def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
     return -pull.force * arc - n * chord * unit, slope
 
 
-def _state_at_strain(column: Column, strain: BatchLike) -> _State:
+def _state_at_strain(column: BucklingColumn, strain: BatchLike) -> _OvalState:
     """State at `strain` [-]: straight up to the onset, then the branch's first that reaches it."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
@@ -237,4 +244,4 @@ def _state_at_strain(column: Column, strain: BatchLike) -> _State:
     low = STEP * cell
     w = root(_equilibrium_residual, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
     arc = where(bent, (1 - eps) / (1 - w), 1 - strain)
-    return _State(bent, cell, where(bent, w, 0.0), arc, column.pull(1 - arc))
+    return _OvalState(bent, cell, where(bent, w, 0.0), arc, column.pull(1 - arc))

@@ -23,7 +23,7 @@ from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
 from ...core.deprecations import with_former_names
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from ..buckling.buckling_law import Centerline, Column
+from ..buckling.buckling_law import BucklingColumn, Centerline
 from ..law import AbstractLaw
 
 
@@ -40,7 +40,7 @@ class AbstractPostCollapse(AbstractLaw):
 
     slope_factor: ClassVar[float]
 
-    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: BucklingColumn, compression: Batch) -> tuple[Batch, Batch]:
         """Bending force $B$ of both halves [N] at `compression` $x$ [m], and its slope [N/m]; by
         default $EI\\pi^2 f^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$, as the square of their slope.
         """
@@ -48,20 +48,22 @@ class AbstractPostCollapse(AbstractLaw):
         unit = EI * np.pi**2 / (L - x) ** 3 * (self.slope_factor**2 / 4)
         return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
 
-    def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
+    def push(
+        self, column: BucklingColumn, hinge: BatchLike, compression: Batch
+    ) -> tuple[Batch, Batch]:
         """Push $F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge`: $M_h$ [N·m]."""
         x, chord = compression, column.free_length - compression
         bending, slope = self.bending_force(column, x)
         fold = hinge / sqrt(x * chord)
         return bending + fold, slope - 0.5 * fold * (1 / x - 1 / chord)
 
-    def deflection(self, column: Column, strain: Batch) -> Batch:
+    def deflection(self, column: BucklingColumn, strain: Batch) -> Batch:
         """Deflection of the hinge $y_{c,max}$ [m] at `strain` [-]."""
         # from the slope at the hinge, π y_max/L
         x = (strain - column.free_strain) * column.rest_length
         return self.slope_factor / np.pi * sqrt(x * (column.free_length - x))
 
-    def shape(self, column: Column, strain: Batch, points: int) -> Centerline:
+    def shape(self, column: BucklingColumn, strain: Batch, points: int) -> Centerline:
         """Centerline [m] of (22), mirrored at the hinge, at `strain` [-]."""
         y_max = self.deflection(column, strain)
         along = np.linspace(0.0, 1.0, points)
@@ -94,7 +96,7 @@ class Printed(AbstractPostCollapse):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), as printed"
     slope_factor: ClassVar[float] = 1.0
 
-    def bending_force(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+    def bending_force(self, column: BucklingColumn, compression: Batch) -> tuple[Batch, Batch]:
         """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, in truth a moment [N·m], counted as a force [N]
         as in print; and its slope by $x$.
         """
