@@ -86,6 +86,7 @@ _CAUSES_BY_CONSTANT = {
 ALPHA = 0.01  # probability of taking noise for a trend, all tests of a record together
 _ORDERS = 5  # highest order of a polynomial: a trend is smoother, noise is rougher
 _MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
+_SMALL = 0.25  # of the root mean square: a fifth of normal residuals is smaller
 _MIN_PAIRS = 8  # neighbors: with fewer even no change of sign has a probability above 0.4 %
 _RESOLUTION = 2e-3  # of the range: closer strains count as equal, as a test stand repeats them
 _CELLS = 12  # cells of a swept strain: enough to show a bow, with several readings in each
@@ -428,6 +429,9 @@ def _legendre(residuals: Residuals, values: np.ndarray, order: int) -> np.ndarra
 def _count_runs(readings: Residuals) -> list[Runs]:
     """Changes of sign between neighbors along strain and along pressure."""
     order = np.lexsort((readings.strain, readings.branch, readings.level))
+    # a gauge that rounds leaves many small residuals, whose signs are those of the fit's offset
+    size = np.abs(readings.residual[order])
+    order = order[size > _SMALL * np.sqrt(np.mean(size**2))] if size.size else order
     level, branch = readings.level[order], readings.branch[order]
     sweep = (np.diff(level) == 0) & (np.diff(branch) == 0)
     counted = [("strain", np.sign(readings.residual[order]), sweep)]

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.stats import binom
 
 import fascicle as fs
 from fascicle.calibrate.data import Grid
@@ -168,7 +169,8 @@ def test_the_order_is_as_high_as_the_data_ask(order, seeds):
     found, smooth = read_many(gridded(force), force + noise)
     orders = np.asarray(found.order)
     assert np.all(orders >= order)
-    assert np.mean(orders == order) > 0.75
+    # in three of four, within the binomial's 0.1 % quantile
+    assert np.sum(orders == order) >= binom.ppf(0.001, seeds, 0.75)
     assert_allclose(smooth.mean(axis=0)[1:], free[1:], rtol=1e-3)
 
 
