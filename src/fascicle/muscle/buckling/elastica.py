@@ -94,9 +94,7 @@ class Elastica(AbstractBuckling):
         """Onset [-] of a `column`, and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
         fixed = stop_gradient(column)
-        return _ElasticaBranch(
-            onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain)
-        )
+        return _ElasticaBranch(onset, _curve(fixed, stop_gradient(onset), fixed.free_strain))
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (E3)."""
@@ -176,7 +174,7 @@ class Elastica(AbstractBuckling):
         # equilibrium while G < π²/4. Where G is larger (E6) goes on as ε = ε_a, which crosses
         # `strain` once, as it must
         fixed, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
-        domain_end = _curve(fixed, _branch_start(fixed.branch.onset), LARGEST_STRAIN)
+        domain_end = _curve(fixed, fixed.branch.onset, LARGEST_STRAIN)
         count = 0.0 * eps
         for curve in (fixed.branch.curve, domain_end):
             is_past = [expand_nodes(points.strain, eps) > eps for points in curve]
@@ -283,18 +281,14 @@ def _onset(column: BucklingColumn) -> Batch:
     return where(buckles, strain, np.inf)
 
 
-def _curve(column: BucklingColumn, top: Batch, bottom: BatchLike) -> _Curve:
-    """Load and strain along the bent branch, (E6), in cells from the arc strain `top` [-] to
-    `bottom` [-], each cut where the strain of the ends turns.
+def _curve(column: BucklingColumn, onset: Batch, bottom: BatchLike) -> _Curve:
+    """Load and strain along the bent branch, (E6), in cells from the arc strain `onset` [-], or the
+    end of the domain without one, to `bottom` [-], each cut where the strain of the ends turns.
     """
+    top = guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
     low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
     return _cut_cells(column, low, high, lambda state: state.strain_slope)
-
-
-def _branch_start(onset: Batch) -> Batch:
-    """Arc strain at which the branch begins [-]; without an onset, the end of the domain."""
-    return guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
 
 
 def _cut_cells(

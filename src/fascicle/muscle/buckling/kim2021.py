@@ -62,7 +62,6 @@ from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
 _TINY_MOMENT = 1e-100  # instead of none: the ratio of compression to moment stays finite
-_SAFE_COMPRESSION = 0.25  # well before any peak
 # Chebyshev series of the peak's compression in 1/(1 + c^(1/4)), fitted to a search on ever finer
 # grids: right to 6e-6, and so the peak's height to 1e-8 of itself (a test checks it)
 _PEAK_SERIES = (
@@ -190,14 +189,9 @@ def bow_residual(
     return per_xi * (1 - g) * w - v * h, by_v, by_xi
 
 
-def reduced_moment(c: BatchLike, xi: BatchLike) -> Batch:
-    """Bending moment $\\hat m$ [-], (16b), at slenderness `c` [-] and compression `xi` [-]."""
-    return xi * sqrt(bow_ratio(c, xi) / (1 - xi) ** 3)
-
-
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
     """First compression $\\xi$ [-] whose reduced moment is `target` [-] at slenderness `c` [-], and
-    whether it exists; where it doesn't, one before the peak.
+    whether it exists; where it doesn't, almost none.
     """
     fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
     xp = array_namespace(c, target)
@@ -206,15 +200,7 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     # at the peak's compression (16c) says whether the moment there is larger than the target
     scale = xp.maximum(fixed_target, _TINY_MOMENT) / root_c
     exists = _residual_of_tau((fixed_c, scale), peak / scale)[0] <= 0
-    # else of a compression before the peak, and too low: 1.5 is more than h, which is at most
-    # 1/(1 - ξ), and so leaves too little that bows
-    per_xi = fixed_c * (1 - _SAFE_COMPRESSION) ** 4 / (1 + _SAFE_COMPRESSION)
-    reachable = (
-        0.5
-        * _SAFE_COMPRESSION
-        * sqrt(per_xi / (1.5 + _SAFE_COMPRESSION * per_xi) / (1 - _SAFE_COMPRESSION) ** 3)
-    )
-    m = where(exists, target, reachable)
+    m = where(exists, target, 0.0)
     kappa = m / sqrt(c)
     fixed_m = xp.maximum(stop_gradient(m), _TINY_MOMENT)
     scale = fixed_m / root_c

@@ -144,7 +144,6 @@ def _bow_state(column: BucklingColumn, strain: BatchLike) -> _BowState:
     the straight muscle would give way.
     """
     L0 = column.rest_length
-    # past the onset, where the straight muscle would give way
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
     bent = logical_and(strain > column.branch + ROUNDING, overloaded)
     eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain

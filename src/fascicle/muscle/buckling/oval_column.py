@@ -301,16 +301,13 @@ def _jacobian(xp: Any, P: Any, x: Any) -> Any:
 
 def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
     """Negative slopes of the gradient in the numbers of `Oval`, and in the shortening, last."""
-    b = _basis()
-    h, alpha, touch = b.weight, P[..., 0, :], P[..., 3, :]
-    z = x[..., _SINES:-1]
-    oval = z @ b.Z.T
-    sunk = xp.maximum(oval - touch, 0.0)
+    b, section = _basis(), _middle_section(xp, P, x)
+    h, alpha, z = b.weight, P[..., 0, :], x[..., _SINES:-1]
     rows = [
-        2 * h * (oval + _WALL_PENALTY * sunk) @ b.Z,
+        2 * h * (section.oval + _WALL_PENALTY * section.sunk) @ b.Z,
         2 * h * (z @ b.Z1.T) @ b.Z1,
         2 * h * (z @ b.Z2.T) @ b.Z2,
-        -2 * h * (_WALL_PENALTY * alpha * (sunk > 0)) @ b.Z,
+        -2 * h * (_WALL_PENALTY * alpha * (section.sunk > 0)) @ b.Z,
     ]
     sines, multiplier = (xp.zeros((*x.shape[:-1], size)) for size in (_SINES, 1))
     columns = [xp.concatenate([sines, -row, multiplier], axis=-1) for row in rows]

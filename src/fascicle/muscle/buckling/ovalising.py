@@ -98,17 +98,16 @@ class Ovalising(AbstractBuckling):
     def branch(self, column: BucklingColumn) -> _OvalBranch:
         """Onset of a `column` [-], and all of its bent states."""
         nodes = states(_oval(column))
-        n, bow, bend = (spline_slopes(x) for x in nodes[:3])
-        slopes = ColumnStates(n, bow, bend, nodes.sines)
-        free, end = column.free_strain, _FARTHEST_STRAIN
+        slopes = ColumnStates(*map(spline_slopes, nodes[:3]), nodes.sines)
+        free = column.free_strain
         theta = (column, 4 * np.pi**2 * _force_unit(column))
-        onset = root(_arc_residual, theta, free, end + 0.0 * free, free + 1e-3)
+        onset = root(_arc_residual, theta, free, _FARTHEST_STRAIN + 0.0 * free, free)
         fixed, load = stop_gradient(column), stop_gradient(nodes.load)
         w = node_axis(shortenings(), load[0])
         target = load * (1 - w) * _force_unit(fixed)
         low = fixed.free_strain + 0.0 * target
-        arc = find_root(_arc_residual, (fixed, target), low, end + 0.0 * low, low + 1e-3)
-        onset = where(onset < 0.999 * end, onset, np.inf)
+        arc = find_root(_arc_residual, (fixed, target), low, _FARTHEST_STRAIN + 0.0 * low, low)
+        onset = where(onset < 0.999 * _FARTHEST_STRAIN, onset, np.inf)
         return _OvalBranch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
@@ -155,7 +154,9 @@ class Ovalising(AbstractBuckling):
         rank = node_axis(np.arange(float(end.shape[0])), end[0])
         first = xp.min_nodes(where(end < start, rank, np.inf))
         fold = sum_nodes(where(rank == first, start, 0.0))
-        exists = logical_and(xp.isfinite(first), fold > stop_gradient(column.branch.onset))
+        # a branch that turns back at its first node, the onset, has no fold past it
+        past_onset = logical_and(first > 0, xp.isfinite(column.branch.onset))
+        exists = logical_and(xp.isfinite(first), past_onset)
         return (where(exists, fold, np.inf),)
 
     def strain_at_moment(self, column: BucklingColumn, moment: BatchLike) -> Batch:
