@@ -194,9 +194,8 @@ class PressurizedMuscle(NamedTuple):
         """Deflection of the axis [m] at `strain` [-]."""
         in_tension, collapsed, buckled_strain = self._regions(strain)
         bowed, _ = self.law.buckling.bow(self.column, buckled_strain)
-        hinged = self.law.post_collapse.deflection(
-            self.column, self._hinge_strain(collapsed, strain)
-        )
+        hinge_strain = self._hinge_strain(collapsed, strain)
+        hinged = self.law.post_collapse.deflection(self.column, hinge_strain)
         return where(in_tension, 0.0, where(collapsed, hinged, bowed))
 
     def moment(self, strain: Batch) -> Batch:
@@ -207,12 +206,11 @@ class PressurizedMuscle(NamedTuple):
 
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
-        in_tension, collapsed, _ = self._regions(strain)
         strain = strain + 0.0 * self.column.free_strain
-        buckled_strain = where(logical_or(in_tension, collapsed), self.column.free_strain, strain)
+        in_tension, collapsed, buckled_strain = self._regions(strain)
         bowed = self.law.buckling.shape(self.column, buckled_strain, points)
-        safe = self._hinge_strain(collapsed, strain)
-        hinged = self.law.post_collapse.shape(self.column, safe, points)
+        hinge_strain = self._hinge_strain(collapsed, strain)
+        hinged = self.law.post_collapse.shape(self.column, hinge_strain, points)
         length = add_table_axis(self.column.rest_length * (1 - strain))
         straight = length * np.linspace(0, 1, points)
         in_tension, collapsed = add_table_axis(in_tension), add_table_axis(collapsed)

@@ -49,14 +49,7 @@ from numpy.polynomial import chebyshev
 from numpy.polynomial.polynomial import polyder, polyval
 
 from ...core import array_namespace as xp
-from ...core.array_namespace import (
-    expand_nodes,
-    logical_and,
-    min_nodes,
-    node_axis,
-    sum_nodes,
-    where,
-)
+from ...core.array_namespace import expand_nodes, logical_and, node_axis, where
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
@@ -179,7 +172,7 @@ class Elastica(AbstractBuckling):
         for curve in (fixed.branch.curve, domain_end):
             is_past = [expand_nodes(points.strain, eps) > eps for points in curve]
             for first, second in pairwise(is_past):
-                count = count + sum_nodes(where(first != second, 1.0, 0.0))
+                count = count + xp.sum_nodes(where(first != second, 1.0, 0.0))
         straight = where(_state_at_arc(fixed, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
         return logical_and(count + straight > 1.5, eps > fixed.free_strain)
@@ -319,12 +312,12 @@ def _cut_cells(
 def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Bracket:
     """First half cell at whose end a condition holds, else the last one."""
     count = curve.start.arc.shape[0]
-    rank = node_axis(np.arange(float(count)), min_nodes(where(at_end, 0.0, 0.0)))
-    first_cut, first_end = (min_nodes(where(x, rank, np.inf)) for x in (at_cut, at_end))
+    rank = node_axis(np.arange(float(count)), xp.min_nodes(where(at_end, 0.0, 0.0)))
+    first_cut, first_end = (xp.min_nodes(where(x, rank, np.inf)) for x in (at_cut, at_end))
     cell = xp.minimum(xp.minimum(first_cut, first_end), count - 1.0)
     ends_at_cut = first_cut <= cell
     is_cell = rank == cell
-    start, cut, end = (sum_nodes(where(is_cell, expand_nodes(x.arc, cell), 0.0)) for x in curve)
+    start, cut, end = (xp.sum_nodes(where(is_cell, expand_nodes(x.arc, cell), 0.0)) for x in curve)
     cut_strain, end_strain = (expand_nodes(x.strain, cell) for x in curve[1:])
     previous = where(logical_and(is_cell, xp.logical_not(ends_at_cut)), cut_strain, -np.inf)
     largest_strain = xp.max_nodes(where(rank < cell, xp.maximum(cut_strain, end_strain), previous))

@@ -21,16 +21,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.array_namespace import (
-    isfinite,
-    logical_and,
-    logical_not,
-    min_nodes,
-    minimum,
-    node_axis,
-    sqrt,
-    where,
-)
+from ...core import array_namespace as xp
+from ...core.array_namespace import logical_and, sqrt, where
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
@@ -84,7 +76,7 @@ class Kim2021Series(AbstractBuckling):
             bending=0.0 * T,
             slope=where(state.bent, state.pull.slope * arc_slope, state.pull.slope),
             arc_strain=state.arc_strain,
-            straight=logical_not(state.bent),
+            straight=xp.logical_not(state.bent),
         )
 
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -107,19 +99,19 @@ class Kim2021Series(AbstractBuckling):
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness + 0.0 * fixed_square
         exists, low, high = _first_cell(_force_excess_at_moment, (fixed, fixed_square), free)
         strain = root(_force_excess_at_moment, theta, low, high, 0.5 * (low + high))
-        return where(logical_and(exists, isfinite(column.branch)), strain, np.inf)
+        return where(logical_and(exists, xp.isfinite(column.branch)), strain, np.inf)
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
     """True where a `function` of `theta` and strain falls below 0 past the `free` strain [-], and
     the ends of the first cell in which it does.
     """
-    rank = node_axis(np.arange(float(_CELLS)), free)
+    rank = xp.node_axis(np.arange(float(_CELLS)), free)
     step = (_FARTHEST_STRAIN - free) / _CELLS
     end_value, _ = function(theta, free + step * (rank + 1))
-    cell = min_nodes(where(end_value <= 0, rank, np.inf))
-    low = free + step * minimum(cell, _CELLS - 1.0)
-    return isfinite(cell), low, low + step
+    cell = xp.min_nodes(where(end_value <= 0, rank, np.inf))
+    low = free + step * xp.minimum(cell, _CELLS - 1.0)
+    return xp.isfinite(cell), low, low + step
 
 
 def _load_reserve(column: BucklingColumn, strain: Batch) -> tuple[Batch, Batch]:
@@ -130,9 +122,7 @@ def _load_reserve(column: BucklingColumn, strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
-    """Excess [N] of the bow's force over the arc's compression, and its slope; `theta`: column and
-    chord [m].
-    """
+    """Excess [N] of the bow's force over the arc's compression, and its slope."""
     column, chord = theta
     pull, EI, L0 = column.pull(arc_strain), column.bending_stiffness, column.rest_length
     unit = 4 * np.pi**2 * EI / chord**3
@@ -140,9 +130,7 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _bow_state(column: BucklingColumn, strain: BatchLike) -> _BowState:
-    """State of Kim's arc with a stretched bladder at `strain` [-]: bent past the onset wherever
-    the straight muscle would give way.
-    """
+    """State at `strain` [-]: bent past the onset wherever the straight muscle gives way."""
     L0 = column.rest_length
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
     bent = logical_and(strain > column.branch + ROUNDING, overloaded)

@@ -95,15 +95,15 @@ def states(oval: Oval) -> ColumnStates:
     """Bent states at all shortenings of columns with `oval` sections [-], nodes first."""
     fixed = Oval(*(stop_gradient(x) for x in oval))
     xp: Any = array_namespace(*fixed)
-    shape = np.broadcast_shapes(*(np.shape(x) for x in fixed))
-    numbers = [xp.broadcast_to(xp.asarray(x, dtype=float), shape) for x in fixed]
-    P = xp.stack(numbers, axis=-1)[..., None]  # the four numbers, then an axis of points
+    # the four numbers, then an axis of points
+    P = xp.stack(xp.broadcast_arrays(*fixed), axis=-1)[..., None]
+    shape = P.shape[:-2]
     w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
     if xp is np:
         x = _solve_states(P.tobytes()).reshape(_NODES - 1, *shape, -1)
     else:
         x, _ = _follow(xp, P)
-        P = xp.stack([xp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
+        P = xp.stack(xp.broadcast_arrays(*oval), axis=-1)[..., None]
         for _ in range(2):  # each doubles the order to which derivatives are right
             value, slopes = _gradient(xp, P, x, w), _jacobian(xp, P, x)
             x = x - xp.linalg.solve(slopes, value[..., None])[..., 0]

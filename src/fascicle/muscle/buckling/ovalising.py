@@ -98,7 +98,8 @@ class Ovalising(AbstractBuckling):
     def branch(self, column: BucklingColumn) -> _OvalBranch:
         """Onset of a `column` [-], and all of its bent states."""
         nodes = states(_oval(column))
-        slopes = ColumnStates(*map(spline_slopes, nodes[:3]), nodes.sines)
+        n, bow, bend = map(spline_slopes, nodes[:3])
+        slopes = ColumnStates(n, bow, bend, nodes.sines)
         free = column.free_strain
         theta = (column, 4 * np.pi**2 * _force_unit(column))
         onset = root(_arc_residual, theta, free, _FARTHEST_STRAIN + 0.0 * free, free)
@@ -219,9 +220,7 @@ def _arc_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
 
 
 def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
-    """Excess of the arc's compression over the load [N] at a shortening `w` [-], (O4), and its
-    slope.
-    """
+    """Compression of the arc less the load [N] at a shortening `w` [-], (O4), and its slope."""
     column, strain, cell = theta
     chord, unit = 1 - w, _force_unit(column)
     arc = (1 - strain) / chord
