@@ -133,6 +133,13 @@ def is_known(header: str) -> bool:
     return any(score(header, "", role) > 1 for role in ROLES)
 
 
+def differ(header: str, other: str) -> bool:
+    """True for two headers that name different quantities or units."""
+    roles = [{role for role in ROLES if score(text, "", role) > 1} for text in (header, other)]
+    units = [{unit for _, unit in read_header(text) if unit} for text in (header, other)]
+    return any(a and b and a.isdisjoint(b) for a, b in (roles, units))
+
+
 def list_words(header: str) -> set[str]:
     """Words of a header's possible names, in lower case."""
     return {word for name, _ in read_header(header) for word in name.split()}

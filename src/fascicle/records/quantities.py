@@ -20,7 +20,7 @@ BRANCHES = {
         ("1", "+1", "1.0", "up", "inflating", "inflation", "inflate", "contracting",
          "contraction", "shortening", "loading", "forward"), UP),
     **dict.fromkeys(
-        ("-1", "−1", "-1.0", "down", "deflating", "deflation", "deflate", "extending",
+        ("-1", "-1.0", "down", "deflating", "deflation", "deflate", "extending",
          "extension", "lengthening", "unloading", "backward", "return"), DOWN),
     **dict.fromkeys(("0", "0.0", "", "-", "unknown"), UNKNOWN),
 }  # fmt: skip

@@ -18,9 +18,10 @@ from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
 from .file_names import check_pressures_in_names, read_name
 from .formats import table_text
-from .headers import CONSTANTS, ROLES, dimension_of, read_header
+from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
 from .joint_readings import check_direction, read_joint
+from .lines import CLOCK_NAME
 from .published import from_json
 from .quantities import (
     BRANCHES,
@@ -278,6 +279,9 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     names, notes = info.names, ()
+    if names and table.header[0] == CLOCK_NAME:
+        has_time = any(read_header(name)[0][0] in TERMS["time"] for name in names)
+        names = ("" if has_time else "time", *names)
     if table.origins:
         level = read_header(table.header[-1])[0][0]  # pressure or length
         if names:  # of the columns of one of them

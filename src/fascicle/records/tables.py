@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .headers import ROLES, MissingMetadataError, is_known, score
-from .lines import LONGEST_LINE, decode, is_remark, printable, split_cells, split_lines
+from .headers import ROLES, MissingMetadataError, differ, is_known, read_header, score
+from .lines import CLOCK_NAME, LONGEST_LINE, decode, is_remark, printable, split_cells, split_lines
 from .number_formats import NumberFormat, detect_format, is_number, is_split_clock, read_seconds
-from .units import is_unit
+from .units import is_unit, strip_brackets
 from .wide_tables import unfold
 
 
@@ -25,8 +25,10 @@ MAX_ROWS = 20_000_000  # five hours at a kilohertz
 _LONGEST_NAME = 100  # characters of a column's name
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
+_MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
-_HOLES = {"", "-", "--", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a"}
+_HOLES = {"", "-", "--", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
+          "ol", "ovl", "overload", "overflow", "overrange"}  # fmt: skip
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 
@@ -140,6 +142,7 @@ class Table:
             needed = [row[i] for i in numbers]
             kind = _row_kind(row, needed, is_led)
             if kind == "words":
+                self._check_header(row, line, count)
                 text_rows.append((line, row))
                 ends += [count - 1] if _SPECIMEN.fullmatch(row[0]) else []
             elif any(row[width:]):
@@ -223,6 +226,23 @@ class Table:
             line = self._file_line(self.first + rows.line_num - 1)
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
 
+    def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
+        """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
+        units = self.units if any(self.units) else [read_header(x)[0][1] for x in self.header]
+        if sum(map(is_known, row)) > 1:
+            is_other = any(map(differ, row, self.header))
+        else:
+            cells = [
+                (strip_brackets(a), strip_brackets(b)) for a, b in zip(row, units, strict=False)
+            ]
+            is_other = _are_units(row) and any(a != b for a, b in cells if a)
+        if is_other:
+            before = (
+                f"{self.source}, line {line}: another header than in line {self.line}: split the"
+            )
+            choice = ("rows", "", f"1:{count - 1}", ", for those above it")
+            raise MissingMetadataError(f"{before} file there, or give ", choice)
+
     def _file_line(self, line: int) -> int:
         return self.origins[line - 1] if self.origins else line
 
@@ -273,7 +293,7 @@ def open_table(
     table with columns for each pressure becomes a long one. Raises a `ValueError` for anything but
     a table.
     """
-    lines = split_lines(decode(raw, source))
+    lines, has_clock = split_lines(decode(raw, source))
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
@@ -300,7 +320,10 @@ def open_table(
         last, titles = max(layout.header, layout.units or 0), head[: layout.header]
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
-        header = _headless(remarks if last < 0 else [], names, layout, f"{source}, line {line}")
+        where, above = f"{source}, line {line}", remarks if last < 0 else []
+        # the names are those of what was printed behind the clock
+        printed = layout._replace(width=layout.width - has_clock)
+        header = [*[CLOCK_NAME] * has_clock, *_headless(above, names, printed, where)]
     if any(len(name) > _LONGEST_NAME for name in header):
         raise ValueError(
             f"{source}, line {line}: a column's name is longer than {_LONGEST_NAME}"
@@ -410,6 +433,15 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
             blocks.append(((header is not None, end - start, -start), number_share, layout))
         if blocks:
             _, number_share, layout = max(blocks, key=lambda block: block[0])
+            # odd lines, or a header that is printed again, part readings: the first block counts
+            shape = layout.width, counts[layout.start]
+            first = next(
+                block
+                for (_, size, _), _, block in blocks
+                if block == layout
+                or ((block.width, counts[block.start]) == shape and size >= _MIN_BLOCK)
+            )
+            layout = first if first.header is None else layout
             if layout.header is not None:
                 return layout
             headless.append((number_share, layout))

@@ -582,3 +582,58 @@ def test_isometric_and_isotonic_records_have_runs():
     found = runs(record)
     assert [(run.kind, run.branch) for run in found] == [("force", 1), ("force", -1)] * 2
     assert found[0].level == pytest.approx(0.2 * 9.80665)
+
+
+PAIRS = [("F", FORCE, "N"), ("P", PRESSURE, "kPa"), ("L", LENGTH, "mm")]
+ASK = {"rest_length": REST, "units": {"force": "N", "pressure": "kPa", "length": "mm"}}
+
+
+@pytest.mark.parametrize("sign", [",", " ", "\t"])
+def test_pairs_of_a_serial_monitor_below_its_start(sign):
+    lines = [sign.join(f"{name}:{values[i]}" for name, values, _ in PAIRS) for i in range(4)]
+    lines = ["ready", "scale factor 412.7", *lines[:2], "", "P:99", *lines[2:]]
+    text = "\n".join(f"10:00:0{i}.500 -> {line}" for i, line in enumerate(lines))
+    record = loads(text, **ASK)
+    check(record, time=False)
+    assert record.time.tolist() == [0, 1, 4, 5]
+    assert any("1 row with holes left out" in note for note in record.notes)
+
+
+def test_columns_in_order_are_those_behind_a_monitors_clock():
+    rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
+    for lines in (rows, ["Force_N,p_kPa,Length_mm", *rows], [*rows, "", "F,P,L"]):
+        text = "\n".join(f"10:00:0{i}.100 -> {line}" for i, line in enumerate(lines))
+        record = loads(text, columns="force[N],pressure[kPa],length[mm]", rest_length=REST)
+        check(record, time=False)
+        assert np.diff(record.time).tolist() == [1, 1, 1]
+
+
+def test_an_odd_row_leaves_out_no_others():
+    rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
+    for middle in (["60.1,"], ["Force,Pressure,Length"]):
+        text = "\n".join([*rows[:3], *middle, *[rows[3]] * 4])
+        record = loads(text, columns="force[N],pressure[kPa],length[mm]", rest_length=REST)
+        assert record.force.tolist() == FORCE[:3] + [FORCE[3]] * 4
+        assert any("1 row" in note and "line 4" in note for note in record.notes)
+
+
+@pytest.mark.parametrize(
+    "other",
+    ["P [bar],F [N],x [mm]", "F [N],P [kPa],x [mm]", "P,F,x\nbar,N,mm", "P,F,x\nkPa,N,cm"],
+)
+def test_another_header_further_down_is_refused(other):
+    block = table(",", [PRESSURE, FORCE, CONTRACTION])
+    same, text = "P,F,x\nkPa,N,mm\n", "P [kPa],F [N],x [mm]\n" + block
+    assert len(loads(text + "Cycle 2\n" + same + block, rest_length=REST)) == 8
+    with pytest.raises(MissingMetadataError, match="another header than in line 1") as error:
+        loads(f"{text}Cycle 2\n{other}\n{block}", rest_length=REST)
+    assert error.value.argument == "rows"
+    text = f"{text}Cycle 2\n{other}\n{block}"
+    record = loads(text, rest_length=REST, rows=error.value.value)
+    check(record, time=False)
+
+
+def test_an_overloaded_gauge_and_a_minus_of_typesetters():
+    rows = [[*PRESSURE, 200], [*FORCE, "OVERLOAD"], [*[f"\u2212{x}" for x in CONTRACTION], 0]]
+    text = "P [kPa],F [N],extension [mm]\n" + table(",", rows)
+    check(loads(text, rest_length=REST), time=False)
