@@ -12,8 +12,10 @@ from typing import Any
 from ..core.errors import InvalidInputError
 from .file_names import suggest_pattern
 from .headers import (
+    ABSOLUTE,
     DIMENSIONS,
     LONGER,
+    MASSES,
     ROLES,
     TERMS,
     MissingMetadataError,
@@ -28,6 +30,7 @@ from .units import (
     Column,
     absolute_unit,
     is_absolute,
+    is_gauge_unit,
     is_unit,
     strip_brackets,
     unit_factor,
@@ -228,19 +231,31 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
         if column.role == "time":
             unit = "s"
         else:
-            best = USUAL_UNITS[column.role]
+            words = list_words(header)
+            weights = [unit for word in words if (unit := weight_unit(word, dimension))]
+            if not weights and column.role == "force" and words & MASSES:
+                weights = ["kgf", "gf", "N"]
+            best, *others = weights or [USUAL_UNITS[column.role]]
             how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
-            raise MissingMetadataError(how, ("units", column.role, best, ""))
+            after = f", or {' or '.join(others)}" if others else ""
+            raise MissingMetadataError(how, ("units", column.role, best, after))
+    calls_absolute = is_absolute(header_unit) or bool(list_words(header) & ABSOLUTE)
     absolute = column.role == "pressure" and (
-        is_absolute(unit or "") or (not override and bool(list_words(header) & {"abs", "absolute"}))
+        is_absolute(unit or "") or (calls_absolute and not is_gauge_unit(unit or ""))
     )
     if absolute:
         if not atmosphere:
+            shown = unit if is_absolute(unit or "") else header
             how = (
-                f"{where}: {unit!r} is absolute, muscles are computed in gauge pressure: to"
+                f"{where}: {shown!r} is absolute, muscles are computed in gauge pressure: to"
                 " subtract the atmosphere, give "
             )
-            raise MissingMetadataError(how, ("atmosphere", "", "1.013 bar", " as measured then"))
+            choices: list[tuple[str, str, str, str]] = [
+                ("atmosphere", "", "1.013 bar", " as measured then")
+            ]
+            if not is_absolute(unit or ""):  # its name may be wrong
+                choices.append(("units", "pressure", f"{unit} (g)", ", if it is gauge"))
+            raise MissingMetadataError(how, *choices)
         unit = absolute_unit(unit or "") or unit
     try:
         factor = unit_factor(unit or "", dimension)

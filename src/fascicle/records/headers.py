@@ -22,11 +22,13 @@ TERMS = {
               "masse", "gewicht", "standardkraft", "prüfkraft", "zugkraft"),
     "torque": ("torque", "moment", "drehmoment", "tau", "τ", "joint torque"),
     "strain": ("strain", "contraction", "contraction ratio", "eps", "epsilon", "ε", "kappa",
-               "shortening", "kontraktion", "verkürzung", "elongation", "extension"),
-    "length": ("length", "l", "len", "länge", "laenge"),
+               "shortening", "kontraktion", "verkürzung", "elongation", "extension", "dehnung",
+               "length change", "change of length"),
+    "length": ("length", "l", "len", "länge", "laenge", "longueur"),
     "displacement": ("displacement", "shortening", "stroke", "contraction", "disp", "travel",
                      "extension", "elongation", "position", "crosshead", "x", "weg", "hub",
-                     "verkürzung", "standardweg", "traversenweg", "laser", "lvdt"),
+                     "verkürzung", "standardweg", "traversenweg", "laser", "lvdt", "dehnung",
+                     "length change", "change of length"),
     "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
               "position", "joint"),
     "moment_arm": ("moment arm", "arm", "lever arm", "lever", "hebelarm"),
@@ -34,13 +36,17 @@ TERMS = {
     "branch": ("branch", "direction", "sweep", "phase"),
     "clipped": ("clipped", "censored", "saturated", "slack", "zero is no tension", "no tension"),
 }  # fmt: skip
-LONGER = {"extension", "elongation"}  # these grow as the muscle lengthens
+ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "absoluter"}
+MASSES = {"mass", "masse", "weight", "gewicht"}
+LONGER = {"extension", "elongation", "tensile"}  # these grow as the muscle lengthens
 # qualifiers of a column that holds something else than a quantity's readings
 _QUALIFIERS = {
     "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
     "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
     "work", "arm", "lever", "braid", "fiber", "fibre",
-    "id", "index", "count", "flow", "stress", "spannung", "modulus", "sollwert", "raw",
+    "id", "index", "count", "flow", "stress", "spannung", "modulus", "sollwert", "raw", "change",
+    "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
+    "umgebungsdruck", "versorgungsdruck",
 }  # fmt: skip
 
 
@@ -82,11 +88,14 @@ def read_header(header: str) -> list[tuple[str, str]]:
     if brackets:
         # a bracket that is no unit may be a misspelled one, or a remark
         meanings.append((_plain(outside), strip_brackets((units or brackets)[-1])))
-    for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)", r"(.+)[_\s]+(\S+)"):
+    for pattern in (
+        r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)",
+        r"(.+?)[_\s]+(\S+[_\s]+abs(?:olute)?\.?)", r"(.+)[_\s]+(\S+)",
+    ):  # fmt: skip
         match = re.fullmatch(pattern, outside)
-        if match and is_unit(match[2]) and not units:
+        if match and (is_unit(match[2]) or is_absolute(match[2])) and not units:
             meanings.append((_plain(match[1]), strip_brackets(match[2])))
-    has_unit = any(is_unit(unit) for _, unit in meanings)
+    has_unit = any(is_unit(unit) or is_absolute(unit) for _, unit in meanings)
     return meanings if has_unit else [*meanings, (_plain(outside), "")]
 
 

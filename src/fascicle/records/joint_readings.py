@@ -9,11 +9,6 @@ from .quantities import Readings
 from .sidecar import Sidecar
 
 
-_TOP = 0.95  # of the highest pressure: readings above it show how the force follows contraction
-_MIN_READINGS = 5  # there: fewer show no direction
-_RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, noise gives 0
-
-
 def read_joint(readings: Readings, info: Sidecar) -> JointReadings | None:
     """Moment arms of readings of torque or angle; `None` for other readings."""
     columns, position, raws = readings.columns, readings.position, readings.raws
@@ -74,24 +69,3 @@ def _shortening(
 def _outside_message(arms: ArmTable) -> str:
     low, high = (pretty(float(x), "angle") for x in (arms.angle[0], arms.angle[-1]))
     return f"lies beyond the angles of the moment arms, {low} to {high}"
-
-
-def check_direction(
-    readings: Readings, pressure: np.ndarray, strain: np.ndarray, force: np.ndarray, info: Sidecar
-) -> None:
-    """Refuse an angle, of no stated direction, along which a muscle would pull harder while it
-    contracts. `pressure` [Pa], `strain` [-], `force` [N].
-    """
-    if info.signs.sign("angle") or info.signs.sign("strain"):
-        return
-    top = pressure > _TOP * pressure.max()
-    x, F = strain[top], force[top]
-    if np.sum(top) < _MIN_READINGS or np.ptp(x) == 0 or np.ptp(F) == 0 or np.mean(F) <= 0:
-        return
-    if np.corrcoef(x, F)[0, 1] > _RISING:
-        before = (
-            f"{readings.table.where}, column `{readings.position.header}`: the pull grows with"
-            " contraction, which no muscle's does: if the angle grows as it lengthens, give "
-        )
-        after = ", else contraction positive"
-        raise MissingMetadataError(before, ("signs", "angle", "extension positive", after))

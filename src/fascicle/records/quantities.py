@@ -10,10 +10,21 @@ from .joint import JointReadings
 from .record import DOWN, UNKNOWN, UP
 from .sidecar import Sidecar
 from .tables import Table, TableColumns
-from .units import POSITIONS, Column, check_forces, check_pressures, check_strains, to_si_units
+from .units import (
+    POSITIONS,
+    STRAINS,
+    Column,
+    check_forces,
+    check_pressures,
+    check_strains,
+    to_si_units,
+)
 
 
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
+_TOP = 0.95  # of the highest pressure: readings above it show how the force follows contraction
+_MIN_READINGS = 5  # there: fewer show no direction
+_RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, noise gives 0
 
 BRANCHES = {
     **dict.fromkeys(
@@ -92,27 +103,28 @@ def read_pressure(
 
 
 def read_strain(
-    readings: Readings, joint: JointReadings | None, rest_length: float, info: Sidecar
+    readings: Readings,
+    joint: JointReadings | None,
+    rest_length: float,
+    pressure: np.ndarray,
+    force: np.ndarray,
+    info: Sidecar,
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Contraction, from strains, displacements, lengths or angles, and notes."""
+    """Contraction, from strains, displacements, lengths or angles, and notes; its direction is
+    checked against `pressure` [Pa] and `force` [N].
+    """
     column, cell_error = readings.position, readings.cell_error
     raw, values = readings.raws[column.role], readings.si(column.role)
     if joint is not None and joint.shortening is not None:
         values = joint.shortening
     assert values is not None  # a table without a position is refused
-    sign = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign
+    has_direction = info.signs.sign(column.role) or info.signs.sign("strain")
+    sign = has_direction or column.sign
     if column.role == "strain":
         strain = values * sign
     elif column.role in ("displacement", "angle"):
         zero = info.displacement_at_rest if column.role == "displacement" else None
         strain = (values - (zero or 0.0)) * sign / rest_length
-        is_known = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign < 0
-        if not is_known and np.min(strain) < _STRETCHED and np.max(strain) < -_STRETCHED:
-            message = str(cell_error(int(np.argmin(strain)), column, ""))
-            raise MissingMetadataError(
-                f"{message}all {column.role}s stretch the muscle: if they grow with it, give ",
-                ("signs", column.role, "extension positive", ", else contraction positive"),
-            )
     else:
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:
@@ -123,12 +135,43 @@ def read_strain(
                 raise MissingMetadataError(str(before), choice)
             raise cell_error(int(wrong[0]), column, f"{rule}.")
         strain = (rest_length - values) / rest_length
+    if column.role != "length" and not has_direction:
+        _check_direction(readings, strain, pressure, force)
+    far = np.max(np.abs(strain)) > STRAINS[1] >= np.max(np.abs(strain - strain[0]))
+    if column.role == "displacement" and info.displacement_at_rest is None and far:
+        before = f"{cell_error(0, column, '')}{raw[0]:.6g} {column.unit} is more than the muscle:"
+        choice = ("zeros", "displacement", f"{raw[0]:.6g} {column.unit}", ", or its value at rest")
+        raise MissingMetadataError(f"{before} give ", choice)
     check_strains(column, raw, strain, cell_error)
     notes, longest = (), float(np.min(strain))
     if longest < _STRETCHED:
         count = int(np.count_nonzero(strain < _STRETCHED))
         notes = (f"{count} readings stretched beyond rest, down to {longest:.3g}",)
     return strain + 0.0, notes  # without negative zeros
+
+
+def _check_direction(
+    readings: Readings, strain: np.ndarray, pressure: np.ndarray, force: np.ndarray
+) -> None:
+    """Refuse a position, of no stated direction, that stretches the muscle or along which it pulls
+    harder while it contracts. `strain` [-], `pressure` [Pa], `force` [N].
+    """
+    column, is_longer = readings.position, strain < _STRETCHED
+    top, rule = pressure > _TOP * pressure.max(), ""
+    x, F = strain[top], force[top]
+    if x.size >= _MIN_READINGS and np.ptp(x) > 0 < np.ptp(F) and np.mean(F) > 0:
+        is_mostly_longer = column.role == "angle" or np.mean(is_longer) > 0.5
+        if is_mostly_longer and np.corrcoef(x, F)[0, 1] > _RISING:
+            rule = "the pull grows with contraction, which no muscle's does"
+    is_unknown = column.role != "strain" and column.sign > 0
+    if is_unknown and np.any(is_longer) and np.max(strain) < -_STRETCHED:
+        rule = rule or f"all {column.role}s stretch the muscle"
+    if rule:
+        where, way = f"{readings.table.where}, column `{column.header}`", column.sign
+        directions, verbs = ["extension", "contraction"][::way], ["lengthens", "shortens"][::way]
+        choice = ("signs", column.role, f"{directions[0]} positive", f", else {directions[1]}")
+        before = f"{where}: {rule}: if the {column.role} grows as the muscle {verbs[0]}, give "
+        raise MissingMetadataError(before, choice)
 
 
 def read_censored(

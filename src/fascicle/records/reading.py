@@ -20,7 +20,7 @@ from .file_names import check_pressures_in_names, read_name
 from .formats import table_text
 from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
-from .joint_readings import check_direction, read_joint
+from .joint_readings import read_joint
 from .lines import CLOCK_NAME
 from .published import from_json
 from .quantities import (
@@ -238,9 +238,9 @@ def _read_record(
         readings, rest_notes = readings.only(joint.used), (*rest_notes, *joint.notes)
     force = read_force(readings, joint, info)
     pressure, warnings = read_pressure(readings, force, info)
-    strain, strain_notes = read_strain(readings, joint, rest_length or np.nan, info)
-    if position.role == "angle":
-        check_direction(readings, pressure, strain, force, info)
+    strain, strain_notes = read_strain(
+        readings, joint, rest_length or np.nan, pressure, force, info
+    )
     censored, clip_notes = read_censored(readings, force, info)
     time, time_notes = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]

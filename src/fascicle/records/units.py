@@ -142,6 +142,12 @@ def absolute_unit(unit: str) -> str:
     return match[1] if match else ""
 
 
+def is_gauge_unit(unit: str) -> bool:
+    """True for a unit that says gauge pressure, such as "psig" or "barü"."""
+    text = unit.strip().lower()
+    return "ü" in text or (text not in SPELLINGS["pressure"] and bool(_GAUGE.search(text)))
+
+
 def unit_factor(unit: str, dimension: str) -> float:
     """SI units in one `unit`, as a header writes it, without brackets.
 
@@ -226,7 +232,8 @@ def check_pressures(
     below = int(np.count_nonzero(pressure < 0))
     if below:
         notes.append(f"{below} pressures below zero, down to {pressure[lowest]:.3g} Pa, set to 0")
-    if 90e3 < pressure[lowest] < 110e3 and top > 1.5 * pressure[lowest]:
+    is_gauge = column.absolute or is_gauge_unit(column.unit)
+    if not is_gauge and 90e3 < pressure[lowest] < 110e3 and top > 1.5 * pressure[lowest]:
         atmosphere = f"the lowest pressure is {pressure[lowest] / 1e3:.4g} kPa"
         notes.append(f"{atmosphere}: if that is the atmosphere, subtract it")
     return np.maximum(pressure, 0.0), tuple(notes)
@@ -264,7 +271,7 @@ def check_strains(
     if is_fraction and np.max(np.abs(strain)) > 1:
         hint = "did you mean %? Write it in the header, such as `strain [%]`."
     elif column.role == "strain":
-        hint = f"it must lie from {low} to {high}, check its unit and sign."
+        hint = f"it must lie from {low} to {high}, check its unit and sign (--sign strain=…)."
     else:
         side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
         arm = "moment arm, " if column.role == "angle" else ""

@@ -387,6 +387,47 @@ def test_directions():
         loads(text, rest_length=REST, signs={"force": "up"})
 
 
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [("strain [%]", "strain"), ("Dehnung [%]", "strain"), ("displacement [mm]", "displacement"),
+     ("length change [mm]", "displacement"), ("change of length [%]", "strain")],
+)  # fmt: skip
+def test_most_positions_that_stretch_a_muscle_and_let_it_pull_less_are_refused(name, role):
+    stroke = np.linspace(-0.4, 12, 8)
+    force = 120 - 8 * stroke
+    text = f"P [kPa],F [N],{name}\n" + table(",", [[200] * 8, force, -stroke])
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=0.1)
+    assert error.value.choices[0][:3] == ("signs", role, "extension positive")
+    record = loads(text, rest_length=0.1, signs={role: "extension"})
+    assert_allclose(record.strain, stroke / 100, atol=1e-12)
+    # a muscle that is stretched pulls harder
+    harder = "P [kPa],F [N],strain [%]\n" + table(",", [[200] * 8, 240 - force, -stroke])
+    assert loads(harder).strain.min() == pytest.approx(-0.12)
+    # tensile strain grows as the muscle lengthens, by its name
+    tensile = text.replace(name, "Tensile strain [%]")
+    assert_allclose(loads(tensile).strain, stroke / 100, atol=1e-12)
+
+
+def test_a_position_that_counts_from_elsewhere_offers_its_zero():
+    position = [512.4 + x for x in CONTRACTION]
+    text = "P [kPa],F [N],position [mm]\n" + table(",", [PRESSURE, FORCE, position])
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=REST)
+    assert error.value.choices[0][:3] == ("zeros", "displacement", "512.4 mm")
+    check(loads(text, rest_length=REST, zeros={"displacement": "512.4 mm"}), time=False)
+
+
+@pytest.mark.parametrize("other", ["Barometric pressure", "p_atm", "Supply pressure", "Luftdruck"])
+def test_a_pressure_around_or_before_the_muscle_is_not_its_own(other):
+    header = f"{other} (kPa),P2 (kPa),F (N),L (mm)"
+    text = table(",", [[98.7] * 4, PRESSURE, FORCE, LENGTH], header)
+    check(loads(text, rest_length=REST), time=False)
+    with pytest.raises(MissingMetadataError, match="no column of pressure") as error:
+        loads(table(",", [[98.7] * 4, FORCE, LENGTH], f"{other} (kPa),F (N),L (mm)"))
+    assert error.value.choices[0][:3] == ("columns", "pressure", f"{other} (kPa)")
+
+
 def test_a_missing_column_is_offered_only_what_could_be_it():
     with pytest.raises(MissingMetadataError) as error:
         loads("Cell [V],junk,T [°C],L [mm],p [kPa]\n1,2,3,180,100\n2,3,4,170,100\n")

@@ -420,10 +420,10 @@ def test_a_unit_is_only_offered_where_the_numbers_are_in_it(old, new, unit):
 
 
 def test_a_unit_that_contradicts_the_header_is_noted():
-    given = {"rest_length": 0.3, "units": {"force": "N", "length": "mm", "pressure": "bar"}}
+    given = {"rest_length": 0.3, "units": {"force": "N", "length": "mm", "pressure": "bar (g)"}}
     notes = loads("P (bar abs),length [mm],Load (g)\n1,300,50\n2,290,20\n", **given).notes
     assert any(note.endswith("force in N as given, not in g") for note in notes)
-    assert any(note.endswith("pressure in bar as given, not in bar abs") for note in notes)
+    assert any(note.endswith("pressure in bar (g) as given, not in bar abs") for note in notes)
     assert any(note.endswith("length in mm") for note in notes)
 
 

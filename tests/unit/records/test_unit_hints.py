@@ -46,12 +46,46 @@ def test_masses_offer_their_weight(unit, weight):
 
 @pytest.mark.parametrize(
     "header",
-    ["P [bar abs]", "P (kPa abs.)", "P [kPa(abs)]", "P [kPa (a)]", "P [psia]", "P_abs [mbar]"],
-)
+    ["Absolutdruck [bar]", "Total pressure [bar]", "Pression absolue [bar]", "pressure_bar_abs",
+     "Pressure MPa abs", "pressure_kPa_abs", "P [bar abs]", "P (kPa abs.)",
+     "P [kPa(abs)]", "P [kPa (a)]", "P [psia]", "P_abs [mbar]"],
+)  # fmt: skip
 def test_absolute_pressures_offer_the_atmosphere(header):
+    for units in ({}, {"pressure": "kPa"}):
+        with pytest.raises(MissingMetadataError) as error:
+            loads(table(header), rest_length=0.2, units=units)
+        assert error.value.argument == "atmosphere"
+
+
+def test_a_pressure_that_a_name_calls_absolute_may_be_given_as_gauge():
     with pytest.raises(MissingMetadataError) as error:
-        loads(table(header), rest_length=0.2)
-    assert error.value.argument == "atmosphere"
+        loads(table("Total pressure [kPa]"), rest_length=0.2)
+    _, (argument, role, unit, _) = error.value.choices
+    record = loads(table("Total pressure [kPa]"), rest_length=0.2, **{argument: {role: unit}})
+    assert record.pressure == 200e3
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"), [("load_g", "gf"), ("mass_kg", "kgf"), ("Mass", "kgf"), ("Load", "N")]
+)
+def test_a_missing_unit_of_a_weight_is_offered(header, unit):
+    with pytest.raises(MissingMetadataError) as error:
+        loads(table(force=header), rest_length=0.2)
+    assert error.value.choices[0][:3] == ("units", "force", unit)
+
+
+@pytest.mark.parametrize(
+    ("header", "options", "asks"),
+    [
+        ("P [kPa]", {}, True), ("P [mmHg]", {}, True), ("P [kPa (g)]", {}, False),
+        ("P [kPa abs]", {"atmosphere": "1 Pa"}, False),
+    ],
+)  # fmt: skip
+def test_a_lowest_pressure_of_an_atmosphere_is_asked_of_unknown_gauges_alone(header, options, asks):
+    low, high = ("750", "1500") if "mmHg" in header else ("100", "300")
+    text = table(header, values=f"{low},50,190\n{high},60,190")
+    notes = loads(text, rest_length=0.2, **options).notes
+    assert any("if that is the atmosphere" in note for note in notes) == asks
 
 
 @pytest.mark.parametrize("unit", ["V", "mA", "counts", "MN", "%"])
