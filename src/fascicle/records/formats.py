@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..core.errors import require
+from .file_names import suggest_pattern
 from .headers import MissingMetadataError
 from .tables import has_readings
 
@@ -72,7 +73,10 @@ def table_text(raw: bytes, source: str, table: str | None = None) -> bytes:
     if len(names) > 1:
         listed = ", ".join(f"`{name}`" for name in names)
         before = f"{source}: several tables, {listed}: choose one with "
-        raise MissingMetadataError(before, ("table", "", names[0], ""))
+        pressures = suggest_pattern(names[0], "pressure")
+        after = f", {'with the pressure that it states, ' if pressures else ''}or read each"
+        after += " by itself and join the records"
+        raise MissingMetadataError(before, ("table", "", names[0], after))
     return tables[names[0]]
 
 

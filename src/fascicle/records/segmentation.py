@@ -18,6 +18,7 @@ from .record import DOWN, UNKNOWN, UP, Record
 
 
 _EXACT = 2e-4  # of full scale: scatter within a level without noise
+_LEAST_SPAN = 0.02  # of strain: what spans less is one length with noise of a gauge
 _NOISY = (0.008, 0.03)  # of full scale: regulators droop, and levels must stay apart
 _DEVIATIONS = 4  # of the noise that stay within a level
 _WINDOW = 9  # readings that are smoothed over
@@ -108,7 +109,7 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
     """
     values: dict[Kind, np.ndarray] = {kind: getattr(record, kind) for kind in _SWEPT}
     scales = {kind: float(np.max(np.abs(x))) for kind, x in values.items()}
-    scales["strain"] = float(np.ptp(record.strain))
+    scales["strain"] = max(float(np.ptp(record.strain)), _LEAST_SPAN)
     width = _WINDOW if len(record) >= _LONG_RECORD else 1
     smooth = {kind: _running_median(x, width) for kind, x in values.items()}
     noise_share = 0.45 if width > 1 else 1.0  # a median of nine leaves 0.42 of the noise

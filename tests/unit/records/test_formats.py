@@ -678,3 +678,21 @@ def test_an_overloaded_gauge_and_a_minus_of_typesetters():
     rows = [[*PRESSURE, 200], [*FORCE, "OVERLOAD"], [*[f"\u2212{x}" for x in CONTRACTION], 0]]
     text = "P [kPa],F [N],extension [mm]\n" + table(",", rows)
     check(loads(text, rest_length=REST), time=False)
+
+
+def test_groups_that_state_pressures_are_to_be_read_one_by_one(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    path = tmp_path / "m.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        for pressure in (100, 200):
+            group = f"P={pressure}kPa"
+            writer.write_segment([
+                nptdms.ChannelObject(group, name, np.array(values), {"unit_string": unit})
+                for name, values, unit in (("Force", FORCE, "N"), ("Length", LENGTH, "mm"))
+            ])  # fmt: skip
+    with pytest.raises(MissingMetadataError) as error:
+        load(path, rest_length=REST)
+    assert error.value.choices[0][:3] == ("table", "", "P=100kPa")
+    assert "pressure that it states" in error.value.after
+    check(load(path, rest_length=REST, table="P=100kPa", constants={"pressure": 1e5}),
+          pressure=False, time=False)  # fmt: skip

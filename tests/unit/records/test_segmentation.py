@@ -150,3 +150,12 @@ def test_the_same_level_again_is_another_run():
     pressure, strain, _ = sampled(np.array([1e5, 2e5, 1e5]))
     sweeps = [run for run in runs(record_of(pressure, strain)) if run.kind == "pressure"]
     assert [run.level for run in sweeps] == [1e5, 1e5, 2e5, 2e5, 1e5, 1e5]
+
+
+def test_one_held_length_with_a_rulers_noise_has_two_branches():
+    rng = np.random.default_rng(1)
+    P = np.append(np.linspace(0, 4e5, 41), np.linspace(4e5, 0, 41)[1:])
+    strain = rng.normal(0, 1e-4, P.size)
+    found = runs(Record.of(P, strain, P / 1e3, time=np.arange(P.size) * 0.1))
+    assert [(run.kind, run.branch) for run in found] == [("strain", 1), ("strain", -1)]
+    assert [run.points.size for run in found] == [41, 40]
