@@ -296,7 +296,7 @@ class DataView(Tab):
             self.draw(view)
 
     def _set_record(self, record: Record | None) -> None:
-        """Set a `record`, or none, without a fit."""
+        """Take a `record`, or none; drop any fit, and reset results and buttons."""
         self.record, self.fit = record, None
         self._end_fit()
         self.table.object = self.fit_notes.object = ""

@@ -123,7 +123,7 @@ def comparison_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     muscles = {pin.name: pin.muscle for pin in view.pins}
     pressures = [pin.pressure for pin in view.pins]
     curves = {
-        repr(name): (_string(dumps(muscle)), pressure)
+        repr(name): (_escaped(dumps(muscle)), pressure)
         for (name, muscle), pressure in zip(muscles.items(), pressures, strict=True)
     }
     template = _TEMPLATES.get_template("compare.py.jinja")
@@ -228,12 +228,12 @@ def _script(kind: str, stem: str, target: Muscle | Bundle, **values: Any) -> str
     """Script of a `kind` that loads a `target`; `values` are written as Python literals."""
     code = {name: repr(x) for name, x in values.items() if not isinstance(x, bool | _Code)}
     code = values | code
-    toml = _string(dumps(target))
+    toml = _escaped(dumps(target))
     variable = "muscle" if isinstance(target, Muscle) else "bundle"
     template = _TEMPLATES.get_template(f"{kind}.py.jinja")
     return template.render(stem=stem, variable=variable, toml=toml, **code)
 
 
-def _string(toml: str) -> str:
-    """Text of a file as it stands in a script: nothing in it may end the string that holds it."""
+def _escaped(toml: str) -> str:
+    """Text of a file, escaped to stand between triple quotes in a script."""
     return toml.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')

@@ -91,7 +91,7 @@ class View:
         return Bundle(units, self.supply, self.scheme, self.distance)
 
     def muscle_of(self, unit: Unit) -> Muscle:
-        """Muscle of a `unit`."""
+        """A `unit`'s own muscle, or else the view's, scaled to the unit's size."""
         return scaled_muscle(self.muscle, unit.size) if unit.own is None else unit.own
 
     @property

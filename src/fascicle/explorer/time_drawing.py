@@ -144,7 +144,9 @@ Point = tuple[np.ndarray | float, np.ndarray | float]  # x, y [mm], numbers or o
 
 
 class _RigidParts:
-    """Polygons [mm] of plates, rods and load, `rigid` at each frame and `fixed` ones."""
+    """Collector of polygons [mm] of plates, rods and load: `rigid` ones that move, for each frame,
+    and `fixed` ones.
+    """
 
     def __init__(self, frames: int):
         self._frames = frames

@@ -162,7 +162,9 @@ def _variants(progress: Progress, study: "Scenario", policies: Sequence[str]) ->
 def _run_policy(
     study: "Scenario", label: str, notes: list[str]
 ) -> tuple[PolicyResult, "PolicyRun | None"]:
-    """Result of a run, and the run of the table of policies if there is a policy."""
+    """Run a `study`: its result, with `notes` before its own, and its row of the table of policies
+    if it has a policy.
+    """
     from ..dynamics.audit import audit_run
     from ..reports import simulation as reports
     from ..results.tables import simulated

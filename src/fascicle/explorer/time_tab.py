@@ -369,6 +369,7 @@ class TimeView(Tab):
             self._timer = pn.state.add_periodic_callback(self._show_progress, period=_PERIOD)
 
     def _show_progress(self) -> None:
+        """Show the running job's stage, and its seconds so far."""
         if self._job is not None:
             seconds = time.monotonic() - self._start_time
             self.bar.visible = True
