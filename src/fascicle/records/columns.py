@@ -203,7 +203,7 @@ def _index_of(table: Table, role: str, header: str) -> int:
 
 
 def _candidates(table: Table, role: str, used: set[int], unit: str | None) -> list[int]:
-    """Indices of the columns that could have a role."""
+    """Indices of the unused columns that fit a role best: several if they tie."""
     scores = {
         i: score(header, table.units[i] or unit or "", role)
         for i, header in enumerate(table.header)
@@ -231,13 +231,13 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
         if column.role == "time":
             unit = "s"
         else:
-            words = list_words(header)
-            weights = [unit for word in words if (unit := weight_unit(word, dimension))]
-            if not weights and column.role == "force" and words & MASSES:
+            header_words = list_words(header)
+            weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
+            if not weights and column.role == "force" and header_words & MASSES:
                 weights = ["kgf", "gf", "N"]
-            best, *others = weights or [USUAL_UNITS[column.role]]
+            best, *alternatives = weights or [USUAL_UNITS[column.role]]
             how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
-            after = f", or {' or '.join(others)}" if others else ""
+            after = f", or {' or '.join(alternatives)}" if alternatives else ""
             raise MissingMetadataError(how, ("units", column.role, best, after))
     calls_absolute = is_absolute(header_unit) or bool(list_words(header) & ABSOLUTE)
     absolute = column.role == "pressure" and (
@@ -245,9 +245,9 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     )
     if absolute:
         if not atmosphere:
-            shown = unit if is_absolute(unit or "") else header
+            label = unit if is_absolute(unit or "") else header
             how = (
-                f"{where}: {shown!r} is absolute, muscles are computed in gauge pressure: to"
+                f"{where}: {label!r} is absolute, muscles are computed in gauge pressure: to"
                 " subtract the atmosphere, give "
             )
             choices: list[tuple[str, str, str, str]] = [

@@ -142,10 +142,10 @@ def is_known(header: str) -> bool:
     return any(score(header, "", role) > 1 for role in ROLES)
 
 
-def differ(header: str, other: str) -> bool:
+def differ(first: str, second: str) -> bool:
     """True for two headers that name different quantities or units."""
-    roles = [{role for role in ROLES if score(text, "", role) > 1} for text in (header, other)]
-    units = [{unit for _, unit in read_header(text) if unit} for text in (header, other)]
+    roles = [{role for role in ROLES if score(text, "", role) > 1} for text in (first, second)]
+    units = [{unit for _, unit in read_header(text) if unit} for text in (first, second)]
     return any(a and b and a.isdisjoint(b) for a, b in (roles, units))
 
 

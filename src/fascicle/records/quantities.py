@@ -167,8 +167,8 @@ def _check_direction(
     if is_unknown and np.any(is_longer) and np.max(strain) < -_STRETCHED:
         rule = rule or f"all {column.role}s stretch the muscle"
     if rule:
-        where, way = f"{readings.table.where}, column `{column.header}`", column.sign
-        directions, verbs = ["extension", "contraction"][::way], ["lengthens", "shortens"][::way]
+        where, sign = f"{readings.table.where}, column `{column.header}`", column.sign
+        directions, verbs = ["extension", "contraction"][::sign], ["lengthens", "shortens"][::sign]
         choice = ("signs", column.role, f"{directions[0]} positive", f", else {directions[1]}")
         before = f"{where}: {rule}: if the {column.role} grows as the muscle {verbs[0]}, give "
         raise MissingMetadataError(before, choice)
