@@ -40,6 +40,10 @@ ROWS = option(
     "Rows to read, counted from 1 below the header: 40:200, or 40: for all from row 40 on.",
     metavar="FIRST:LAST",
 )
+DECIMAL = option(
+    "Sign before decimals, . or , where the other may part thousands; default: detected.",
+    metavar="SIGN",
+)
 TABLE = option(
     "Sheet (.xlsx), structure (.mat) or group (.tdms) of a file that has several.", metavar="NAME"
 )

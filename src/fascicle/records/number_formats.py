@@ -4,8 +4,11 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
+
+from ..core.errors import InvalidInputError
 
 
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
@@ -32,7 +35,8 @@ class NumberFormat:
 
     - `decimal`: the sign before decimals, a point or a comma.
     - `grouped`: the other sign stands between thousands.
-    - `unclear`: signs of which that isn't known: `2.000` beside decimal commas is 2 or 2000.
+    - `unclear`: signs of which that isn't known: `2.000` beside decimal commas, or beside 950, is
+      2 or 2000.
     """
 
     decimal: str = "."
@@ -63,12 +67,20 @@ class NumberFormat:
         is_plain = NUMBER.fullmatch(plain) and "," not in plain
         return value if is_plain and math.isfinite(value := float(plain)) else None
 
+    def meanings(self, cell: str) -> list[tuple[str, str]]:
+        """Decimal sign and condition of each way to read an unclear `cell`; empty for others."""
+        if not (sign := self._unclear_sign(cell)):
+            return []
+        other = "," if sign == "." else "."
+        decimals, thousands = cell.replace(sign, "."), cell.replace(sign, "")
+        if self.decimal not in self.unclear:  # clear decimals have the other sign
+            after = f" if it is {thousands}, else write {decimals} with {other!r}"
+            return [(other, after)]
+        return [(sign, f" if it is {decimals}"), (other, f" if it is {thousands}")]
+
     def rule(self, cell: str) -> str:
         """Reason why a `cell` has no value, with what to do."""
         excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
-        if sign := self._unclear_sign(cell):
-            numbers = cell.replace(sign, "."), cell.replace(sign, "")
-            return f"{excerpt!r} may be {numbers[0]} or {numbers[1]}: write it without {sign!r}"
         hint = ": write the decimals after a point" if _COMMA.fullmatch(cell) else ""
         if _GROUPED.fullmatch(cell):
             hint = ": write it without signs between thousands"
@@ -80,19 +92,30 @@ class NumberFormat:
         return signs[0] if signs and _may_be_thousands(cell) else ""
 
 
-def detect_format(cells: Sequence[str], delimiter: str) -> NumberFormat:
-    """Format of the numbers among the `cells` of a table with a `delimiter`."""
+def detect_format(
+    rows: Sequence[Sequence[str]], delimiter: str, decimal: str | None = None
+) -> NumberFormat:
+    """Format of the numbers in `rows` of cells of a table with a `delimiter`; `decimal`: the sign
+    before decimals, if it is known.
+    """
+    if decimal is not None:
+        if decimal not in _OTHER_SIGNS:
+            raise InvalidInputError("decimal", 'must be "." or ","', decimal)
+        return NumberFormat(decimal, grouped=True)
+    cells = [cell for row in rows for cell in row]
     matches = [match for match in map(_GROUPED.fullmatch, cells) if match]
     tails = {match["tail"][0] for match in matches if match["tail"] and match["sign"] in ".,"}
     if len(tails) == 1:
         return NumberFormat(tails.pop(), True)
 
-    points, commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
-    if not commas or (delimiter == "," and points):
-        return NumberFormat(".")
+    any_points, any_commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
     # decimals that can't be thousands make the meaning of others clear
     clear = [cell for cell in cells if not _may_be_thousands(cell)]
     points, commas = (any(map(kind.fullmatch, clear)) for kind in (_POINT, _COMMA))
+    if not points and not commas and _has_integers_beside_thousands(rows):
+        return NumberFormat(unclear=".,")
+    if not any_commas or (delimiter == "," and any_points):
+        return NumberFormat(".")
     if points and not commas:
         return NumberFormat(".", unclear=",")
     unclear = ("" if points else ".") + ("," if delimiter == "," and not commas else "")
@@ -103,6 +126,16 @@ def _may_be_thousands(cell: str) -> bool:
     """True for digits with one sign before each three of them: `2.000`, but not `0.500`."""
     match = _GROUPED.fullmatch(cell)
     return match is not None and not match["tail"] and cell.lstrip("+-")[0] != "0"
+
+
+def _has_integers_beside_thousands(rows: Sequence[Sequence[str]]) -> bool:
+    """True if `1.010` stands in a column with `950`, or in the only column with signs beside
+    columns of integers: an instrument that writes three decimals writes `950.000`.
+    """
+    columns = [list(filter(is_number, column)) for column in zip_longest(*rows, fillvalue="")]
+    grouped = [list(map(_may_be_thousands, column)) for column in columns if column]
+    mixed = [column for column in grouped if any(column) and not all(column)]
+    return bool(mixed) or (len(grouped) > 1 == sum(map(any, grouped)))
 
 
 def is_split_clock(clock: str, fraction: str) -> bool:

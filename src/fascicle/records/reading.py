@@ -63,6 +63,7 @@ def load(
     moment_arm: Any = None,
     rows: str | None = None,
     table: str | None = None,
+    decimal: str | None = None,
 ) -> Record:
     """Read a dynamometer's file, or several of one muscle as one record.
 
@@ -92,6 +93,8 @@ def load(
       `{"angle": …, "arm": …}` [rad], [m], between whose angles it is linear.
     - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
     - `table`: sheet, structure or group of a file with several.
+    - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
+      inferred.
 
     **Returns:** the record.
 
@@ -102,7 +105,7 @@ def load(
         "columns": columns, "units": units, "rest_length": rest_length,
         "clipped_at_zero": clipped_at_zero, "header": header, "constants": constants,
         "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "moment_arm": moment_arm,
-        "rows": rows, "table": table,
+        "rows": rows, "table": table, "decimal": decimal,
     }  # fmt: skip
     records, files = [], find_files(path)
     check_pressures_in_names(files, constants)
@@ -219,7 +222,8 @@ def _read_record(
     if raw.lstrip()[:1] == b"{":
         return _read_published(raw, source, info)
     text = table_text(raw, source, info.table)
-    table = open_table(text, source, info.header, info.names, wide="pressure" not in info.constants)
+    is_wide = "pressure" not in info.constants
+    table = open_table(text, source, info.header, info.names, decimal=info.decimal, wide=is_wide)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     rest_length, rest_notes = _rest_length(table, info, dict(remarks))

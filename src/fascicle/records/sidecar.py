@@ -12,6 +12,7 @@ atmosphere = "1.013 bar"              # subtracted from absolute pressures
 columns = ["force [N]", "-", "pressure [kPa]"]   # in their order, of a table without header
 rows = "40:200"                       # the first and the last row to read, from 1
 header = 12                           # line of the columns' names
+decimal = ","                         # the sign before decimals; 1.250 is then 1250
 table = "Sheet2"                      # of a file with several
 source = "who measured it, and when"
 notes = ["what was measured, and how"]
@@ -131,6 +132,7 @@ class Sidecar(TableModel):
     signs: Signs = Signs()
     rows: StrictStr | None = None
     header: StrictInt | None = None
+    decimal: Literal[".", ","] | None = None
     table: StrictStr | None = None
     synthetic: StrictBool = False
     source: StrictStr | None = None

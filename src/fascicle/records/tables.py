@@ -23,6 +23,7 @@ from .wide_tables import unfold
 
 MAX_ROWS = 20_000_000  # five hours at a kilohertz
 _LONGEST_NAME = 100  # characters of a column's name
+_SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of its sizes in them
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
@@ -178,7 +179,9 @@ class Table:
         """All rows read by pandas, in a tenth of the time; `None` if they aren't regular."""
         import pandas as pd
 
-        width = len(self.header)
+        width, decimal = len(self.header), self.numbers.decimal
+        if decimal in self.numbers.unclear:
+            return None
         if {line.count(self.delimiter) for line in self.body} != {width - 1}:
             return None
         floats = [*numbers, *([] if time is None else [time])]
@@ -188,7 +191,7 @@ class Table:
             frame = pd.read_csv(
                 io.StringIO("\n".join(self.body)), header=None, names=range(width), index_col=False,
                 dtype={i: float if i in floats else str for i in range(width)}, na_filter=False,
-                sep=self.delimiter, decimal=self.numbers.decimal, skip_blank_lines=False,
+                sep=self.delimiter, decimal=decimal, skip_blank_lines=False,
                 skipinitialspace=True, float_precision="round_trip" if old else None,
             )  # fmt: skip
         except (ValueError, OverflowError):
@@ -274,6 +277,10 @@ class Table:
     def _number(self, text: str, line: int, column: int) -> float:
         """Finite number of a cell's `text`; the error for another one names line and column."""
         if (value := self.numbers.value(text)) is None:
+            if meanings := self.numbers.meanings(text):
+                before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
+                choices = (("decimal", "", sign, after) for sign, after in meanings)
+                raise MissingMetadataError(str(before), *choices)
             raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
         return value
 
@@ -284,14 +291,15 @@ def open_table(
     header_line: int | None = None,
     names: Sequence[str] = (),
     *,
+    decimal: str | None = None,
     wide: bool = True,
 ) -> Table:
     """Read the header of a table from the `raw` bytes of a text file; its cells stay text.
 
-    `source` names the file in errors; `header_line` is the header's line, counted from 1;
-    default: it is inferred. `names` are the columns' names of a table without header. `wide`: a
-    table with columns for each pressure becomes a long one. Raises a `ValueError` for anything but
-    a table.
+    `source` names the file in errors; `header_line` is the header's line, counted from 1, and
+    `decimal` the sign before decimals; default: they are inferred. `names` are the columns' names
+    of a table without header. `wide`: a table with columns for each pressure becomes a long one.
+    Raises a `ValueError` for anything but a table.
     """
     lines, has_clock = split_lines(decode(raw, source))
     head, remarks = _first_lines(lines, source)
@@ -311,7 +319,7 @@ def open_table(
     long = unfold(lines, head, layout.delimiter, layout.start, names, source) if wide else None
     if long is not None:
         text, origins = long
-        table = open_table(text.encode(), source, names=names, wide=False)
+        table = open_table(text.encode(), source, names=names, decimal=decimal, wide=False)
         return replace(table, line=origins[table.line - 1], origins=origins)
     cells = [split_cells(text, layout.delimiter) for _, text in head]
     if layout.header is not None:
@@ -335,11 +343,13 @@ def open_table(
         raise ValueError(
             f"{source}: more than {MAX_ROWS} rows: keep every tenth, or split the file."
         )
-    sample = [cell for row in cells[layout.start : layout.start + 50] for cell in row]
+    step = max(len(body) // _SAMPLE_ROWS, 1)
+    sample = [split_cells(text, layout.delimiter) for text in body[::step] if not is_remark(text)]
+    numbers = detect_format(sample, layout.delimiter, decimal)
     units = (*_unit_row(cells, layout), *[""] * len(header))[: len(header)]
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
-        layout.delimiter, detect_format(sample, layout.delimiter), body, first,
+        layout.delimiter, numbers, body, first,
     )  # fmt: skip
 
 

@@ -64,3 +64,12 @@ def test_a_joint_and_a_digitized_figure_are_read_by_options(tmp_path):
         read_record([str(figure)], read_options(), 0.18)
     record, _ = read_record([str(figure)], read_options(columns="strain[%],force[N]"), 0.18)
     assert record.pressure == pytest.approx([1e5, 1e5, 2e5, 2e5])
+
+
+def test_a_decimal_sign_is_offered_as_an_option(tmp_path):
+    path = tmp_path / "m.csv"
+    path.write_text("p [kPa];L [mm];F [N]\n200;180;1.180\n200;170;980\n")
+    with pytest.raises(UserError, match=r"--decimal '.' if it is 1.180; or give --decimal ','"):
+        read_record([str(path)], read_options(), 0.18)
+    record, _ = read_record([str(path)], read_options(decimal=","), 0.18)
+    assert record.force.tolist() == [1180, 980]

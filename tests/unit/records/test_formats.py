@@ -436,21 +436,48 @@ def test_a_missing_column_is_offered_only_what_could_be_it():
         loads("pressure force length\n1\n2\n")
 
 
+def asked_decimals(text):
+    with pytest.raises(MissingMetadataError, match="decimals or thousands") as error:
+        loads(text, rest_length=REST)
+    assert {choice[0] for choice in error.value.choices} == {"decimal"}
+    return {choice[2] for choice in error.value.choices}
+
+
 def test_thousands_that_may_be_decimals_are_refused():
     text = "t [s];p [mbar];F [N];L [mm]\n0;2.000;{};180\n1;2.001;95,2;176\n"
-    with pytest.raises(ValueError, match=r"'2\.000' may be 2\.000 or 2000: write it without"):
-        loads(text.format("118,4"), rest_length=REST)
+    assert asked_decimals(text.format("118,4")) == {","}
+    record = loads(text.format("118,4"), rest_length=REST, decimal=",")
+    assert_allclose(record.pressure, [200e3, 200.1e3])
+    assert_allclose(record.force, [118.4, 95.2])
     # a number with both signs makes it clear, and so does one that can't be of thousands
     record = loads(text.format("1.118,4"), rest_length=REST)
     assert_allclose(record.pressure, [200e3, 200.1e3])
     assert_allclose(record.force[0], 1118.4)
     clear = text.format("118.4").replace("2.00", "200.").replace("mbar", "kPa")
     assert_allclose(loads(clear, rest_length=REST).pressure, [200e3, 200.1e3])
-    with pytest.raises(ValueError, match=r"'1,118' may be 1\.118 or 1118"):
-        loads("t [s];p [kPa];F [mN];L [mm]\n0.5;200.1;1,118;180\n", rest_length=REST)
-    quoted = 't [s],p [kPa],F [mN],L [mm]\n0,200,"1,118",180\n'
-    with pytest.raises(ValueError, match=r"'1,118' may be 1\.118 or 1118"):
-        loads(quoted, rest_length=REST)
+    assert asked_decimals("t [s];p [kPa];F [mN];L [mm]\n0.5;200.1;1,118;180\n") == {"."}
+    assert asked_decimals('t [s],p [kPa],F [mN],L [mm]\n0,200,"1,118",180\n') == {".", ","}
+    with pytest.raises(ValueError, match=r'`decimal` must be "." or ","'):
+        loads(clear, rest_length=REST, decimal="'")
+
+
+def test_thousands_beside_integers_are_refused_until_the_decimal_sign_is_given():
+    falling = ["1.180", "1.050", "980", "750"]
+    head = "p [kPa];L [mm];F [N]\n"
+    rows = list(zip([200] * 4, [180, 176, 172, 168], falling, strict=True))
+    grouped = table(";", list(zip(*rows, strict=True)))
+    assert asked_decimals(head + grouped) == {".", ","}
+    # the first of them may stand far below the start
+    assert asked_decimals(head + "200;180;980\n" * 5000 + grouped) == {".", ","}
+    for sign, expected in ((",", [1180, 1050, 980, 750]), (".", [1.18, 1.05, 980, 750])):
+        record = loads(head + grouped, rest_length=REST, decimal=sign)
+        assert_allclose(record.force, expected)
+    only = "p [Pa];L [mm];F [N]\n100.010;180;118\n100.020;176;98\n"
+    assert asked_decimals(only) == {".", ","}
+    assert_allclose(loads(only, rest_length=REST, decimal=",").pressure, [100010, 100020])
+    # two columns of three decimals are no thousands, nor are decimals that begin with a zero
+    for row in ("200;180.125;118.401\n", "200;180;118.401\n200;170;0.250\n"):
+        assert loads(head + row, rest_length=REST).force[0] == 118.401
 
 
 def test_specimens_of_one_file_are_not_mixed():

@@ -65,6 +65,7 @@ def run(
     header: int | None = reading.HEADER,
     rows: str | None = reading.ROWS,
     table: str | None = reading.TABLE,
+    decimal: str | None = reading.DECIMAL,
     pressure: str | None = reading.PRESSURE,
     constant: list[str] | None = reading.CONSTANT,
     name_pattern: str | None = reading.NAME_PATTERN,
@@ -124,7 +125,8 @@ def run(
     options_of_reading = reading.read_options(
         unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
         push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
-        table=table, name_pattern=name_pattern, atmosphere=atmosphere, moment_arm=moment_arm,
+        table=table, decimal=decimal, name_pattern=name_pattern, atmosphere=atmosphere,
+        moment_arm=moment_arm,
     )  # fmt: skip
     if notebook and out is None and as_json:
         raise UserError("--notebook: name its folder with --out, or drop --json.")

@@ -23,6 +23,7 @@ def run(
     header: int | None = reading.HEADER,
     rows: str | None = reading.ROWS,
     table: str | None = reading.TABLE,
+    decimal: str | None = reading.DECIMAL,
     pressure: str | None = reading.PRESSURE,
     constant: list[str] | None = reading.CONSTANT,
     name_pattern: str | None = reading.NAME_PATTERN,
@@ -40,7 +41,8 @@ def run(
     settings = reading.read_options(
         unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
         push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
-        table=table, name_pattern=name_pattern, atmosphere=atmosphere, moment_arm=moment_arm,
+        table=table, decimal=decimal, name_pattern=name_pattern, atmosphere=atmosphere,
+        moment_arm=moment_arm,
     )  # fmt: skip
     record, _ = reading.read_record(data, settings)
     from ...records.published import file_text
