@@ -26,6 +26,7 @@ _LONGEST_NAME = 100  # characters of a column's name
 _SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of its sizes in them
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
+_MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
 _HOLES = {"", "-", "--", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
@@ -130,6 +131,7 @@ class Table:
         cells = TableColumns({}, {i: [] for i in texts}, [])
         holes: list[tuple[int, list[str]]] = []
         text_rows: list[tuple[int, list[str]]] = []
+        doubles: list[tuple[int, list[str]]] = []  # rows of two lines in one
         ends: list[int] = []  # rows above the names of further specimens
         for line, row in self._rows():
             count += 1
@@ -147,7 +149,7 @@ class Table:
                 text_rows.append((line, row))
                 ends += [count - 1] if _SPECIMEN.fullmatch(row[0]) else []
             elif any(row[width:]):
-                raise self._width_error(line, len(row))
+                doubles.append((line, row))
             elif kind == "holes":
                 holes.append((line, row))
             else:
@@ -160,6 +162,7 @@ class Table:
         if ends and not selected:
             before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
             raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
+        self._check_doubles(doubles, len(values))
         if not values:
             raise self._no_readings(numbers, holes, text_rows, count)
         cells.numbers = dict(zip(numbers, np.array(values).T, strict=True))
@@ -168,7 +171,11 @@ class Table:
         cells.notes += [
             f"{len(left)} {'row' if len(left) == 1 else 'rows'} {kind} left out, the first in line"
             f" {left[0][0]}"
-            for kind, left in (("with holes", holes), ("of words", text_rows))
+            for kind, left in (
+                ("with holes", holes),
+                ("of words", text_rows),
+                ("of two lines in one", doubles),
+            )
             if left
         ]
         return cells
@@ -267,12 +274,19 @@ class Table:
             rule = f"no readings in those rows: it has {count}"
         return ValueError(f"{self.source}: {rule}.")
 
-    def _width_error(self, line: int, count: int) -> ValueError:
+    def _check_doubles(self, doubles: Sequence[tuple[int, list[str]]], count: int) -> None:
+        """Refuse rows with more cells than the header, unless a few among `count` readings are
+        `doubles`, two lines in one.
+        """
         width, remedy = len(self.header), "quote or drop the odd ones"
-        if self.delimiter == "," and width < count <= 2 * width:
-            remedy = "if its decimals stand after commas, part the columns by semicolons"
-        message = f"{count} cells, where the header has {width}: {remedy}."
-        return ValueError(f"{self.source}, line {line}: {message}")
+        is_many = len(doubles) > _MAX_DOUBLES * count
+        for line, row in doubles:
+            if not is_many and len(row) >= 2 * width - 1:  # a cell of both, without a line's end
+                continue
+            if self.delimiter == "," and len(row) <= 2 * width:
+                remedy = "if its decimals stand after commas, part the columns by semicolons"
+            message = f"{len(row)} cells, where the header has {width}: {remedy}."
+            raise ValueError(f"{self.source}, line {line}: {message}")
 
     def _number(self, text: str, line: int, column: int) -> float:
         """Finite number of a cell's `text`; the error for another one names line and column."""

@@ -685,6 +685,20 @@ def test_an_odd_row_leaves_out_no_others():
         assert any("1 row" in note and "line 4" in note for note in record.notes)
 
 
+@pytest.mark.parametrize("merged", ["90,200,178,88,200,177", "90,200,17888,200,177"])
+def test_a_row_of_two_lines_in_one_is_left_out(merged):
+    rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
+    text = "\n".join(["F [N],P [kPa],L [mm]", *rows * 5, merged, *rows])
+    record = loads(text, rest_length=REST)
+    assert record.force.tolist() == FORCE * 6
+    notes = [note for note in record.notes if "left out" in note]
+    assert notes == ["<text>: 1 row of two lines in one left out, the first in line 22"]
+    # several are no slip of a logger, and one cell too many is none either
+    for odd in ([merged] * 4, ["90,200,178,5"]):
+        with pytest.raises(ValueError, match=r"line 22: \d cells, where the header has 3"):
+            loads("\n".join([*text.splitlines()[:21], *odd, *rows]), rest_length=REST)
+
+
 @pytest.mark.parametrize(
     "other",
     ["P [bar],F [N],x [mm]", "F [N],P [kPa],x [mm]", "P,F,x\nbar,N,mm", "P,F,x\nkPa,N,cm"],
