@@ -3,6 +3,8 @@
 A tab is drawn when it is open, and only if its content has changed.
 """
 
+import asyncio
+import contextlib
 import traceback
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -116,11 +118,17 @@ class LatestResult:
             elif self._latest is not None:
                 self._start(doc, self._latest)
 
-        def done(future: "Future[Outcome]") -> None:
-            _RUNNING.discard(future)
+        def schedule(future: "Future[Outcome]") -> None:
             if doc.session_context and not doc.session_context.destroyed:
                 doc.add_next_tick_callback(lambda: deliver(future.result()))
 
+        def done(future: "Future[Outcome]") -> None:
+            _RUNNING.discard(future)
+            # a document that sends its changes loses a callback that a thread adds meanwhile
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(schedule, future)
+
+        loop = asyncio.get_running_loop()
         future = self._workers.submit(_result_or_error, compute)
         _RUNNING.add(future)
         future.add_done_callback(done)
