@@ -52,10 +52,11 @@ def check_interval(
     closed: tuple[bool, bool] = (False, False),
     remedy: str = "",
 ) -> Batch:
-    """Return `value` as floats, NumPy's, refusing anything outside the interval.
+    """Return `value` in SI as floats; refuse numbers outside the interval, and NaN.
 
-    Its low and high end are open or `closed`. Ends may be arrays, which broadcast against the
-    value. `why` completes the rule in words: "to contract"; `remedy` says what to do.
+    A traced value of JAX passes without a check. Low and high end are open or `closed`; they may be
+    arrays, which broadcast against the value. `why` completes the rule in words: "to contract";
+    `remedy` says what to do.
     """
     single = type(value) in FLOATS and type(low) is not np.ndarray
     if single and type(high) is not np.ndarray and low < value < high:

@@ -149,11 +149,11 @@ def friction_step(
     position: Batch,
     pressures: Numbers,
     speed: Numbers = 0.0,
-    by_pressure: Numbers = 0.0,
+    pressure_slope: Numbers = 0.0,
 ) -> FrictionStep:
     """Friction of each muscle of a `plant` at a `position` [SI] and `pressures` [Pa], reached from
     the `friction_memory` [SI] without turning, at a `speed` of contraction [m/s] and the muscles'
-    $\\partial F/\\partial P$, `by_pressure` [m²].
+    $\\partial F/\\partial P$, `pressure_slope` [m²].
     """
     assert plant.hysteresis is not None
     zero = 0.0 * pressures
@@ -161,7 +161,7 @@ def friction_step(
     return plant.hysteresis.advance(
         friction_memory.spring_forces, displacement, zero + speed,
         (friction_memory.pressures, pressures),
-        zero + by_pressure,
+        zero + pressure_slope,
     )  # fmt: skip
 
 

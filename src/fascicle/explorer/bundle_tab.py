@@ -208,7 +208,7 @@ class BundleView(Tab):
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Draw all that the tab shows of a `view`."""
         self._scheme.value = str(view.scheme)
         self._resistance.value = view.resistance
         self._supply.show(view.supply, view.display_units["pressure"])
@@ -219,7 +219,7 @@ class BundleView(Tab):
         self._workspace.request(lambda: bundle_workspace(view.bundle, view.resistance))
 
     def follow(self, before: View, after: View) -> None:
-        """Show new pressures and strain, the state there, and the pressures that carry the load."""
+        """Update pressures and strain, the state there, and the pressures that carry the load."""
         if changed(before, after, "pressures"):
             self.units.show_pressures(after)
         if changed(before, after, "strain"):

@@ -172,7 +172,7 @@ class CompareView(Tab):
         self.panel = row(side, column(self._empty, self._comparison))
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Draw all that the tab shows of a `view`."""
         self._form.show(view)
         self._show_rows(view)
         self.message.show("")
@@ -207,7 +207,7 @@ class CompareView(Tab):
         self._show_strain(view)
 
     def follow(self, before: View, after: View) -> None:
-        """Follow the contraction."""
+        """Update what depends on the contraction."""
         if changed(before, after, "strain") and after.pins:
             self._show_strain(after)
 

@@ -156,7 +156,7 @@ class EfficiencyView(Tab):
         )
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Draw all that the tab shows of a `view`."""
         self._path.value = view.path
         self.notes.object = remarks_html(view, "efficiency")
         self.status.object = status_line("computing the map")

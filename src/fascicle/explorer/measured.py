@@ -190,7 +190,9 @@ def fit_record(
     progress: Callable[[str], object],
     names: Sequence[str] = (AUTOMATIC,),
 ) -> "Selection":
-    """Fit constants of some `names`, or `AUTOMATIC` or `TUNING`; `progress` takes each step."""
+    """Model selected for a `record`: the best of all (`AUTOMATIC`), or a fit of the laws' `TUNING`
+    or of constants by their `names`; `progress` takes each step.
+    """
     from ..calibrate.fitting import fit
     from ..calibrate.model_selection import Selection, select_model
 

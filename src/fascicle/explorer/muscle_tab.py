@@ -113,7 +113,7 @@ class MuscleView(Tab):
         self._request_alternatives(view)
 
     def follow(self, before: View, after: View) -> None:
-        """Follow the sliders, and the laws compared."""
+        """Update what depends on pressure, contraction and the laws compared."""
         self.message.show("")  # on too many laws
         if changed(before, after, "pressure", "strain"):
             curves = self._compute_curves(after)

@@ -230,7 +230,7 @@ def build(
         # made when it is first opened: most visitors never open most of them
         if name not in views:
             views[name] = _VIEWS[name](session, colors)
-            contents[name].objects = [views[name].panel, *_download_row(session, name, story)]
+            contents[name].objects = [views[name].panel, *_download_rows(session, name, story)]
         views[name].refresh()
 
     def follow(before: View, after: View) -> None:
@@ -246,8 +246,11 @@ def build(
     )
 
 
-def _download_row(session: Session, name: str, story: Story) -> list[Any]:
-    """A row of download buttons of the tab with a `name`; none for compare and data."""
+def _download_rows(session: Session, name: str, story: Story) -> list[Any]:
+    """Download buttons of the tab with a `name` as a list of one row; empty for compare and data.
+
+    The first tab's row also starts the story.
+    """
     if name not in EXPORTS:  # those of curves and of data need some first, and have their own
         return []
     buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))

@@ -139,7 +139,7 @@ def add_pin(
         parts.append(at_pressure)
     if not 0 < len(parts) <= _MOST_PARTS:
         parts = [name.removesuffix(".toml"), at_pressure]
-    return (*pins, Pin(_unique(", ".join(parts), pins), muscle, pressure))
+    return (*pins, Pin(_free_name(", ".join(parts), pins), muscle, pressure))
 
 
 def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
@@ -219,8 +219,8 @@ def _is_item(item: Any) -> bool:
     )
 
 
-def _unique(name: str, pins: Sequence[Pin]) -> str:
-    """The `name` as a pin's, with a number where one of the `pins` has it."""
+def _free_name(name: str, pins: Sequence[Pin]) -> str:
+    """The `name` cleaned for a pin, with a number if one of the `pins` has it already."""
     line = sanitize_line(name, LONGEST_NAME - 10).lstrip("=+-@_. ") or "muscle"
     names = {pin.name for pin in pins}
     candidates = (line, *(f"{line} ({i})" for i in range(2, MOST_PINS + 2)))

@@ -115,7 +115,7 @@ class ReversalView(Tab):
         )
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Draw all that the tab shows of a `view`."""
         self._splits.value = ", ".join("+".join(map(str, split)) for split in view.splits)
         self.notes.object = remarks_html(view, "reversal")
         self.status.object = status_line("computing")

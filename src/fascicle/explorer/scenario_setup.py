@@ -88,13 +88,13 @@ class Setup:
 
     @property
     def fields(self) -> list[ScenarioValue]:
-        """Quantities that can be changed, with their present values."""
+        """The scenario's quantities that can be changed, each with this setup's value."""
         values = dict(self.values)
         return [field._replace(value=values.get(field.path, field.value))
                 for field in _fields(self.source, self.name)]  # fmt: skip
 
-    def change(self, path: str, value: float) -> "Setup":
-        """Change the quantity at a `path` to a `value` [SI]; `ValueError` if there is none."""
+    def with_value(self, path: str, value: float) -> "Setup":
+        """A copy with the quantity at a `path` at a `value` [SI]; `ValueError` if there is none."""
         original = {field.path: field.value for field in _fields(self.source, self.name)}
         check_choice(path, original, "set")
         values = {**dict(self.values), path: value}
@@ -208,7 +208,7 @@ def read_setup(setup: Setup, key: str, text: str) -> Setup:
     for entry in text.split(",")[:_MOST_VALUES]:
         path, _, value = entry.partition(":")
         dimensions = {field.path: field.dimension for field in setup.fields}
-        setup = setup.change(path, parse(value, dimensions.get(path, "number"), "set"))
+        setup = setup.with_value(path, parse(value, dimensions.get(path, "number"), "set"))
     return setup
 
 

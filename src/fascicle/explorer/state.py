@@ -91,7 +91,7 @@ class View:
         return Bundle(units, self.supply, self.scheme, self.distance)
 
     def muscle_of(self, unit: Unit) -> Muscle:
-        """A `unit`'s own muscle, or else the view's, scaled to the unit's size."""
+        """A `unit`'s own muscle as it is; without one, the view's muscle at the unit's size."""
         return scaled_muscle(self.muscle, unit.size) if unit.own is None else unit.own
 
     @property
@@ -208,7 +208,7 @@ class Session:
             self._set(self._with_display(view))
 
     def reset(self) -> None:
-        """Show the view as it was opened; the tab and the units shown stay."""
+        """Show the view as it was opened, but keep the tab and the display units."""
         self._last = set(), -math.inf  # not a step of the last change
         self.show(self._with_display(self.opened))
 

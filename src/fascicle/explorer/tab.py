@@ -54,11 +54,11 @@ class Tab:
             self.follow(before, view)
 
     def draw(self, view: View) -> None:
-        """Show a `view` anew: all that the tab takes from it."""
+        """Draw all that the tab shows of a `view`."""
         raise NotImplementedError
 
     def follow(self, before: View, after: View) -> None:
-        """Follow a change that is not among `fields`, such as a slider's."""
+        """Update only what depends on fields of the view outside `fields`, such as a slider's."""
 
     def unit(self, dimension: str) -> tuple[str, float]:
         """Unit shown of a `dimension`, and its value [SI]."""

@@ -268,7 +268,7 @@ class TimeView(Tab):
     # the setup
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
+        """Draw all that the tab shows of a `view`."""
         setup = view.setup
         self._updating = True
         self.scenario.value = _OWN if setup.own else setup.name
@@ -310,7 +310,7 @@ class TimeView(Tab):
     def _make_input(self, field: ScenarioValue) -> Field:
         def set_value(value: float) -> None:
             setup = self.session.view.setup
-            self.session.change(setup=setup.change(field.path, value))
+            self.session.change(setup=setup.with_value(field.path, value))
 
         (*_, name) = (key for key in field.path.split(".") if not key.isdigit())
         return Field(field.label, name, field.dimension, set_value)

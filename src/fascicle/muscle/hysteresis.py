@@ -81,7 +81,7 @@ class AbstractHysteresis(Module):
     @abc.abstractmethod
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        by_pressure: Batch,
+        pressure_slope: Batch,
     ) -> FrictionStep:  # fmt: skip
         """Friction after a displacement that does not turn.
 
@@ -91,7 +91,7 @@ class AbstractHysteresis(Module):
         - `displacement`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
         - `pressures`: $P$ before and now [Pa].
-        - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
+        - `pressure_slope`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `FrictionStep`: forces [N] and energy [J].
         """
@@ -100,11 +100,11 @@ class AbstractHysteresis(Module):
     def stored(self, forces: Numbers) -> Batch:
         """Energy in its springs [J] for its spring `forces` [N]."""
 
-    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
+    def lost_power(self, velocity: Batch, pressure: Batch, pressure_slope: Batch) -> Batch:
         """Heat [W] of friction without memory, at a `velocity` [m/s], `pressure` [Pa] and
-        `by_pressure` [m²]; zero with memory, whose loss each step returns.
+        `pressure_slope` [m²]; zero with memory, whose loss each step returns.
         """
-        return 0.0 * (velocity + pressure + by_pressure)
+        return 0.0 * (velocity + pressure + pressure_slope)
 
 
 class MaxwellSlip(AbstractHysteresis):
@@ -138,10 +138,10 @@ class MaxwellSlip(AbstractHysteresis):
 
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        by_pressure: Batch,
+        pressure_slope: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """Friction [N] and loss [J] of all springs after a displacement, equation (H1)."""
-        del velocity, by_pressure
+        """Spring forces, friction [N] and loss [J] after a displacement, equation (H1)."""
+        del velocity, pressure_slope
         k = self.stiffness
         before, f = (self._slip_force(P) for P in pressures)
         new_forces = minimum(maximum(forces + k * displacement[..., None], -f), f)
@@ -195,10 +195,10 @@ class Dahl(AbstractHysteresis):
 
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        by_pressure: Batch,
+        pressure_slope: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """Friction [N] and loss [J] after a displacement, equation (H2)."""
-        del velocity, by_pressure
+        """Spring force, friction [N] and loss [J] after a displacement, equation (H2)."""
+        del velocity, pressure_slope
         k = self.stiffness
         f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
         before = forces[..., 0]
@@ -233,22 +233,22 @@ class Coulomb(AbstractHysteresis):
 
     def advance(
         self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        by_pressure: Batch,
+        pressure_slope: Batch,
     ) -> FrictionStep:  # fmt: skip
         """Friction [N] at a velocity, equation (H3), with no loss: that is in `lost_power`."""
         del pressures
-        return FrictionStep(forces, self._force(velocity, by_pressure), 0.0 * displacement)
+        return FrictionStep(forces, self._force(velocity, pressure_slope), 0.0 * displacement)
 
     def stored(self, forces: Numbers) -> Batch:
         """Stored energy: zero [J]; the `forces` [N] have no entries on the last axis."""
         return array_namespace(forces).sum(forces, axis=-1)
 
-    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
-        """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
+    def lost_power(self, velocity: Batch, pressure: Batch, pressure_slope: Batch) -> Batch:
+        """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `pressure_slope` [m²]."""
         del pressure
-        return self._force(velocity, by_pressure) * velocity
+        return self._force(velocity, pressure_slope) * velocity
 
-    def _force(self, velocity: Batch, by_pressure: Batch) -> Batch:
+    def _force(self, velocity: Batch, pressure_slope: Batch) -> Batch:
         """Friction against contraction [N], with the sign of the `velocity` [m/s]."""
         sign = array_namespace(velocity).tanh(velocity / self.velocity)
-        return self.width * absolute(by_pressure) * sign
+        return self.width * absolute(pressure_slope) * sign

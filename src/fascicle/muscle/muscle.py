@@ -38,8 +38,8 @@ from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
 from .validation import (
     check_active_length,
+    check_broadcast,
     check_centerline_points,
-    check_points,
     check_wall_thickness,
     choose_material,
     choose_tuning,
@@ -112,7 +112,7 @@ class AtPressure(Module):
         tension = self.state.law.tension
         eps = validate_strain(strain, tension.bladder.braid.angle, tension.strain_ratio)
         eps = self._match_type(eps)
-        check_points(self.pressure, eps)
+        check_broadcast(self.pressure, eps)
         return evaluate(_state_quantity, self, eps, static=(quantity, *static))
 
     def _match_type(self, values: Batch) -> Batch:
@@ -284,7 +284,7 @@ class Muscle(Module):
         volume a cycle makes energy. It jumps where the force does, as `elastica`'s.
         """
         arrays = validate_point(self, pressure, strain)
-        check_points(*arrays, muscles=batch_shape(self))
+        check_broadcast(*arrays, batch=batch_shape(self))
         volume = conjugate_volume(self, *arrays)
         return np.asarray(volume)[()] if self.is_numpy and is_numpy(*arrays) else volume
 
@@ -355,7 +355,7 @@ class Muscle(Module):
     def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
         single = self.is_single
         if not single or max(map(np.ndim, arrays)):
-            check_points(*arrays, muscles=() if single else batch_shape(self))
+            check_broadcast(*arrays, batch=() if single else batch_shape(self))
         # rows of muscles, functions of one argument and centerlines are too few points for chunks
         chunks = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
         if chunks and max(map(np.size, arrays)) > 1:

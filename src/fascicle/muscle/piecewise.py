@@ -199,7 +199,7 @@ class PressurizedMuscle(NamedTuple):
         return where(in_tension, 0.0, where(collapsed, hinged, bowed))
 
     def moment(self, strain: Batch) -> Batch:
-        """Largest bending moment [N·m] at `strain` [-]."""
+        """Bending moment [N·m] at `strain` [-]: zero in tension, the hinge's after collapse."""
         in_tension, collapsed, buckled_strain = self._regions(strain)
         _, moment = self.law.buckling.bow(self.column, buckled_strain)
         return where(in_tension, 0.0, where(collapsed, self.hinge_moment, moment))

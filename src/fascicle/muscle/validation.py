@@ -105,12 +105,12 @@ def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch
     return pressure, validate_strain(strain, *strain_domain(muscle))
 
 
-def check_points(*arrays: Batch, muscles: tuple[int, ...] = ()) -> None:
-    """Refuse pressures and strains that don't broadcast, or not with rows of `muscles`."""
+def check_broadcast(*arrays: Batch, batch: tuple[int, ...] = ()) -> None:
+    """Refuse pressures and strains that don't broadcast with one another and a `batch`."""
     names = ("pressure", "strain") if len(arrays) == 2 else ("values",)
     shapes = dict(zip(names, map(np.shape, arrays), strict=True))
-    if muscles:
-        broadcast_shape(muscles=muscles, **shapes)
+    if batch:
+        broadcast_shape(muscles=batch, **shapes)
     broadcast_shape(**shapes)
 
 

@@ -30,7 +30,7 @@ from fascicle.results.tables import simulated
 
 NAME = "raise_1_4"
 START = replace(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"), tab="time")
-CHANGED = Setup(NAME).change("load.mass", 5.5).change("valve.C.1", 5e-9)
+CHANGED = Setup(NAME).with_value("load.mass", 5.5).with_value("valve.C.1", 5e-9)
 
 
 def silent(stage):
@@ -60,7 +60,7 @@ def test_the_policies_are_those_of_the_library():
 
 
 def test_a_change_keeps_every_other_key_and_comment():
-    setup = Setup("ramp_1_4").change("valve.C.1", 5e-9).change("supply.pressure", 4e5)
+    setup = Setup("ramp_1_4").with_value("valve.C.1", 5e-9).with_value("supply.pressure", 4e5)
     before, after = example_text("ramp_1_4"), setup.text("threshold")
     lines = [pair for pair in zip(before.splitlines(), after.splitlines(), strict=True)
              if pair[0] != pair[1]]  # fmt: skip
@@ -68,15 +68,17 @@ def test_a_change_keeps_every_other_key_and_comment():
         'pressure = "400 kPa"', 'C = ["0.1 L/(s*bar)", "0.5 L/(s*bar)"]', 'policy = "threshold"',
     ]  # fmt: skip
     assert all(old.partition("#")[2] == new.partition("#")[2] for old, new in lines)
-    assert setup.change("valve.C.1", 4e-9).change("supply.pressure", 413.7e3) == Setup("ramp_1_4")
+    assert setup.with_value("valve.C.1", 4e-9).with_value("supply.pressure", 413.7e3) == Setup(
+        "ramp_1_4"
+    )
 
 
 def test_a_link_holds_the_setup_and_a_visitors_file():
     own = open_setup("# mine\n" + example_text("lift_gas"), "mine.toml")
     for setup in (
         Setup(),
-        Setup("ramp_1_4", policies=("threshold", "auto")).change("load.mean", 0.02),
-        own.change("load.mass", 9.0).change("valve.C", 2e-9),
+        Setup("ramp_1_4", policies=("threshold", "auto")).with_value("load.mean", 0.02),
+        own.with_value("load.mass", 9.0).with_value("valve.C", 2e-9),
     ):
         view = replace(START, setup=setup)
         again, errors = from_query(to_query(view), START)
@@ -268,6 +270,6 @@ def test_a_file_is_opened_and_refused(tab):
     assert "bad.toml: not a text file in UTF-8" in tab.message.text
     assert tab.session.view.setup.name == "mine.toml"
     with pytest.raises(InvalidInputError):
-        tab.session.view.setup.change("run.duration", 1.0)
+        tab.session.view.setup.with_value("run.duration", 1.0)
     stem, raw = tab._scenario_file()
     assert stem != "mine" and raw.decode() == example_text("lift_oil")

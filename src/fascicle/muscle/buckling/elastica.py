@@ -90,7 +90,7 @@ class Elastica(AbstractBuckling):
         return _ElasticaBranch(onset, _curve(fixed, stop_gradient(onset), fixed.free_strain))
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
-        """Components of the force [N], negative where it pushes, at `strain` [-], (E3)."""
+        """Force by mesh, bladder, bending, its slope and the arc's strain at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
         state = _state_at_arc(column, arc)
         pull, T, chord = state.pull, state.pull.force, state.chord

@@ -139,8 +139,8 @@ def _moment_unit(column: BucklingColumn) -> Batch:
 
 
 def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
-    """Share $u$ of the compression that bows the column, over $\\xi$ [-], at slenderness `c` [-]
-    and compression `xi` [-], (16a): to rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
+    """Ratio $u/\\xi$ [-] of the share that bows the column to the compression, at slenderness `c`
+    [-] and compression `xi` [-], (16a): to rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
     """
     per = 1 / ((1 + xi) * (2 - xi))
     per_xi, inverse = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per

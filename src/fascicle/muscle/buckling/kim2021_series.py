@@ -130,7 +130,7 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _bow_state(column: BucklingColumn, strain: BatchLike) -> _BowState:
-    """State at `strain` [-]: bent past the onset wherever the straight muscle gives way."""
+    """State at `strain` [-]: bent past the onset if the straight muscle can't bear the load."""
     L0 = column.rest_length
     overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
     bent = logical_and(strain > column.branch + ROUNDING, overloaded)

@@ -232,7 +232,7 @@ def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
 
 
 def _state_at_strain(column: BucklingColumn, strain: BatchLike) -> _OvalState:
-    """State at `strain` [-]: straight up to the onset, then the branch's first that reaches it."""
+    """State at `strain` [-]: straight up to the onset, then the branch's first state there."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain

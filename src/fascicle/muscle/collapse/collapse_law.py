@@ -57,7 +57,7 @@ class Kim2021Collapse(AbstractCollapse):
 
 
 class Wood1958(AbstractCollapse):
-    """Wood's moment: pressure counts with $(r_0/t_0)^3$."""
+    """Wood's collapse moment: its pressure term grows with $(r_0/t_0)^3$."""
 
     name: ClassVar[str] = "wood1958"
     source: ClassVar[str] = "Wood (1958)"

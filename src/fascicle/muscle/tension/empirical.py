@@ -74,7 +74,7 @@ class AbstractEmpirical(AbstractTension):
     @classmethod
     @abc.abstractmethod
     def published_constants(cls) -> list[Constant]:
-        """Constants of the law with their published values in SI units."""
+        """Declarations of the law's constants, with the published values [SI] as defaults."""
 
     def _numbers(self) -> list[Batch]:
         """Values of the constants, in their order."""
@@ -114,7 +114,7 @@ class AbstractSarosi(AbstractEmpirical):
 
     @classmethod
     def published_constants(cls) -> list[Constant]:
-        """Constants of the law with their published values in SI units."""
+        """Declarations of the law's constants, with the published values [SI] as defaults."""
         return [
             _signed_constant(name, symbol, dimension, (100, _LARGEST_RATIO), number * unit, about,
                              "Sárosi (2012)")
@@ -190,7 +190,7 @@ class AbstractBolen(AbstractEmpirical):
 
     @classmethod
     def published_constants(cls) -> list[Constant]:
-        """Constants of the law with their published values in SI units."""
+        """Declarations of the law's constants, with the published values [SI] as defaults."""
         code = "Agile and Adaptive Robotics laboratory, public code"
         return [
             Constant(
@@ -255,7 +255,7 @@ class AbstractMartens(AbstractEmpirical):
 
     @classmethod
     def published_constants(cls) -> list[Constant]:
-        """Constants of the law with their published values in SI units."""
+        """Declarations of the law's constants, with the published values [SI] as defaults."""
         *moduli, angle = cls.published
         source, length = "Martens and Boblan (2017)", cls.reference_length or 1.0
         return [*(
