@@ -45,14 +45,16 @@ DECIMAL = option(
     metavar="SIGN",
 )
 TABLE = option(
-    "Sheet (.xlsx), structure (.mat) or group (.tdms) of a file that has several.", metavar="NAME"
+    "Sheet (.xlsx), structure (.mat) or group (.tdms) of a file that has several; '*' for all.",
+    metavar="NAME",
 )
 PRESSURE = option("Pressure of all readings of the files.", metavar="PRESSURE")
 CONSTANT = option(
     "Constant of all readings: length=167mm, force=2kgf; repeatable.", metavar="ROLE=VALUE"
 )
 NAME_PATTERN = option(
-    "Pattern of file names with constants in them: {length}cm_{pressure}kPa, * for other text.",
+    "Pattern of names of files or tables, with constants: {length}cm_{pressure}kPa, * for other"
+    " text.",
     metavar="PATTERN",
 )
 ZERO = option(

@@ -13,7 +13,7 @@ from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain, strain_domain
 from ..records import loads
 from ..records.columns import MissingMetadataError
-from ..records.formats import table_text, unpacked_size
+from ..records.formats import table_texts, unpacked_size
 from ..records.record import Record
 from ..records.tables import open_table
 from ..units import pretty
@@ -119,7 +119,7 @@ def _unpack(raw: bytes, name: str) -> bytes:
             f"{name}: unpacked, it has more than {LARGEST_CONTENT} bytes: thin it out."
         )
     try:
-        return table_text(raw, name)
+        return next(iter(table_texts(raw, name).values()))  # without a pattern it is one
     except MissingMetadataError as error:
         problem = error.before.rpartition(": ")[0]
         raise ValueError(f"{problem}: save one of them, or use `fascicle calibrate`.") from None

@@ -318,7 +318,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
             names.append(name)
     before = f"{table.where}: no column of {quantity} found: "
     constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
-    pattern = suggest_pattern(Path(table.source).stem, role)
+    pattern = suggest_pattern(Path(table.source).name, role)
     if role == "pressure" and len(set(names)) < len(names):
         what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
         return MissingMetadataError(what, ("constants", role, "200 kPa", ", if it is one"))
@@ -332,7 +332,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         what = f"{before}name the columns of one pressure, {_list_names(names)}, with "
         return MissingMetadataError(what, ("columns", "", ",".join(example), after))
     if pattern or not names:
-        named = ("name_pattern", "", pattern, ", as the file's name says")
+        named = ("name_pattern", "", pattern, ", as the name says")
         return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
     if len(names) == 1 and role == "length" and is_unit(read_header(names[0])[0][1], ("length",)):
         choices = [("columns", role, names[0], ""), ("columns", "displacement", names[0], "")]

@@ -15,8 +15,9 @@ _PATTERN_NAMES = (*CONSTANTS, "rest_length")
 _UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N"}
 
 
-def read_name(path: Path, pattern: str) -> dict[str, float]:
-    """Constants [SI] that the file's name holds where the `pattern` has their names in braces.
+def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
+    """Constants [SI] that the name of a `table` in a file, or the file's name and it, holds where
+    the `pattern` has their names in braces.
 
     The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams and the
     like of a force are weights.
@@ -33,9 +34,15 @@ def read_name(path: Path, pattern: str) -> dict[str, float]:
     if not fields:
         hint = 'write such as "{length}cm_{pressure}kPa"'
         raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
-    match = re.search(expression + _wildcard_expression(end), path.stem)
+    expression += _wildcard_expression(end)
+    match = re.search(expression, table) or re.search(expression, f"{path.stem} {table}".rstrip())
     if match is None:
-        raise ValueError(f"{path}: the file's name doesn't fit the pattern {pattern!r}.")
+        what = (
+            f"neither table `{table}` nor its name with the file's fits"
+            if table
+            else ("the file's name doesn't fit")
+        )
+        raise ValueError(f"{path}: {what} the pattern {pattern!r}.")
     values = {}
     for (name, unit), text in zip(fields, match.groups(), strict=True):
         dimension = dimension_of(name)
@@ -60,12 +67,20 @@ def suggest_pattern(name: str, role: str) -> str:
     return f"{minus}{{{role}{'' if unit == usual and not blank else f':{usual}'}}}{blank}{unit}"
 
 
-def check_pressures_in_names(files: Sequence[Path], constants: Mapping[str, Any] | None) -> None:
-    """Refuse one pressure of all readings of `files` whose names state several."""
+def check_pressures_in_names(
+    files: Sequence[Path], constants: Mapping[str, Any] | None, tables: Sequence[str] = ("",)
+) -> None:
+    """Refuse one pressure of all readings of `files`, or of the `tables` in a file, whose names
+    state several.
+    """
     if "pressure" not in (constants or {}):
         return
-    patterns = {path: suggest_pattern(path.stem, "pressure") for path in files}
-    stated = [(path, pattern) for path, pattern in patterns.items() if pattern]
-    if len({read_name(*pair)["pressure"] for pair in stated}) > 1:
-        before = f"{files[0]}: one pressure was given, the names of the files state several: give "
+    names = [(path, table) for path in files for table in tables]
+    stated = [
+        (path, pattern, table)
+        for path, table in names
+        if (pattern := suggest_pattern(table or path.stem, "pressure"))
+    ]
+    if len({read_name(*name)["pressure"] for name in stated}) > 1:
+        before = f"{files[0]}: one pressure was given, the names state several: give "
         raise MissingMetadataError(before, ("name_pattern", "", stated[0][1], " instead"))

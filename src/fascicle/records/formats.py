@@ -1,9 +1,10 @@
 """Spreadsheets and binary files of instruments as text tables: .xlsx, .mat, .tdms.
 
 openpyxl, SciPy and npTDMS parse; here their columns get names and units. A file with several tables
-(sheets, structures, groups) is refused unless one is named or only one has readings.
+(sheets, structures, groups) is refused unless some are named or only one has readings.
 """
 
+import fnmatch
 import io
 import struct
 import zipfile
@@ -14,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..core.errors import require
-from .file_names import suggest_pattern
 from .headers import MissingMetadataError
 from .tables import has_readings
 
@@ -35,13 +35,14 @@ _COMPRESSED = 15  # type of a compressed element of a .mat file
 _LABELS = ("colheaders", "names", "labels", "columns", "header", "headers", "channels")
 
 
-def table_text(raw: bytes, source: str, table: str | None = None) -> bytes:
-    """Text of a file's table; a text file is returned as it is.
+def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, bytes]:
+    """Text of a file's table, or of several, by name; a text file is one without name.
 
     **Arguments:**
 
     - `raw`: the file's bytes; `source`: its name in errors.
-    - `table`: name of the sheet, structure or group; default: the one with readings.
+    - `table`: name of the sheet, structure or group, or a pattern such as `"*"` for all with
+      readings that it fits; default: the one with readings.
 
     **Raises:** `ValueError` for a file that can't be read; `MissingExtraError` if its library isn't
     installed.
@@ -60,24 +61,23 @@ def table_text(raw: bytes, source: str, table: str | None = None) -> bytes:
             f"{source}: no table `{table}`: a text file holds one, leave the name out."
         )
     else:
-        return raw
-    if table is not None:
-        names = [name for name in tables if name.lower() == table.lower()]
-        if not names:
+        return {"": raw}
+    names = [name for name in tables if table is not None and name.lower() == table.lower()]
+    if not names:
+        pattern = "*" if table is None else table.lower()
+        fits = [name for name in tables if fnmatch.fnmatchcase(name.lower(), pattern)]
+        if not fits and table is not None:
             listed = ", ".join(f"`{name}`" for name in tables) or "none"
             raise ValueError(f"{source}: no table `{table}`: there are {listed}.")
-    else:
-        names = [name for name, text in tables.items() if has_readings(text)]
+        names = [name for name in fits if has_readings(tables[name])]
     if not names:
         raise ValueError(f"{source}: no table of numbers in it: export the readings as CSV.")
-    if len(names) > 1:
+    if len(names) > 1 and table is None:
         listed = ", ".join(f"`{name}`" for name in names)
         before = f"{source}: several tables, {listed}: choose one with "
-        pressures = suggest_pattern(names[0], "pressure")
-        after = f", {'with the pressure that it states, ' if pressures else ''}or read each"
-        after += " by itself and join the records"
-        raise MissingMetadataError(before, ("table", "", names[0], after))
-    return tables[names[0]]
+        one, every = ("table", "", names[0], ""), ("table", "", "*", " for all, if of one muscle")
+        raise MissingMetadataError(before, one, every)
+    return {name: tables[name] for name in names}
 
 
 def unpacked_size(raw: bytes, limit: int) -> int:

@@ -17,7 +17,7 @@ from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
 from .file_names import check_pressures_in_names, read_name
-from .formats import table_text
+from .formats import table_texts
 from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
 from .joint_readings import read_joint
@@ -84,7 +84,8 @@ def load(
     - `sidecar`: the TOML file; default: the one of the table's name, if there is one.
     - `constants`: pressure, force, strain, length, displacement, torque or angle of all readings
       [SI].
-    - `name_pattern`: constants in the file's name, such as `"{length}cm_{pressure}kPa"`.
+    - `name_pattern`: constants in the name of the file or of its table, such as
+      `"{length}cm_{pressure}kPa"`.
     - `zeros`: readings of pressure, force, torque and displacement at zero, or at rest, and the
       angle at the rest length [SI].
     - `signs`: directions by role: "pushing positive", "extension positive" and their opposites.
@@ -92,7 +93,8 @@ def load(
     - `moment_arm`: of the muscle about the joint whose torque was measured [m]; or a table
       `{"angle": …, "arm": …}` [rad], [m], between whose angles it is linear.
     - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
-    - `table`: sheet, structure or group of a file with several.
+    - `table`: sheet, structure or group of a file with several, or a pattern such as `"*"`: all
+      tables that fit it are one record.
     - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
       inferred.
 
@@ -115,11 +117,7 @@ def load(
             info, notes = sidecar_beside(file)
         else:
             info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
-        if name_pattern is not None:
-            changes = read_name(file, name_pattern)
-            info = info.model_copy(update=changes)
-            notes += (f"its name gives {_list_values(changes)}",)
-        records.append(_read_record(raw, str(file), file.name, _overrule(info, **options), notes))
+        records += _read_tables(raw, file, info, options, notes, name_pattern)
     return records[0] if len(records) == 1 else join(records)
 
 
@@ -137,7 +135,8 @@ def loads(text: str | bytes, source: str = "<text>", **options: Any) -> Record:
     **Raises:** `ValueError` as `load`.
     """
     raw = text.encode() if isinstance(text, str) else text
-    return _read_record(raw, source, source, _overrule(Sidecar(), **options), ())
+    records = _read_tables(raw, Path(source), Sidecar(), options, ())
+    return records[0] if len(records) == 1 else join(records)
 
 
 def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[Path]:
@@ -216,12 +215,45 @@ def _list_values(values: Mapping[str, float]) -> str:
     )
 
 
-def _read_record(
-    raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...]
-) -> Record:
-    if raw.lstrip()[:1] == b"{":
-        return _read_published(raw, source, info)
-    text = table_text(raw, source, info.table)
+def _read_tables(
+    raw: bytes,
+    path: Path,
+    info: Sidecar,
+    options: Mapping[str, Any],
+    notes: tuple[str, ...],
+    name_pattern: str | None = None,
+) -> list[Record]:
+    """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
+    `name_pattern` and the `options`.
+    """
+    is_published = raw.lstrip()[:1] == b"{"
+    selected = options.get("table") or info.table
+    texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
+    check_pressures_in_names([path], options.get("constants"), list(texts))
+    records = []
+    for table, text in texts.items():
+        table_info, table_notes = info, notes
+        if name_pattern is not None:
+            changes = read_name(path, name_pattern, table)
+            table_info = info.model_copy(update=changes)
+            table_notes += (f"its name gives {_list_values(changes)}",)
+        table_info = _overrule(table_info, **options)
+        label = f", {table}" if len(texts) > 1 else ""
+        source = f"{path}{label}"
+        if is_published:
+            records.append(_read_published(raw, source, table_info))
+            continue
+        record = _read_record(text, source, path, table_info)
+        records.append(replace(
+            record,
+            sources=(Source(f"{path.name}{label}", hashlib.sha256(raw).hexdigest()),),
+            notes=tuple(f"{path.name}{label}: {note}" for note in (*table_notes, *record.notes)),
+        ))  # fmt: skip
+    return records
+
+
+def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
+    """Record of a table's text; `source`: its name in errors, `path`: of its file."""
     is_wide = "pressure" not in info.constants
     table = open_table(text, source, info.header, info.names, decimal=info.decimal, wide=is_wide)
     header_lines = (*table.remarks, *table.titles)
@@ -234,7 +266,7 @@ def _read_record(
             f"{table.where}, column `{position.header}`: a {position.role} needs the rest length:"
             " give "
         )
-        toml = f"{Path(name).stem or 'its'}.toml"
+        toml = f"{path.stem or 'its'}.toml"
         after = f', or write rest_length = "300 mm" in {toml} beside it'
         raise MissingMetadataError(before, ("rest_length", "", "", after))
     joint = read_joint(readings, info)
@@ -249,7 +281,7 @@ def _read_record(
     time, time_notes = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]
     all_notes = (
-        *notes, *_title_note(table), *column_notes, *readings.cells.notes, *rest_notes,
+        *_title_note(table), *column_notes, *readings.cells.notes, *rest_notes,
         *strain_notes, *clip_notes, *warnings, *time_notes,
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
@@ -258,8 +290,7 @@ def _read_record(
         pressure, strain, force, censored, read_branch(readings), time, rest_length,
         joint.arm if joint else readings.si("moment_arm"),
         synthetic=info.synthetic or _is_synthetic(header_lines),
-        sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
-        notes=tuple(f"{name}: {note}" for note in all_notes),
+        notes=all_notes,
     )  # fmt: skip
 
 

@@ -721,19 +721,54 @@ def test_an_overloaded_gauge_and_a_minus_of_typesetters():
     check(loads(text, rest_length=REST), time=False)
 
 
-def test_groups_that_state_pressures_are_to_be_read_one_by_one(tmp_path):
+def write_groups(path, pressures):
     nptdms = pytest.importorskip("nptdms")
-    path = tmp_path / "m.tdms"
     with nptdms.TdmsWriter(path) as writer:
-        for pressure in (100, 200):
+        for pressure in pressures:
             group = f"P={pressure}kPa"
             writer.write_segment([
                 nptdms.ChannelObject(group, name, np.array(values), {"unit_string": unit})
-                for name, values, unit in (("Force", FORCE, "N"), ("Length", LENGTH, "mm"))
+                for name, values, unit in (
+                    ("Force", [f + pressure for f in FORCE], "N"), ("Length", LENGTH, "mm"))
             ])  # fmt: skip
+
+
+def test_groups_that_state_pressures_are_one_record(tmp_path):
+    path = tmp_path / "run_180mm.tdms"
+    write_groups(path, (100, 200))
     with pytest.raises(MissingMetadataError) as error:
         load(path, rest_length=REST)
-    assert error.value.choices[0][:3] == ("table", "", "P=100kPa")
-    assert "pressure that it states" in error.value.after
-    check(load(path, rest_length=REST, table="P=100kPa", constants={"pressure": 1e5}),
-          pressure=False, time=False)  # fmt: skip
+    assert [choice[:3] for choice in error.value.choices] == [
+        ("table", "", "P=100kPa"), ("table", "", "*"),
+    ]  # fmt: skip
+    with pytest.raises(MissingMetadataError, match=r"run_180mm\.tdms, P=100kPa, line 1") as error:
+        load(path, rest_length=REST, table="*")
+    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
+    record = load(path, rest_length=REST, table="*", name_pattern="{pressure}kPa")
+    assert_allclose(record.pressure, [1e5] * 4 + [2e5] * 4)
+    assert_allclose(record.force, [*np.add(FORCE, 100), *np.add(FORCE, 200)])
+    names = ["run_180mm.tdms, P=100kPa", "run_180mm.tdms, P=200kPa"]
+    assert [source.name for source in record.sources] == names
+    # the pattern may begin in the file's name
+    record = load(path, table="P=2*", name_pattern="{rest_length}mm P={pressure}kPa")
+    assert (record.rest_length, set(record.pressure)) == (REST, {2e5})
+    with pytest.raises(MissingMetadataError, match="the names state several") as error:
+        load(path, rest_length=REST, table="*", constants={"pressure": 1e5})
+    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
+    with pytest.raises(ValueError, match="neither table `P=100kPa` nor"):
+        load(path, rest_length=REST, table="*", name_pattern="{pressure}bar")
+    with pytest.raises(ValueError, match=r"no table `Q\*`: there are `P=100kPa`, `P=200kPa`"):
+        load(path, rest_length=REST, table="Q*")
+
+
+def test_sheets_of_one_muscle_are_one_record(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book, path = openpyxl.Workbook(), tmp_path / "m.xlsx"
+    book.active.append(["made by", "a bench"])
+    for pressure in (1.5, 2.5):
+        sheet = book.create_sheet(f"{pressure} bar")
+        for row in (["F [N]", "L [mm]"], *zip(np.add(FORCE, pressure), LENGTH, strict=True)):
+            sheet.append(list(row))
+    book.save(path)
+    record = load(path, rest_length=REST, table="*", name_pattern="{pressure:bar} bar")
+    assert_allclose(record.pressure, [1.5e5] * 4 + [2.5e5] * 4)
