@@ -1,6 +1,7 @@
 """The force at single points as a bare function, compiled by CasADi in a tenth of a second."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -62,13 +63,49 @@ class PointFunction:
         return float(force[0]), by_pressure.copy(), float(by_strain[0])
 
 
-def compile_muscle_force(muscle: Muscle) -> PointFunction:
+class MuscleFunction(PointFunction):
+    """Force of a muscle at single points, with its derivatives by the muscle's parameters, too."""
+
+    def __init__(self, muscle: Muscle):
+        """**Arguments:** `muscle`: one muscle, of numbers."""
+        ca, functions = _casadi()
+        pressure, strain = ca.SX.sym("pressure"), ca.SX.sym("strain")
+        force, by_strain = muscle.law.at(pressure).force(strain)
+        force, *slopes = functions.resolve(force, ca.jacobian(force, pressure), by_strain)
+        super().__init__("muscle_force", [pressure, strain], force, slopes)
+        self._muscle = muscle
+
+    def with_gradient(self, pressure: float, strain: float) -> tuple[float, dict[str, float]]:
+        """The force with its derivatives by pressure, strain and each parameter of the muscle. The
+        first call compiles them.
+
+        **Arguments:** those of the call.
+
+        **Returns:** force $F$ [N], and its derivatives [N per SI unit] by name: `pressure`,
+        `strain`, and the muscle's attributes, such as `length`, `material.c10`, `tuning.c1[0]`.
+        """
+        self._arguments[0][:] = pressure
+        self._arguments[1][0] = strain
+        names, (run, (force, gradient), *_) = self._gradient
+        run()
+        return float(force[0]), dict(zip(names, gradient.tolist(), strict=True))
+
+    @cached_property
+    def _gradient(self) -> tuple[list[str], tuple]:
+        """Names of the derivatives, and the force and its gradient as `_bind` gives them."""
+        ca, functions = _casadi()
+        inputs = [ca.SX.sym("pressure"), ca.SX.sym("strain")]
+        muscle = functions.with_symbols(self._muscle)
+        variables = [*inputs, *functions.constants]
+        force, _ = muscle.law.at(inputs[0]).force(inputs[1])
+        gradient = ca.densify(ca.gradient(force, ca.vertcat(*variables)))
+        function = ca.Function("gradient", inputs, functions.resolve(force, gradient))
+        return [symbol.name() for symbol in variables], _bind(function, self._arguments)
+
+
+def compile_muscle_force(muscle: Muscle) -> MuscleFunction:
     """Compiled force of a muscle [N] and its slopes, at one pressure [Pa] and strain [-] a call."""
-    ca, functions = _casadi()
-    pressure, strain = ca.SX.sym("P"), ca.SX.sym("eps")
-    force, by_strain = muscle.law.at(pressure).force(strain)
-    force, *slopes = functions.resolve(force, ca.jacobian(force, pressure), by_strain)
-    return PointFunction("muscle_force", [pressure, strain], force, slopes)
+    return MuscleFunction(muscle)
 
 
 def compile_bundle_force(bundle: Bundle) -> PointFunction:

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ..core.array_namespace import register_namespace
+from ..core.module import Kind, Module, with_fields
 
 
 _FUNCTIONS = {  # of CasADi, by the names of the array library
@@ -39,6 +40,30 @@ class Symbols:
         self.constants.append(ca.SX.sym(f"constant_{len(self.constants)}", x.shape))
         self.meanings.append(x)
         return self.constants[-1]
+
+    def with_symbols(self, module: Kind, path: str = "") -> Kind:
+        """Copy of a `module` with a new symbol for each of its numbers [any unit], named by its
+        `path`, such as `material.c10`; `resolve` substitutes the numbers.
+        """
+
+        def symbol(name: str, number: Any) -> Any:
+            self.constants.append(ca.SX.sym(name))
+            self.meanings.append(ca.SX(float(number)))
+            return self.constants[-1]
+
+        values: dict[str, Any] = {}
+        for name in module.leaf_names:
+            value = getattr(module, name)
+            if value is None or name == "pressures":  # at which a tuning was measured: no parameter
+                continue
+            if isinstance(value, Module):
+                values[name] = self.with_symbols(value, f"{path}{name}.")
+            elif np.ndim(value):
+                values[name] = np.empty(len(value), object)
+                values[name][:] = [symbol(f"{path}{name}[{i}]", x) for i, x in enumerate(value)]
+            else:
+                values[name] = symbol(path + name, value)
+        return with_fields(module, **values)
 
     def resolve(self, *expressions: Any) -> list[Any]:
         """The `expressions` with the meanings of all constants substituted."""

@@ -331,7 +331,8 @@ class Muscle(Module):
         """The force alone as a bare function, with this muscle held constant and nothing checked.
 
         **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
-        points, some 30 µs each, and their slopes (`with_slopes`).
+        points, some 30 µs each, their slopes (`with_slopes`) and their derivatives by all of the
+        muscle's parameters (`with_gradient`).
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
 
