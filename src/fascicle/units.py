@@ -179,7 +179,7 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
     return float(_exact(text, dimension, name or dimension))
 
 
-def example_text(dimension: str) -> str:
+def quantity_example(dimension: str) -> str:
     """An example of a quantity of a `dimension` as a file has it."""
     text = _EXAMPLES[dimension]
     return text if DIMENSIONS[dimension].unitless else f'"{text}"'

@@ -34,7 +34,7 @@ from scipy.special import log_ndtr
 
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
-from ..muscle.validation import diameter_matches
+from ..muscle.validation import is_nominal_diameter
 from ..records.record import Record
 from ..units import pretty
 from .calibration import Calibration, largest_force
@@ -305,7 +305,7 @@ def compare_published(calibration: Calibration) -> list[tuple[Row, np.ndarray]]:
     for fold in folds(grid):
         left_out[fold] = sarosi(fit_sarosi(grid.without(fold)), grid)[fold]
     label = "Sárosi, as published for a DMSP-20-200N"
-    if not diameter_matches(muscle, _DIAMETER):
+    if not is_nominal_diameter(muscle, _DIAMETER):
         widths = (pretty(x, "length") for x in (_DIAMETER, 2 * float(muscle.outer_radius)))
         label += ": {} wide, this muscle {}".format(*widths)
     again = (refitted, left_out)

@@ -129,8 +129,8 @@ def node_axis(values: Any, template: Any) -> Any:
 
 
 def expand_nodes(x: Any, template: Any) -> Any:
-    """An array with nodes on its first axis, with axes added so that it broadcasts with the
-    `template`.
+    """`x` with axes of length 1 added after its first, the nodes', so that each node broadcasts
+    with the `template`.
     """
     if type(x) in _REGISTERED:
         return x

@@ -166,8 +166,8 @@ _XLA_OPTION = "--xla_backend_extra_options"
 
 
 def enable_whole_loops() -> None:
-    """Add the loops' option to `XLA_FLAGS`, which XLA reads when it first compiles, unless they
-    have one of its kind.
+    """Have XLA compile each loop of a run as one kernel, which is faster: add the option to
+    `XLA_FLAGS`, which it reads when it first compiles, unless one of its kind is there.
     """
     flags = os.environ.get("XLA_FLAGS", "")
     if _LOOP_SIZE not in flags and _XLA_OPTION not in flags:  # a second one would replace the first

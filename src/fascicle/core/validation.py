@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..units import DIMENSIONS, example_text, parse
+from ..units import DIMENSIONS, parse, quantity_example
 from .array_namespace import FLOATS, NUMPY_SCALARS, as_jax, imported_jax, is_jax_array
 from .errors import InvalidInputError
 from .types import Batch, IntBatch, Values
@@ -208,7 +208,7 @@ def _convert(value: Any, name: str, dimension: str) -> Any:
     try:
         return value.m_as(kind.si or "dimensionless")
     except (TypeError, ValueError, AttributeError):  # pint's own is a TypeError
-        rule = f"must be {kind.article}, such as {example_text(dimension)}"
+        rule = f"must be {kind.article}, such as {quantity_example(dimension)}"
         raise InvalidInputError(name, rule, value, shown=f"{value}") from None
 
 

@@ -26,10 +26,10 @@ from .measured import (
     MOST_POINTS,
     MOST_ROWS,
     TUNING,
-    MeasuredCurves,
+    ModelCurves,
+    curves_at_levels,
     example_record,
     fit_record,
-    measured_curves,
     mismatch_reason,
     preview_curves,
     read_headers,
@@ -218,11 +218,11 @@ class DataView(Tab):
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         record, fit = self.record, self.fit
 
-        def compute() -> tuple[MeasuredCurves, MeasuredCurves | None]:
+        def compute() -> tuple[ModelCurves, ModelCurves | None]:
             if record is None:
                 return preview_curves(view.muscle), None
-            before = measured_curves(view.muscle, record)
-            return before, fit and measured_curves(fit.calibration.muscle, record)
+            before = curves_at_levels(view.muscle, record)
+            return before, fit and curves_at_levels(fit.calibration.muscle, record)
 
         self._curves.request(compute)
 
@@ -311,7 +311,7 @@ class DataView(Tab):
         for download in buttons:
             download.disabled = not enabled
 
-    def _show_curves(self, pair: tuple[MeasuredCurves, MeasuredCurves | None]) -> None:
+    def _show_curves(self, pair: tuple[ModelCurves, ModelCurves | None]) -> None:
         """Show a muscle's curves before and after tuning, beside the readings."""
         before, after = pair
         _, scale = self.unit("force")

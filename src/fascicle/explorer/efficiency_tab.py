@@ -72,7 +72,7 @@ class Maps(NamedTuple):
 
 @lru_cache(maxsize=16)  # visitors share it
 def efficiency_maps(bundle: Bundle, path: str) -> Maps:
-    """Efficiency [-] with resistance and without, over the same strains [-] and forces [N].
+    """Efficiency maps with the resistance of inactive muscles and without, on the same grid.
 
     `path`: isobaric or isotonic.
     """

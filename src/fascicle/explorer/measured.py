@@ -36,8 +36,8 @@ _TAIL = 0.02  # of the largest force: above it a muscle still pulls
 _PLAUSIBLE = 1.4  # of the free strain: no muscle's own record pulls beyond it
 
 
-class MeasuredCurves(NamedTuple):
-    """Curves of a muscle at the pressures of a record.
+class ModelCurves(NamedTuple):
+    """The model's curves of a muscle at the pressures of a record.
 
     `pressure` [Pa], `strain` [-], `force` [N] by row; `total` of pressures in the record, of
     which not more than `MOST_CURVES` have a curve.
@@ -96,7 +96,7 @@ def read_record(
         )
         record = replace(record, rest_length=length, notes=(*record.notes, note))
     try:
-        measured_curves(muscle, record)
+        curves_at_levels(muscle, record)
     except ValueError as error:
         raise ValueError(f"{name}: this muscle has no curve at its strains: {error}") from None
     return record
@@ -163,8 +163,8 @@ def mismatch_reason(muscle: Muscle, record: Record) -> str:
     )
 
 
-def measured_curves(muscle: Muscle, record: Record) -> MeasuredCurves:
-    """Curves of a muscle at the mean pressures of a `record`'s levels, 100 at most."""
+def curves_at_levels(muscle: Muscle, record: Record) -> ModelCurves:
+    """The model's curves at the mean pressures of a `record`'s levels, at most 100 of them."""
     level = assign_levels(record.pressure)
     levels = np.unique(level[level >= 0])
     drawn = levels[np.unique(np.linspace(0, len(levels) - 1, MOST_CURVES).astype(int))]
@@ -172,16 +172,16 @@ def measured_curves(muscle: Muscle, record: Record) -> MeasuredCurves:
     low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
     force = muscle.force(np.clip(pressure, 0.0, HIGHEST_PRESSURE)[:, None], strain)
-    return MeasuredCurves(pressure, strain, np.asarray(force), len(levels))
+    return ModelCurves(pressure, strain, np.asarray(force), len(levels))
 
 
-def preview_curves(muscle: Muscle) -> MeasuredCurves:
+def preview_curves(muscle: Muscle) -> ModelCurves:
     """Curves of a muscle at the pressures of the example record."""
     pressure = np.array(_PRESSURES)
     free = float(muscle.free_strain(pressure[-1]))
     strain = np.linspace(0.0, max(free, 0.01), _POINTS)
     force = np.asarray(muscle.force(pressure[:, None], strain))
-    return MeasuredCurves(pressure, strain, force, len(pressure))
+    return ModelCurves(pressure, strain, force, len(pressure))
 
 
 def fit_record(

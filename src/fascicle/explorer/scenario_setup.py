@@ -94,7 +94,7 @@ class Setup:
                 for field in _fields(self.source, self.name)]  # fmt: skip
 
     def with_value(self, path: str, value: float) -> "Setup":
-        """A copy with the quantity at a `path` at a `value` [SI]; `ValueError` if there is none."""
+        """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path."""
         original = {field.path: field.value for field in _fields(self.source, self.name)}
         check_choice(path, original, "set")
         values = {**dict(self.values), path: value}

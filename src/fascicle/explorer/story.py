@@ -131,7 +131,7 @@ def scene_view(view: View, scene: int) -> View:
         reach = float(view.bundle.free_strain(pressures))
         return replace(view, pressures=pressures, strain=round(max(reach, 0.0), 4))
     pressure = float(f"{view.supply * _SHARE:.4g}")
-    free, collapse, top = _strain_limits(view, pressure)
+    free, collapse, top = _drawn_strains(view, pressure)
     strains = (free / 2, (free + collapse) / 2, collapse + (top - collapse) / 3)
     return replace(view, tab="muscle", pressure=pressure, strain=round(strains[scene - 1], 4))
 
@@ -141,8 +141,8 @@ def scene_text(view: View, scene: int) -> str:
     return (_pull_text, _buckling_text, _collapse_text, _reversal_text)[scene - 1](view)
 
 
-def _strain_limits(view: View, pressure: float) -> tuple[float, float, float]:
-    """Free and collapse strain at a `pressure` [Pa], and the largest strain that is drawn [-]."""
+def _drawn_strains(view: View, pressure: float) -> tuple[float, float, float]:
+    """Free and collapse strain at a `pressure` [Pa], at most the largest drawn, and that [-]."""
     top = strain_limit(view.muscle, view.supply)
     free, collapse = view.muscle.free_strain(pressure), view.muscle.collapse_strain(pressure)
     return min(float(free), top), min(float(collapse), top), top
@@ -163,7 +163,7 @@ def _point(view: View) -> tuple[float, int]:
 
 def _pull_text(view: View) -> str:
     text, (force, region) = _in_units(view), _point(view)
-    free, at = _strain_limits(view, view.pressure)[0], f"At {text(view.pressure, 'pressure')}"
+    free, at = _drawn_strains(view, view.pressure)[0], f"At {text(view.pressure, 'pressure')}"
     if region != _TENSION or force <= 0:
         return (
             f"{at} the muscle no longer pulls at contraction {view.strain:#.3g}: its free strain is"
@@ -179,7 +179,7 @@ def _pull_text(view: View) -> str:
 
 def _buckling_text(view: View) -> str:
     text, (force, region) = _in_units(view), _point(view)
-    free, collapse, _ = _strain_limits(view, view.pressure)
+    free, collapse, _ = _drawn_strains(view, view.pressure)
     if region == _TENSION:
         return (
             f"At contraction {view.strain:#.3g} the muscle is straight and pulls. Move the"

@@ -99,7 +99,7 @@ class LatestResult:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
         self._latest, doc = compute, pn.state.curdoc
         if doc is None or not doc.session_context:  # a notebook, or a test
-            self._finish(_result_or_error(compute))
+            self._finish(_result_and_error(compute))
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)
 
@@ -129,7 +129,7 @@ class LatestResult:
                 loop.call_soon_threadsafe(schedule, future)
 
         loop = asyncio.get_running_loop()
-        future = self._workers.submit(_result_or_error, compute)
+        future = self._workers.submit(_result_and_error, compute)
         _RUNNING.add(future)
         future.add_done_callback(done)
 
@@ -142,8 +142,10 @@ class LatestResult:
                 self._fail(error)
 
 
-def _result_or_error(compute: Callable[[], Any]) -> Outcome:
-    """Result of `compute`, or its `ValueError`; any other error is logged, a sentence shown."""
+def _result_and_error(compute: Callable[[], Any]) -> Outcome:
+    """Result of `compute` and no error, or no result and its `ValueError`, or a sentence in place
+    of any other error, which is logged.
+    """
     try:
         return compute(), None
     except ValueError as error:

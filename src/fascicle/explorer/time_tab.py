@@ -304,7 +304,7 @@ class TimeView(Tab):
             # a new grid: Bokeh leaves an empty cell where it changes the children of one
             self._fields.objects = [column(*cells, kind="pairs")]
         for field in fields:
-            unit = view.display_units.get(field.dimension) or _unit(field.dimension)
+            unit = view.display_units.get(field.dimension) or _common_unit(field.dimension)
             self._inputs[field.path].show(field.value, unit)
 
     def _make_input(self, field: ScenarioValue) -> Field:
@@ -383,6 +383,7 @@ class TimeView(Tab):
         self._enable(True)
 
     def _fail_job(self, error: ValueError | str) -> None:
+        """End a job that was canceled or failed, and say so; the last result stays."""
         self._end_job()
         if isinstance(error, CanceledError):
             self.status.object = status_line("Canceled.")
@@ -639,7 +640,8 @@ def _run_label(run: PolicyResult) -> str:
     return run.policy or "reached"
 
 
-def _unit(dimension: str) -> str:
+def _common_unit(dimension: str) -> str:
+    """Common unit of a `dimension`, whatever unit the page shows."""
     return DIMENSIONS[dimension].common
 
 

@@ -41,7 +41,7 @@ from ..fluid import (
     VariablePump,
 )
 from ..table_model import Quantity, TableModel, did_you_mean
-from ..units import example_text
+from ..units import quantity_example
 from .schema import FileLocation
 
 
@@ -206,7 +206,7 @@ def _key(
     """Type and default of a key, with pydantic's `limits`."""
     kind: Any = Annotated[Any, Quantity(dimension, many)]
     if required:
-        return kind, Field(examples=[example_text(dimension)], **limits)
+        return kind, Field(examples=[quantity_example(dimension)], **limits)
     return kind, Field(None, **limits)
 
 

@@ -244,7 +244,7 @@ class Coulomb(AbstractHysteresis):
         return array_namespace(forces).sum(forces, axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, pressure_slope: Batch) -> Batch:
-        """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `pressure_slope` [m²]."""
+        """Friction's power [W] at a `velocity` [m/s] and a `pressure_slope` of force [m²]."""
         del pressure
         return self._force(velocity, pressure_slope) * velocity
 

@@ -411,6 +411,7 @@ def _law_quantity(muscle: Muscle, pressure: Batch, quantity: str) -> Any:
 
 
 def _volume(muscle: Muscle, strain: Batch) -> Batch:
+    """Volume of the fluid [m³] at `strain` [-]: the braid's less the bladder's."""
     volume, bladder = muscle.braid.volume, muscle.bladder.volume
     if muscle.ends.is_compliant:
         s, V0 = muscle.ends.strain_ratio(muscle.length), volume(0.0)

@@ -267,7 +267,7 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
         return ""
     differences = []
     diameter, length = kind.reference_diameter, kind.reference_length
-    if diameter is not None and not diameter_matches(muscle, diameter):
+    if diameter is not None and not is_nominal_diameter(muscle, diameter):
         differences.append(f"{_size_text(2 * muscle.outer_radius)} in diameter")
     if length is not None and np.any(np.abs(np.asarray(muscle.length) / length - 1) > _NOMINAL):
         differences.append(f"{_size_text(muscle.length)} long")
@@ -280,8 +280,8 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
     )
 
 
-def diameter_matches(muscle: Any, diameter: float) -> bool:
-    """True for a `muscle` as wide as one of a nominal `diameter` [m]."""
+def is_nominal_diameter(muscle: Any, diameter: float) -> bool:
+    """True if a `diameter` [m] lies between a `muscle`'s inner and outer one, to a tolerance."""
     # makers name the inner diameter or the braid's
     outer = 2 * np.asarray(muscle.outer_radius)
     inner = outer - 2 * np.asarray(muscle.wall_thickness)

@@ -13,9 +13,9 @@ from fascicle.explorer.measured import (
     LARGEST_FILE,
     MOST_CURVES,
     MOST_ROWS,
+    curves_at_levels,
     example_record,
     fit_record,
-    measured_curves,
     mismatch_reason,
     read_headers,
     read_record,
@@ -168,7 +168,7 @@ def test_readings_are_read_and_have_curves():
     record = read_record(GOOD, "d.csv", MUSCLE)
     assert len(record) == 10
     assert "rest length not given" in record.notes[-1]
-    curves = measured_curves(MUSCLE, record)
+    curves = curves_at_levels(MUSCLE, record)
     assert curves.pressure == pytest.approx([1e5, 2e5])
     force = np.asarray(MUSCLE.force(2e5, curves.strain))
     assert curves.force[1] == pytest.approx(force, abs=1e-9)

@@ -67,7 +67,7 @@ class Wood1958(AbstractCollapse):
 
 
 class Brazier1927(AbstractCollapse):
-    """An unpressurized tube that ovalizes: $0.98731\\, E r_0 t_0^2/\\sqrt{1 - \\nu^2}$."""
+    """Moment that collapses an unpressurized tube: $0.98731\\, E r_0 t_0^2/\\sqrt{1 - \\nu^2}$."""
 
     name: ClassVar[str] = "brazier1927"
     source: ClassVar[str] = "Brazier (1927)"
