@@ -67,6 +67,12 @@ def suggest_pattern(name: str, role: str) -> str:
     return f"{minus}{{{role}{'' if unit == usual and not blank else f':{usual}'}}}{blank}{unit}"
 
 
+def pressure_in_name(path: Path, table: str = "") -> float | None:
+    """Pressure [Pa] that the name of a file, or of a `table` in it, states; `None` without one."""
+    pattern = suggest_pattern(table or path.stem, "pressure")
+    return read_name(path, pattern, table)["pressure"] if pattern else None
+
+
 def check_pressures_in_names(
     files: Sequence[Path], constants: Mapping[str, Any] | None, tables: Sequence[str] = ("",)
 ) -> None:
@@ -76,11 +82,8 @@ def check_pressures_in_names(
     if "pressure" not in (constants or {}):
         return
     names = [(path, table) for path in files for table in tables]
-    stated = [
-        (path, pattern, table)
-        for path, table in names
-        if (pattern := suggest_pattern(table or path.stem, "pressure"))
-    ]
-    if len({read_name(*name)["pressure"] for name in stated}) > 1:
+    if len({pressure_in_name(*name) for name in names} - {None}) > 1:
+        patterns = (suggest_pattern(table or path.stem, "pressure") for path, table in names)
         before = f"{files[0]}: one pressure was given, the names state several: give "
-        raise MissingMetadataError(before, ("name_pattern", "", stated[0][1], " instead"))
+        choice = ("name_pattern", "", next(filter(None, patterns)), " instead")
+        raise MissingMetadataError(before, choice)

@@ -16,7 +16,7 @@ from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .columns import MissingMetadataError, check_roles, choose_columns, split_names
-from .file_names import check_pressures_in_names, read_name
+from .file_names import check_pressures_in_names, pressure_in_name, read_name
 from .formats import table_texts
 from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
@@ -238,6 +238,10 @@ def _read_tables(
             table_info = info.model_copy(update=changes)
             table_notes += (f"its name gives {_list_values(changes)}",)
         table_info = _overrule(table_info, **options)
+        stated, given = pressure_in_name(path, table), table_info.pressure
+        if stated is not None and given is not None and not np.isclose(stated, given):
+            pressures = (pretty(pressure, "pressure") for pressure in (stated, given))
+            table_notes += ("its name states {}, the pressure given is {}".format(*pressures),)
         label = f", {table}" if len(texts) > 1 else ""
         source = f"{path}{label}"
         if is_published:

@@ -317,8 +317,11 @@ def test_one_pressure_for_files_whose_names_state_several_is_refused(tmp_path):
     assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
     assert set(load(pattern, name_pattern="{pressure}kPa", **options).pressure) == {150e3, 250e3}
     # a name's pressure may be a nominal one
-    record = load(tmp_path / "150kPa.csv", constants={"pressure": 148e3}, **options)
-    assert set(record.pressure) == {148e3}
+    for given, states in ((148e3, 1), ("1.5 bar", 0)):
+        record = load(tmp_path / "150kPa.csv", constants={"pressure": given}, **options)
+        assert set(record.pressure) == {148e3 if states else 150e3}
+        notes = [note for note in record.notes if "states 150 kPa, the pressure given is" in note]
+        assert len(notes) == states
 
 
 def test_grams_in_a_name_are_a_weight(tmp_path):
