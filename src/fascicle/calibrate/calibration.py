@@ -224,8 +224,8 @@ class Calibration(Fit):
 
     @property
     def censored(self) -> int:
-        """Number of clipped readings, which only limit the force."""
-        return self.fit_data.clipped
+        """Number of readings that only limit the force: clipped ones, and few that don't pull."""
+        return int(np.sum(self.record.censored))
 
     @property
     def floor(self) -> str:

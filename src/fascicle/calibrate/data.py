@@ -87,8 +87,8 @@ class FitData:
     - `branch`, `time`: of each entry of the table; mean time of its readings [s] or NaN.
     - `read`: number of readings read.
     - `left_out`: number of readings that are not fitted, by reason.
-    - `noise_clipped`: number of small forces past the free strain that count as clipped.
-    - `pushes_clipped`: number of readings without pull that count as clipped.
+    - `noise_clipped`: number of small forces past the free strain that only limit the force.
+    - `pushes_clipped`: number of readings without pull that only limit the force.
     - `faults`: of the record's channels.
     - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
     - `gauge`: errors of the gauges that the readings were corrected for.
@@ -113,8 +113,8 @@ class FitData:
 
     @property
     def clipped(self) -> int:
-        """Number of clipped readings, which only limit the force."""
-        return int(np.sum(self.record.censored))
+        """Number of readings that the gauge clipped."""
+        return int(np.sum(self.record.censored)) - self.noise_clipped - self.pushes_clipped
 
     @property
     def floor(self) -> str:
@@ -149,6 +149,7 @@ class FitData:
             **{f"left out: {reason}": count for reason, count in self.left_out.items()},
             "clipped": self.clipped,
             "clipped as noise": self.noise_clipped,
+            "without pull": self.pushes_clipped,
             "averaged": self.averaged,
             "means": self.means,
             "pressures": len(self.grid.pressure),
@@ -238,8 +239,8 @@ def thin(data: FitData) -> FitData:
 
 
 def pulling_only(data: FitData) -> FitData:
-    """Data in which pushes, and noise past the free strain, are clipped at 0 N, for the tension law
-    alone.
+    """Data in which pushes, and noise past the free strain, only say that the force is not above
+    0 N, for the tension law alone.
     """
     record = data.record
     below = (record.force <= 0) & ~record.censored
@@ -252,7 +253,8 @@ def pulling_only(data: FitData) -> FitData:
     record = replace(record, force=force, censored=clipped)
     return fit_table(
         record, read=data.read, left_out=data.left_out,
-        noise_clipped=int(np.sum(noise)), pushes_clipped=int(np.sum(below)),
+        noise_clipped=data.noise_clipped + int(np.sum(noise)),
+        pushes_clipped=data.pushes_clipped + int(np.sum(below)),
         faults=data.faults, at_ceiling=data.at_ceiling,
         gauge=data.gauge, gauge_deviations=data.gauge_deviations,
     )  # fmt: skip

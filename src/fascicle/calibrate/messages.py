@@ -81,14 +81,15 @@ def fit_data_lines(data: FitData) -> list[str]:
             lines.append(f"{ceiling} at the load cell's ceiling: the force was not below it")
     if data.noise_clipped:
         lines.append(
-            f"{data.noise_clipped} of these are small forces at strains where the pressure's other"
-            " readings are clipped: treated as noise"
+            f"{data.noise_clipped} small forces at strains where the pressure's other readings are"
+            " clipped or do not pull: noise, taken as a force not above zero"
         )
     if data.pushes_clipped:
         verb = "does" if data.pushes_clipped == 1 else "do"
         lines.append(
-            f"{data.pushes_clipped} of these {verb} not pull, too few to fit the resisting force"
-            f" ({MIN_PUSHES} constants): `--fit tuning` fits it nevertheless"
+            f"{data.pushes_clipped} {verb} not pull, too few to fit the resisting force"
+            f" ({MIN_PUSHES} constants): taken as a force not above zero; `--fit tuning` fits it"
+            " nevertheless"
         )
     if data.averaged:
         lines.append(
@@ -142,11 +143,13 @@ def interval_texts(estimate: Estimate) -> tuple[str, str]:
 
 def calibration_table(calibration: Calibration) -> ReprTable:
     """Constants with their intervals, the error and the warnings."""
-    clipped = f", of which {calibration.censored} are clipped" if calibration.censored else ""
+    limits = (
+        f", of which {calibration.censored} only limit the force" if calibration.censored else ""
+    )
     relative = f"{100 * calibration.relative_rmse:.2g} % of the largest force"
     facts = [
         ("method", calibration.method),
-        ("fitted to", f"{calibration.points} readings{clipped}"),
+        ("fitted to", f"{calibration.points} readings{limits}"),
         ("error, rms", f"{calibration.rmse:.3g} N, {relative}"),
         ("best start", calibration.status),
         ("intervals", calibration.intervals),

@@ -130,7 +130,8 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
     """Lines of a verdict before and after the table of constants."""
     record, diagnosis = calibration.record, calibration.diagnosis
     kind = "synthetic readings" if record.synthetic else "readings"
-    clipped = f", {calibration.censored} of them clipped" if calibration.censored else ""
+    count = calibration.fit_data.clipped
+    clipped = f", {count} of them clipped" if count else ""
     error = (
         f"Error of {calibration.points} {kind}{clipped}: {pretty(verdict.rmse, 'force', 3)},"
         f" {100 * verdict.relative_rmse:.2g} % of the largest force"
@@ -352,10 +353,10 @@ def _coverage_notices(calibration: Calibration) -> Iterator[Notice]:
     strain = calibration.problem.strain(calibration.muscle)
     # a reading at the free strain itself may lie past it by rounding
     past = grid.measured & (strain > calibration.free_strain[:, None] + 1e-9)
-    if calibration.censored:
+    if clipped := calibration.fit_data.clipped:
         text = (
-            f"{calibration.censored} readings are clipped at {calibration.floor}: they only say"
-            " that the force was not above it."
+            f"{clipped} readings are clipped at {calibration.floor}: they only say that the force"
+            " was not above it."
         )
         yield Notice(NOT_MEASURED, 9, text)
     levels = grid.measured.any(axis=1)

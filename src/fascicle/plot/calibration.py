@@ -189,7 +189,7 @@ def _marks(data: FitPlot) -> list[tuple[str, dict[str, Any], str, np.ndarray]]:
             ~data.censored & ~back,
         ),
         ("extending or deflating", _BACK, "markeredgecolor", ~data.censored & back),
-        ("clipped: not above it", _CLIPPED, "markeredgecolor", data.censored),
+        ("clipped or no pull: not above it", _CLIPPED, "markeredgecolor", data.censored),
     ]
 
 

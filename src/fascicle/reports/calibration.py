@@ -74,10 +74,9 @@ def report(
         f"Nothing was measured at pressures outside {limits}, or at contractions outside"
         f" {strain.min():.3g} to {strain.max():.3g}."
     )
-    if fit.censored:
+    if clipped := fit.fit_data.clipped:
         unknowns.append(
-            f"At {fit.censored} clipped readings the force is only known to be not above"
-            f" {fit.floor}."
+            f"At {clipped} clipped readings the force is only known to be not above {fit.floor}."
         )
     length = record.rest_length
     reference = "the muscle's own length" if length is None else pretty(length, "length")

@@ -10,6 +10,7 @@ from fascicle.calibrate.data import (
     pulling_only,
     select_fit_data,
 )
+from fascicle.calibrate.messages import fit_data_lines
 from fascicle.calibrate.parameters import FACTOR_NAMES
 from fascicle.records.record import Record
 
@@ -168,3 +169,14 @@ def test_small_forces_past_the_pull_are_noise(rows, pressures, noise):
 
 def test_as_many_readings_must_push_as_resistance_has_factors():
     assert len(FACTOR_NAMES) == MIN_PUSHES
+
+
+def test_readings_that_do_not_pull_are_not_said_to_be_clipped():
+    force = np.array([PULLS, [*PULLS[:-1], -2.0]])
+    P = np.array([[1e5], [2e5]]) + 0 * force
+    data = select_fit_data(Record.of(P, STRAIN + 0 * force, force, rest_length=0.2))
+    for _ in range(2):  # again for data that only pull
+        data = pulling_only(data)
+        assert (data.pushes_clipped, data.clipped, data.counts()["clipped"]) == (1, 0, 0)
+        assert data.record.censored.sum() == 1
+        assert not any(" are clipped:" in line for line in fit_data_lines(data))

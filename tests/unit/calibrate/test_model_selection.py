@@ -248,4 +248,5 @@ def test_few_pushes_are_no_resisting_force():
     selection = select_model(Record.of(pressure, strain, force, rest_length=0.2), NOMINAL)
     data = selection.calibration.fit_data
     assert data.pulls and data.pushes == 0 and data.pushes_clipped == 1
+    assert data.clipped == 0 and "clipped" not in " ".join(selection.calibration.warnings)
     assert {candidate.readings for candidate in selection.candidates} == {"pulling"}
