@@ -213,7 +213,7 @@ class VirtualDynamometer:
             raise InvalidInputError(name, error.rule, error.value, error.remedy, text) from None
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
-        """Record one test of one muscle.
+        """Simulate a test of one muscle: a synthetic record of its readings.
 
         **Arguments:**
 

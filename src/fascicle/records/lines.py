@@ -36,9 +36,9 @@ def decode(raw: bytes, source: str) -> str:
         return raw.decode("cp1252", errors="replace")  # of older Windows programs
 
 
-def split_lines(text: str) -> tuple[list[str], bool]:
-    """Lines of a text, with `name: number` pairs and the clock of a serial monitor as cells, and a
-    flag: true if there is a clock, which comes first.
+def table_lines(text: str) -> tuple[list[str], bool]:
+    """Lines of a table's text, with `name: number` pairs and the clock of a serial monitor as
+    cells, and a flag: true if there is a clock, which comes first.
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     head = [line for line in lines[:50] if line.strip()]

@@ -53,7 +53,7 @@ class SourceTable(_Table):
 
 
 class RecordTable(_Table):
-    """JSON file of a record: readings of one muscle, in the order taken, in SI units."""
+    """Schema of a record's JSON file: readings of one muscle, in the order taken, in SI units."""
 
     schema_: Literal["fascicle-record/1"] = Field(
         alias="schema", description="version of this schema", examples=[f'"{SCHEMA}"']

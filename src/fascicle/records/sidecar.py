@@ -72,6 +72,7 @@ def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
 
 
 def _as_list(value: Any) -> Any:
+    """A single text as a list of one text; other values as they are."""
     return [value] if isinstance(value, str) else value
 
 

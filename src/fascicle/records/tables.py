@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .headers import ROLES, MissingMetadataError, differ, is_known, read_header, score
-from .lines import CLOCK_NAME, LONGEST_LINE, decode, is_remark, printable, split_cells, split_lines
+from .lines import CLOCK_NAME, LONGEST_LINE, decode, is_remark, printable, split_cells, table_lines
 from .number_formats import NumberFormat, detect_format, is_number, is_split_clock, read_seconds
 from .units import is_unit, strip_brackets
 from .wide_tables import unfold
@@ -315,7 +315,7 @@ def open_table(
     of a table without header. `wide`: a table with columns for each pressure becomes a long one.
     Raises a `ValueError` for anything but a table.
     """
-    lines, has_clock = split_lines(decode(raw, source))
+    lines, has_clock = table_lines(decode(raw, source))
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
