@@ -229,7 +229,7 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     where = f"{table.where}, column `{header}`"
     if unit is None and column.role in USUAL_UNITS:
         if column.role == "time":
-            unit = "s"
+            unit = header if is_unit(header, ("time",)) else "s"
         else:
             header_words = list_words(header)
             weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
@@ -334,7 +334,8 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     if pattern or not names:
         named = ("name_pattern", "", pattern, ", as the name says")
         return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
-    if len(names) == 1 and role == "length" and is_unit(read_header(names[0])[0][1], ("length",)):
+    unit = table.units[table.header.index(names[0])] or read_header(names[0])[0][1]
+    if len(names) == 1 and role == "length" and is_unit(unit, ("length",)):
         choices = [("columns", role, names[0], ""), ("columns", "displacement", names[0], "")]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
     after = f" if it is one of {_list_names(names)}"

@@ -32,7 +32,8 @@ TERMS = {
     "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
               "position", "joint"),
     "moment_arm": ("moment arm", "arm", "lever arm", "lever", "hebelarm"),
-    "time": ("time", "t", "elapsed", "zeit", "timestamp", "prüfzeit", "x value", "clock"),
+    "time": ("time", "t", "elapsed", "zeit", "timestamp", "prüfzeit", "x value", "clock",
+             "ms", "millis", "sec", "seconds"),
     "branch": ("branch", "direction", "sweep", "phase"),
     "clipped": ("clipped", "censored", "saturated", "slack", "zero is no tension", "no tension"),
 }  # fmt: skip

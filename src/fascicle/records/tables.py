@@ -458,14 +458,18 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
         if blocks:
             _, number_share, layout = max(blocks, key=lambda block: block[0])
             # odd lines, or a header that is printed again, part readings: the first block counts
+            names = None if layout.header is None else cells[layout.header]
             shape = layout.width, counts[layout.start]
-            first = next(
-                block
+            first, is_again = next(
+                (block, is_again)
                 for (_, size, _), _, block in blocks
+                for is_again in [block.header is not None and cells[block.header] == names]
                 if block == layout
-                or ((block.width, counts[block.start]) == shape and size >= _MIN_BLOCK)
+                or (
+                    (block.width, counts[block.start]) == shape and (is_again or size >= _MIN_BLOCK)
+                )
             )
-            layout = first if first.header is None else layout
+            layout = first if first.header is None or is_again else layout
             if layout.header is not None:
                 return layout
             headless.append((number_share, layout))
@@ -506,6 +510,8 @@ def _unit_row(cells: Sequence[list[str]], layout: _Layout) -> list[str]:
     if layout.units is not None:
         return cells[layout.units]
     header = cells[layout.header or 0]
+    if _are_units(header):  # the columns have no other names
+        return header
     for row in cells[: layout.header or 0]:
         if row and re.search(r"unit|einheit", row[0], re.IGNORECASE) and _are_units(row[1:]):
             # LabVIEW names no unit of the time, which may be left out

@@ -71,7 +71,7 @@ SPELLINGS = {
     "strain": {"%": "%", "percent": "%", "pct": "%", "prozent": "%"},
     "time": {
         "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s", "ms": "ms",
-        "msec": "ms", "milliseconds": "ms", "us": "µs", "μs": "µs", "min": "min",
+        "millis": "ms", "msec": "ms", "milliseconds": "ms", "us": "µs", "μs": "µs", "min": "min",
         "minutes": "min", "h": "h", "hours": "h",
     },
 }  # fmt: skip

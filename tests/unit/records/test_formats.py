@@ -775,3 +775,24 @@ def test_sheets_of_one_muscle_are_one_record(tmp_path):
     book.save(path)
     record = load(path, rest_length=REST, table="*", name_pattern="{pressure:bar} bar")
     assert_allclose(record.pressure, [1.5e5] * 4 + [2.5e5] * 4)
+
+
+def test_a_board_that_starts_again_loses_no_readings():
+    head, boot = "ms,pressure_kPa,force_N,length_mm", "rst:0x1 (POWERON_RESET),boot:0x13"
+    rows = table(",", [range(4), PRESSURE, FORCE, LENGTH]).splitlines()
+    for first in (1, 3):  # readings before it
+        text = "\n".join([boot, head, *rows[:first], boot, head, *rows[first:]])
+        record = loads(text, rest_length=REST)
+        check(record, time=False)
+        assert_allclose(record.time, [0, 1e-3, 2e-3, 3e-3])
+
+
+def test_columns_that_are_named_by_their_units_alone():
+    text = "ms,kPa,N,mm\n" + table(",", [range(4), PRESSURE, FORCE, LENGTH])
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=REST)
+    given = [choice[:3] for choice in error.value.choices]
+    assert given == [("columns", "length", "mm"), ("columns", "displacement", "mm")]
+    record = loads(text, rest_length=REST, columns={"length": "mm"})
+    check(record, time=False)
+    assert_allclose(record.time, [0, 1e-3, 2e-3, 3e-3])
