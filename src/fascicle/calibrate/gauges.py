@@ -21,7 +21,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr, stdtrit
+from scipy.special import fdtrc, ndtr, stdtrit
 
 from ..core.module import to_numpy, with_fields
 from ..core.types import Batch
@@ -36,6 +36,7 @@ _STRETCHED = -1e-3  # strain: a muscle pulled beyond this pulls back without pre
 _CLEAR = 4.0  # deviations of a zero, as all records together shall have few false ones
 _PUSH_ERROR = 0.5  # of the predicted push: published laws of resisting muscles are no better
 _PASSIVE_ORDERS = 3  # of strain: the rubber's stress is smooth
+_CHANCE = 0.05  # of a passive force that is only noise: the stricter rule for it costs little
 _SAME_STRAIN = 1e-3  # strains this close are one length, read again
 _MIN_VENTED = 3  # readings: fewer show no scatter
 _APART = 0.3  # of the record's duration: readings of one strain over a shorter time show no drift
@@ -205,15 +206,22 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     names = ["force_zero", *(["force_drift"] if drifts else [])]
     columns = [smooth[:, 0], *([elapsed] if drifts else [])]
     least_noise = 1e-6 * float(np.max(np.abs(record.force)))  # of readings without any
-    # errors of the gauges show whether the law lacks a passive force or not
+    # a passive force counts if the readings show one; then errors of the gauges must be clear with
+    # it and without
+    passives = [np.empty((count, 0)), smooth[:, 1:]]
+    *_, level, freedom = _fit_push(F - push, push, smooth[:, :1], least_noise)
+    *_, curve, freedom = _fit_push(F - push, push, smooth, least_noise)
+    gain = max(level / max(curve, least_noise**2) - 1, 0.0) * freedom / max(orders, 1)
+    if orders == 0 or (freedom > 0 and fdtrc(orders, freedom, gain) > _CHANCE):
+        passives = passives[:1]
     fits = [
-        _fit_push(F - push, push, np.column_stack([*columns, *passive]), least_noise)
-        for passive in ([], smooth.T[1:])
+        _fit_push(F - push, push, np.column_stack([*columns, passive]), least_noise)
+        for passive in passives
     ]
-    best, _ = fits[-1]
+    best = fits[-1][0]
     for i, name in enumerate(names):
-        deviations[name] = max(float(deviation[i]) for _, deviation in fits)
-        if all(abs(value[i]) > _CLEAR * deviation[i] for value, deviation in fits):
+        deviations[name] = max(float(deviation[i]) for _, deviation, *_ in fits)
+        if all(abs(value[i]) > _CLEAR * deviation[i] for value, deviation, *_ in fits):
             zeros[name] = float(best[i])
     if "force_drift" in zeros:  # it is the change of a zero
         zeros["force_zero"] = float(best[0])
@@ -222,20 +230,24 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
 
 def _fit_push(
     missed: np.ndarray, push: np.ndarray, columns: np.ndarray, least_noise: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of `columns` in the forces that a predicted `push` missed [N], and their
-    standard deviations; infinite without a reading more than coefficients.
+) -> tuple[np.ndarray, np.ndarray, float, int]:
+    """Coefficients of `columns` in the forces that a predicted `push` missed [N], their standard
+    deviations, the sum of the squared residuals [N²] and its degrees of freedom.
+
+    The deviations are infinite without a reading more than coefficients.
     """
     # the push predicted by the law may be in error by a share with a prior of its own
     basis = np.column_stack([columns, push])
     best, _, rank, _ = np.linalg.lstsq(basis, missed, rcond=None)
     freedom = missed.size - int(rank)
     if freedom < 1:
-        return best[:-1], np.full(columns.shape[1], np.inf)
+        return best[:-1], np.full(columns.shape[1], np.inf), 0.0, 0
     noise = max(float(np.linalg.norm(missed - basis @ best)) / np.sqrt(freedom), least_noise)
     precision = basis.T @ basis
     precision[-1, -1] += (noise / _PUSH_ERROR) ** 2
     inverse = np.linalg.inv(precision)
     # wider, as the scatter of few readings is itself uncertain
     wider = noise * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
-    return (inverse @ basis.T @ missed)[:-1], wider * np.sqrt(np.diag(inverse))[:-1]
+    best = inverse @ basis.T @ missed
+    squares = float(np.sum((missed - basis @ best) ** 2))
+    return best[:-1], wider * np.sqrt(np.diag(inverse))[:-1], squares, freedom

@@ -57,6 +57,21 @@ def test_a_passive_force_of_later_lengths_is_no_drift(seed, interval):
     assert read_vented(record, MUSCLE).gauge == PERFECT
 
 
+def test_a_zero_counts_without_a_sign_of_a_passive_force():
+    # synthetic: 90 vented readings over 2 % of strain, as a stiff muscle gives before it buckles
+    strain = np.concatenate([np.linspace(0, 0.02, 45), np.linspace(0.02, 0, 45), np.zeros(2)])
+    P = np.append(np.zeros(90), [3e5, 3e5])
+    force = np.asarray(MUSCLE.force(P, strain)) + 4.0
+    found = []
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(0, 2.7, P.size)
+        record = Record.of(P, strain, force + noise, rest_length=0.2, synthetic=True)
+        found.append(read_vented(record, MUSCLE).gauge.force_zero)
+    # noise looks like a passive force in one of twenty; then a zero must be clearer
+    assert sum(zero > 0 for zero in found) >= 8
+    assert max(abs(zero - 4.0) for zero in found if zero > 0) < 1.5  # three deviations, of 0.46 N at most
+
+
 def test_a_wrong_push_of_the_law_is_no_zero():
     # synthetic: the factors on the resisting force are not those of the muscle that predicts it
     true = fs.example("kim2021_slenderness_10")
