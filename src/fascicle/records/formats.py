@@ -207,9 +207,17 @@ def _visit(
 
 
 def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Entries of a structure, those of an array of structures one by one."""
+    """Entries of a structure, those of an array of structures one by one, or as columns if each
+    is a reading.
+    """
+    import pandas as pd
+
     for key, value in content.items():
-        if isinstance(value, list | np.ndarray) and any(isinstance(x, dict) for x in value):
+        is_structures = isinstance(value, list | np.ndarray) and np.size(value) > 0
+        is_structures = is_structures and all(isinstance(x, dict) for x in value)
+        if is_structures and all(np.isscalar(x) for reading in value for x in reading.values()):
+            yield key, pd.DataFrame(list(value)).to_dict("series")
+        elif isinstance(value, list | np.ndarray) and any(isinstance(x, dict) for x in value):
             for i, channel in enumerate(value):
                 yield str(channel.get("Name", channel.get("name", f"{key}({i + 1})"))), channel
         else:

@@ -559,6 +559,14 @@ def test_an_array_of_structures_is_one_table_each(tmp_path):
     assert_allclose(load(path, rest_length=REST, table="test(2)").pressure, 100e3)
 
 
+def test_a_structure_for_each_reading_is_a_table(tmp_path):
+    from scipy.io import savemat
+
+    kinds = [(name, float) for name in ("t_s", "pressure_kPa", "force_N", "length_mm")]
+    savemat(tmp_path / "m.mat", {"reading": np.array(ROWS, dtype=kinds)})
+    check(load(tmp_path / "m.mat", rest_length=REST))
+
+
 def test_titles_and_merged_names_of_a_sheet(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
