@@ -51,7 +51,7 @@ class TableModel(BaseModel):
     def known_keys(cls, table: Any) -> list[str]:
         """Keys to suggest for an unknown one in a `table` of this kind."""
         del table
-        return list(cls.model_fields)
+        return [field.alias or name for name, field in cls.model_fields.items()]
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,11 @@ import os
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    StrictBool,
-    StrictStr,
-    ValidationError,
-)
+from pydantic import Field, StrictBool, StrictStr, ValidationError
 
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
-from ..table_model import location_message, validation_message
+from ..table_model import TableModel, location_message, validation_message
 from .record import COLUMNS, OPTIONAL_COLUMNS, Record, Source, dumps
 from .units import STRAINS
 
@@ -31,19 +24,7 @@ SCHEMA = "fascicle-record/1"
 _Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
-class _Table(BaseModel):
-    """Object in a published record's JSON file, which refuses unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-    @classmethod
-    def known_keys(cls, table: Any) -> list[str]:
-        """Keys of the object, to suggest one for an unknown key."""
-        del table
-        return [field.alias or name for name, field in cls.model_fields.items()]
-
-
-class SourceTable(_Table):
+class SourceTable(TableModel):
     """A file that the readings were read from."""
 
     name: StrictStr = Field(description="name of the file")
@@ -52,7 +33,7 @@ class SourceTable(_Table):
     )
 
 
-class RecordTable(_Table):
+class RecordTable(TableModel):
     """Schema of a record's JSON file: readings of one muscle, in the order taken, in SI units."""
 
     schema_: Literal["fascicle-record/1"] = Field(
@@ -116,7 +97,10 @@ def to_json(record: Record) -> str:
         data[name] = data[name] if any(data[name]) else []
     data = {name: value for name, value in data.items() if value is not None and value != []}
     _validate(data, "the record")
-    lines = (f"  {json.dumps(key)}: {_dump(value)}" for key, value in data.items())
+    lines = (
+        f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
+        for key, value in data.items()
+    )
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
@@ -179,8 +163,3 @@ def _validate(data: Any, source: str) -> RecordTable:
             rule = f"has {len(values)} values, but pressure has {len(table.pressure)}."
             raise ValueError(location_message(source, [name], rule))
     return table
-
-
-def _dump(value: Any) -> str:
-    """JSON of a `value`; `ValueError` for NaN or infinity in it."""
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)

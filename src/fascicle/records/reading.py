@@ -20,7 +20,6 @@ from .file_names import check_pressures_in_names, pressure_in_name, read_name
 from .formats import table_texts
 from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
-from .joint_readings import read_joint
 from .lines import CLOCK_NAME
 from .published import from_json
 from .quantities import (
@@ -29,6 +28,7 @@ from .quantities import (
     read_branch,
     read_censored,
     read_force,
+    read_joint,
     read_pressure,
     read_strain,
     read_time,

@@ -129,9 +129,10 @@ class Table:
         values: list[list[float]] = []
         texts = [*texts, *([] if time is None else [time])]
         cells = TableColumns({}, {i: [] for i in texts}, [])
-        holes: list[tuple[int, list[str]]] = []
-        text_rows: list[tuple[int, list[str]]] = []
-        doubles: list[tuple[int, list[str]]] = []  # rows of two lines in one
+        left_out: dict[str, list[tuple[int, list[str]]]] = {
+            "with holes": [], "of words": [], "of two lines in one": []
+        }  # fmt: skip
+        holes, text_rows, doubles = left_out.values()
         ends: list[int] = []  # rows above the names of further specimens
         for line, row in self._rows():
             count += 1
@@ -169,14 +170,10 @@ class Table:
         if time is not None and (seconds := read_seconds(cells.texts.pop(time))) is not None:
             cells.numbers[time] = seconds
         cells.notes += [
-            f"{len(left)} {'row' if len(left) == 1 else 'rows'} {kind} left out, the first in line"
-            f" {left[0][0]}"
-            for kind, left in (
-                ("with holes", holes),
-                ("of words", text_rows),
-                ("of two lines in one", doubles),
-            )
-            if left
+            f"{len(rows)} {'row' if len(rows) == 1 else 'rows'} {kind} left out, the first in line"
+            f" {rows[0][0]}"
+            for kind, rows in left_out.items()
+            if rows
         ]
         return cells
 
