@@ -27,7 +27,7 @@ import numpy as np
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
-from ..core.module import Module, static
+from ..core.module import Module, static, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force
@@ -43,6 +43,9 @@ _PUSH_STRAIN = 0.08  # past the strain at which no braid pulls: how far a load m
 # Its volume keeps the slope at zero there, or the first step of filling would go without one
 PRESSURE_ROUNDING = 1e-6
 _POINTS = 5  # of Gauss's rule, in short cells: 1e-12
+# slope by values at five pressures from a node on, 3 Pa apart: rounding and order leave 1e-9 of it
+_PRESSURE_STEP = 3.0
+_FORWARD = np.array([-25, 48, -36, 16, -3]) / (12 * _PRESSURE_STEP)
 # cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
 _HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
 
@@ -105,7 +108,7 @@ class UnitSurface(Module):
             raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
         strain = _strain_nodes(muscle, strains, int(shape[1]))
         roots = np.linspace(0.0, math.sqrt(float(top)), int(shape[0]))
-        return _build_surface(muscle, tuple(roots.tolist()), tuple(strain.tolist()))
+        return _build_surface(to_numpy(muscle), tuple(roots.tolist()), tuple(strain.tolist()))
 
     @property
     def highest_pressure(self) -> Batch:
@@ -193,8 +196,8 @@ def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
 
 
 class _Nodes(NamedTuple):
-    """At each node, rows by pressure: co-energy [J], and its slopes by strain [J], pressure [m³]
-    and both [m³].
+    """At each node, rows by pressure: co-energy [J], and its slope by strain [J]; in some rows
+    their slopes by pressure [m³].
     """
 
     coenergy: np.ndarray
@@ -211,7 +214,8 @@ def _build_surface(
     roots, strain = np.array(root_pressures), np.array(strains)
     ends = (np.float64(strain[0]), np.float64(strain[-1]))
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        coefficients = _coefficients(_evaluate_nodes(muscle, roots**2, strain), roots, strain)
+        nodes = _evaluate_nodes(muscle, roots**2, strain, [0, 1, -1])  # of which a spline asks
+        coefficients = _coefficients(nodes, roots, strain)
         table = partial(UnitSurface, coefficients, np.float64(roots[1]), ends, muscle.length)
         P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
         eps = (strain[1:] + strain[:-1])[None] / 2
@@ -220,38 +224,28 @@ def _build_surface(
     return table(tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
 
 
-def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
-    """The law at the grid's nodes, integrated from node to node and kink to kink."""
-    from ..core.jax_backend import compile_law
-
-    values, slopes = compile_law(_force_and_coenergy)(muscle, pressure, strain)
-    coenergy, work, force = map(np.asarray, values)
-    volume, volume_change, force_slope = map(np.asarray, slopes)
-    L0, V0 = float(muscle.length), float(muscle.volume(0.0))
-    rest_coenergy, rest_volume = muscle.law.tension.rest_coenergy(pressure)
-    coenergy, volume = (coenergy + rest_coenergy)[:, None], (volume + rest_volume)[:, None]
-    return _Nodes(
-        coenergy=pressure[:, None] * V0 + coenergy + L0 * work.T,
-        by_strain=L0 * force.T,
-        by_pressure=V0 + volume + L0 * volume_change.T,
-        by_both=L0 * force_slope.T,
-    )
+def _evaluate_nodes(
+    muscle: Muscle, pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
+) -> _Nodes:
+    """The law at the grid's nodes, with slopes by pressure in some `rows`."""
+    values = _coenergy_and_slope(muscle, pressure, strain)
+    # at a kink, slopes are those of higher pressures, as a law's are
+    ahead = pressure[rows] + _PRESSURE_STEP * np.arange(len(_FORWARD))[:, None]
+    slopes = np.tensordot(_FORWARD, [_coenergy_and_slope(muscle, P, strain) for P in ahead], 1)
+    return _Nodes(*values, *slopes)
 
 
-def _force_and_coenergy(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
-    """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
-    pressures last; and their slopes in pressure.
+def _coenergy_and_slope(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """Co-energy [J] and its slope by strain [J], rows by pressure: the force, integrated from node
+    to node and kink to kink.
     """
-    from ..core.jax_backend import derivative, jnp
-
-    def integrals(pressure: Batch) -> tuple[Batch, Batch, Batch]:
-        at: PressurizedMuscle = muscle.law.at(pressure)
-        grid = jnp.broadcast_to(strain[:, None], (len(strain), len(pressure)))
-        work = integrate_force(at, grid, _POINTS)
-        work = work - work[jnp.argmin(jnp.abs(strain))]
-        return coenergy_at_rest(at) + 0.0 * pressure, work, at.force(grid)[0]
-
-    return derivative(integrals, pressure)
+    at: PressurizedMuscle = muscle.law.at(pressure)
+    grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
+    work = integrate_force(at, grid, _POINTS)
+    work = work - work[np.argmin(np.abs(strain))]
+    rest, _ = muscle.law.tension.rest_coenergy(pressure)
+    rest = rest + coenergy_at_rest(at) + pressure * muscle.volume(0.0)
+    return np.stack([(rest + muscle.length * work).T, muscle.length * at.force(grid)[0].T])
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
@@ -275,8 +269,8 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
 
 
 def _pressure_slopes(root_pressure: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Slopes by pressure of a cubic spline over √P from the second node on, clamped to `slope`
-    there and at the last node; the first slope is kept.
+    """Slopes by pressure of a cubic spline over √P from the second node on, clamped to the second
+    and last row of `slope` there and at the last node; its first row is kept.
     """
     # its second derivative is continuous: a volume whose slope in pressure jumps takes an
     # integrator ten times the steps

@@ -1,6 +1,8 @@
 """A muscle as a table of its co-energy: one potential, its error, its ends."""
 
 import re
+import subprocess
+import sys
 
 import jax
 import numpy as np
@@ -57,6 +59,23 @@ def test_its_volume_is_the_conjugate_one(table, points):
     exact = SIX.conjugate_volume(P[inside], eps[inside])
     off = np.abs(table.conjugate_volume(P, eps)[inside] / exact - 1)
     assert np.quantile(off, 0.5) < 1e-6 and np.max(off) < 0.02  # the largest beside kinks
+
+
+def test_its_slopes_at_the_ends_of_pressure_are_the_laws(table):
+    eps = np.linspace(*map(float, table.strains), table.coefficients.shape[1] + 1)
+    for P in (0.0, float(table.root_step) ** 2, float(table.highest_pressure)):
+        here, exact = table.lookup_at(P, eps), SIX.conjugate_volume(P, eps)
+        # differences leave 1e-9 of the largest volume, 3e-5 m³
+        assert_allclose(here.volume, exact, rtol=1e-8, atol=1e-13)
+
+
+def test_a_table_is_made_without_jax():
+    code = (
+        "import sys, fascicle as fs; fs.UnitSurface.tabulate(fs.example('kim2021_figure_6'), 4e5);"
+        "print('jax' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
 
 
 def test_bends_in_pressure_are_continuous(table):
