@@ -1,108 +1,76 @@
-"""The library against `scipy_script.py`, which a good student would write.
+"""The library with NumPy, compared with `scipy_script.py`, which a good student would write.
 
-The force field: the same 200 pressures × 10 000 strains by both. A bundle's free strain, 8
-unlike units: time of one root, the script's at a few pressure vectors, the library's at 10 000
-that begin with the same few, by NumPy as both are. Both must agree: forces to 1e-9 N, and where the
-script says that the bundle's force is zero, the library's is zero to 1e-9 N.
+A force field of 200 pressures × 10,000 strains by both, and under JAX. Free strain of a bundle of 8
+unlike units: time of one root, by the script at ten pressure vectors, by the library at 10,000 that
+begin with the same. Both must agree within 1e-9 N: in the field, and where the script says that
+the bundle's force is zero.
 
     python benchmarks/against_scipy.py
 """
 
-import time
-from typing import Any
-
 import jax.numpy as jnp
 import numpy as np
-from cases import done, field, muscle, stream, unit_pressures, unlike_bundle
+from cases import field, make_muscle, unit_pressures, unlike_bundle, wait
 from scipy_script import Tube, bundle_free_strain, force_field
-from timing import Call, Measured, Row, interleaved, run
-
-import fascicle as fs
+from timing import Row, run, take_turns
 
 
-UNITS = 8
-CLOSE = 1e-9  # N
-
-
-def tube(muscle: fs.Muscle) -> Tube:
-    rubber: Any = muscle.material
-    sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness, muscle.braid_angle)
-    constants = (rubber.c10, rubber.c01, rubber.youngs_modulus, rubber.poisson_ratio)
-    return Tube(*(float(x) for x in (*sizes, *constants, muscle.transition_rate)))
+TOLERANCE = 1e-9  # N: roots of both end at the last digits of a strain, and slopes are some 1e4 N
 
 
 def field_rows(small: bool) -> list[Row]:
+    """Force fields."""
     shape = (4, 50) if small else (200, 10_000)
-    one, (pressure, strain) = muscle(), field(*shape)
-    force, plain = one.compile(), tube(one)
-    P, eps = np.asarray(pressure)[:, 0], np.asarray(strain)
-    apart = np.max(np.abs(force_field(plain, P, eps) - np.asarray(force(pressure, strain))))
-    assert apart < CLOSE, f"the script's forces differ by {apart:.1e} N"
-    numbers = jnp.zeros(shape)
-    times = interleaved(
+    muscle, (pressure, strain) = make_muscle(), field(*shape)
+    tube, compiled = Tube.of(muscle), muscle.compile()
+    P, eps = jnp.asarray(pressure), jnp.asarray(strain)
+    script = force_field(tube, pressure[:, 0], strain)
+    difference = np.max(np.abs(script - muscle.force(pressure, strain)))
+    assert difference < TOLERANCE, f"the script's forces differ by {difference:.1e} N"
+    numbers = np.zeros(shape)
+    times = take_turns(
         {
-            "script": lambda: force_field(plain, P, eps),
-            "fascicle": lambda: done(force(pressure, strain)),
-            "streaming": lambda: done(stream(numbers)),
+            "script": lambda: force_field(tube, pressure[:, 0], strain),
+            "x + 1": lambda: numbers + 1,
+            "numpy": lambda: muscle.force(pressure, strain),
+            "jax": lambda: wait(compiled(P, eps)),
         }
     )
-    name = f"force field, {shape[0]:,} pressures × {shape[1]:,} strains"
+    name = f"field, {shape[0]:,} pressures × {shape[1]:,} strains"
     floor = f"the SciPy script, {times.median('script'):.2g} s"
-    once = [after(lambda: force_field(plain, P, eps), lambda: done(force(pressure, strain)))
-            for _ in range(3 if small else 15)]  # fmt: skip
+    rate = f"{shape[0] * shape[1] / times.median('numpy') / 1e6:.3g} million points/s"
+    numpy, jax, by_add = (times.ratio(*pair) for pair in (("script", "numpy"), ("script", "jax"),
+                                                           ("x + 1", "numpy")))  # fmt: skip
     return [
-        Row(
-            name,
-            times.ratio("script", "fascicle"),
-            "×",
-            f"{floor}; forces {apart:.0e} N apart",
-            50.0,
-            limit=f"x + 1 alone: {times.median('script') / times.median('streaming'):.2g} ×",
-        ),
-        Row(
-            f"{name}, a single one after a call that had one thread",
-            Measured.of(times.median("script") / seconds for seconds in once),
-            "×",
-            floor,
-        ),
+        Row(f"NumPy: {name}", numpy, "×", floor, note=f"forces {difference:.0e} N apart"),
+        Row(f"NumPy: {name}", by_add, "×", "rate of x + 1, NumPy", note=rate),
+        Row(f"JAX: {name}", jax, "×", floor, at_least=50),
     ]
 
 
-def after(before: Call, call: Call) -> float:
-    """Seconds that a `call` takes right after another."""
-    before()
-    start = time.perf_counter()
-    call()
-    return time.perf_counter() - start
-
-
 def bundle_row(small: bool) -> Row:
-    units, few, many = (3, 2, 4) if small else (UNITS, 10, 10_000)
+    """Free strain of a bundle."""
+    units, few, many = (3, 2, 4) if small else (8, 10, 10_000)
     bundle, pressures = unlike_bundle(units), unit_pressures(many, units)
-    plain = [tube(unit.muscle) for unit in bundle.motor_units]
-    pressures = np.asarray(pressures)
-    first = pressures[:few]
-    found = np.array([bundle_free_strain(plain, P) for P in first])
-    left = np.max(np.abs(np.asarray(bundle.force(jnp.asarray(first), jnp.asarray(found)))))
-    assert left < CLOSE, f"at the script's free strain the bundle pulls with {left:.1e} N"
-    apart = np.max(np.abs(found - bundle.free_strain(pressures)[:few]))
-    assert apart < CLOSE, f"the script's free strains differ by {apart:.1e}"
-    times = interleaved(
+    tubes = [Tube.of(unit.muscle) for unit in bundle.motor_units]
+    roots = np.array([bundle_free_strain(tubes, P) for P in pressures[:few]])
+    force = np.max(np.abs(bundle.force(pressures[:few], roots)))
+    assert force < TOLERANCE, f"at the script's free strain the bundle pulls with {force:.1e} N"
+    times = take_turns(
         {
-            "script": lambda: [bundle_free_strain(plain, P) for P in first],
+            "script": lambda: [bundle_free_strain(tubes, P) for P in pressures[:few]],
             "fascicle": lambda: bundle.free_strain(pressures),
-        }
+        },
+        rounds=3 if small else 7,
     )
-    return Row(
-        f"free strain of a bundle of {units} unlike units",
-        times.ratio("script", "fascicle", many / few),
-        "×",
-        f"the SciPy script, {times.median('script') / few * 1e3:.2g} ms a root",
-        100.0,
-    )
+    ratio = times.ratio("script", "fascicle", many / few)
+    floor = f"the SciPy script, {times.median('script') / few * 1e3:.2g} ms a root"
+    name = f"NumPy: free strain of a bundle of {units} unlike units"
+    return Row(name, ratio, "×", floor, at_least=100)
 
 
 def rows(small: bool = False) -> list[Row]:
+    """Fields and free strains."""
     return [*field_rows(small), bundle_row(small)]
 
 

@@ -1,11 +1,9 @@
-"""A GPU, if one is at hand: the field against streaming there, and a million muscles.
+"""A GPU: the field against `x + 1` there, and a million different muscles.
 
-The field is that of `force_field.py`. The million different muscles have 1000 strains each at one
-pressure of their own, in blocks of 100 000 muscles; their rate is held against the field's.
-Without a GPU the rows say so. Run on the machine that has one, the rows are kept beside this
-file, and the table takes them from there:
+The field is that of `jax_arrays.py`. The million muscles have 1000 strains each at one pressure of
+their own, in blocks of 100,000 muscles; their rate is compared with the field's.
 
-    python benchmarks/gpu.py --json benchmarks/gpu.json
+    python benchmarks/gpu.py
 """
 
 from typing import Any
@@ -13,66 +11,57 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from cases import LARGEST_STRAIN, done, field, muscle, scattered, stream, unlike_muscles
-from timing import Row, interleaved, run
+from cases import (
+    MAX_STRAIN,
+    add_one,
+    different_muscles,
+    field,
+    make_muscle,
+    scattered_points,
+    wait,
+)
+from timing import Row, run, take_turns
 
 
-FIELD, MUSCLES = "GPU: force field", "GPU: different muscles × 1000 points"
+FIELD, MUSCLES = "GPU: field", "GPU: different muscles × 1000 points"
 
 
 def rows(small: bool = False) -> list[Row]:
+    """Ratios of rates; without a GPU nothing is measured."""
     device = jax.devices()[0]
     if device.platform != "gpu":
-        missing = "no GPU in this run"
-        return [
-            Row(FIELD, None, "×", "rate of x + 1 there", 0.2, limit=missing),
-            Row(MUSCLES, None, "×", "the field's rate there", 0.5, limit=missing),
-        ]
+        return [Row(name, None, "×", note="it needs a GPU") for name in (FIELD, MUSCLES)]
     shape, count, block, strains = (
         ((20, 30), 20, 10, 30) if small else ((1000, 10_000), 1_000_000, 100_000, 1000)
     )
-    known, points = muscle().compile(), field(*shape)
-    as_many = jnp.broadcast_to(points[1], shape) + 0.0
-    many = unlike_muscles(count)
-    pressure = scattered(count)[0][:, None]
-    along = jnp.linspace(0.0, LARGEST_STRAIN, strains)
+    constant, points = make_muscle().compile(), tuple(map(jnp.asarray, field(*shape)))
+    numbers, strain = jnp.zeros(shape), jnp.linspace(0.0, MAX_STRAIN, strains)
+    columns = different_muscles(count), jnp.asarray(scattered_points(count)[0][:, None])
     force = eqx.filter_jit(lambda muscle, P, eps: muscle.force(P, eps))
 
-    def part(i: int) -> tuple[Any, Any]:
+    def rows_from(start: int) -> tuple[Any, Any]:
         # sizes are columns; what the muscles share is a single number
         return jax.tree.map(
-            lambda leaf: leaf[i : i + block] if jnp.shape(leaf)[:1] == (count,) else leaf,
-            (many, pressure),
+            lambda x: x[start : start + block] if jnp.shape(x)[:1] == (count,) else x, columns
         )
 
-    parts = [part(i) for i in range(0, count, block)]
-    times = interleaved(
+    blocks = [rows_from(start) for start in range(0, count, block)]
+    times = take_turns(
         {
-            "x + 1": lambda: done(stream(as_many)),
-            "field": lambda: done(known(*points)),
-            "muscles": lambda: [done(force(*one, along)) for one in parts],
+            "x + 1": lambda: wait(add_one(numbers)),
+            "field": lambda: wait(constant(*points)),
+            "muscles": lambda: [wait(force(*columns, strain)) for columns in blocks],
         }
     )
-    where = f"on {device.device_kind}"
-    rate = shape[0] * shape[1] / times.median("field") / 1e9
-    more = count * strains / (shape[0] * shape[1])
+    device_name, size = f"on {device.device_kind}", shape[0] * shape[1]
+    note = f"{size / times.median('field') / 1e9:.3g} thousand million points/s"
+    many = times.ratio("field", "muscles", count * strains / size)
     return [
-        Row(
-            f"{FIELD}, {shape[0]:,} × {shape[1]:,}",
-            times.ratio("x + 1", "field"),
-            "×",
-            f"rate of x + 1, {where}",
-            0.2,
-            limit=f"{rate:.3g} thousand million points/s",
-        ),
-        Row(
-            f"{MUSCLES}, {count:,} of them",
-            times.ratio("field", "muscles", more),
-            "×",
-            f"the field's rate, {where}",
-            0.5,
-        ),
-    ]
+        Row(f"{FIELD}, {shape[0]:,} × {shape[1]:,}", times.ratio("x + 1", "field"), "×",
+            f"rate of x + 1, {device_name}", at_least=0.2, note=note),
+        Row(f"{MUSCLES}, {count:,} of them", many, "×", f"the field's rate, {device_name}",
+            at_least=0.5),
+    ]  # fmt: skip
 
 
 if __name__ == "__main__":

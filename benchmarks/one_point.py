@@ -1,66 +1,55 @@
-"""One point from Python: what a call costs, whatever it computes.
+"""Force at one point: CPU time of a call from Python.
 
-`muscle.force(P, eps)` with its checks, and the function that `muscle.compile()` gives, each
-with two Python floats, until the result is there; it has been asked often, so that its law is
-spelled out. Beside them the law on NumPy's numbers, by which the first points are answered, without
-a check, and the least that JAX takes: a compiled `x + y` of two floats.
+`muscle.force` with NumPy, and the functions of `muscle.compile`, each with two Python floats, until
+the result is there. Floors: `x + y` of two floats as a compiled function of JAX, and as a call of
+NumPy.
 
     python benchmarks/one_point.py
 """
 
-from typing import Any
+import time
 
 import jax
 import numpy as np
-from cases import done, muscle
-from timing import Row, interleaved, run
+from cases import make_muscle, wait
+from timing import Row, run, take_turns
 
-import fascicle as fs
-
-
-POINT = (200e3, 0.1)
-IN_PYTHON = "checks in Python, and two searches"
+from fascicle.export.point_function import compile_muscle_force
 
 
-def at_numbers(muscle: fs.Muscle, pressure: Any, strain: Any) -> Any:
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        return muscle.law.at(pressure).force(strain)
+POINT = (200e3, 0.1)  # Pa, -
 
 
 def rows(small: bool = False) -> list[Row]:
-    one, least = muscle(), jax.jit(lambda x, y: x + y)
-    numbers = tuple(map(np.float64, POINT))
-    for _ in range(100):
-        one.force(*POINT)
-    force: Any = one.compile()
-    times = interleaved(
+    """CPU microseconds of a call."""
+    muscle, x = make_muscle(), np.float64(1.0)
+    casadi, compiled = muscle.compile(backend="casadi"), muscle.compile(backend="jax")
+    force = compile_muscle_force(muscle)
+    count = len(force.with_gradient(*POINT)[1])
+    add = jax.jit(lambda x, y: x + y)
+    times = take_turns(
         {
-            "least": lambda: done(least(*POINT)),
-            "eager": lambda: one.force(*POINT),
-            "numpy": lambda: at_numbers(one, *numbers),
-            "compiled": lambda: done(force(*POINT)),
+            "x + y, NumPy": lambda: np.add(x, x),
+            "x + y, JAX": lambda: wait(add(*POINT)),
+            "numpy": lambda: muscle.force(*POINT),
+            "casadi": lambda: casadi(*POINT),
+            "gradient": lambda: force.with_gradient(*POINT),
+            "jax": lambda: wait(compiled(*POINT)),
         },
-        repeats=5 if small else 200,
-        least=0.0 if small else 2e-3,
+        rounds=5 if small else 200,
+        loops=2 if small else 20,
+        clock=time.process_time,
     )
-    # calls of compiled kernels, loops' bodies counted once
-    steps = sum("fusion(" in line for line in force.lower(*POINT).compile().as_text().splitlines())
-    many = f"{steps} kernels one after another, for one number"
-    floor = f"x + y of two floats takes {times.median('least') * 1e6:.3g} µs"
+    numpy, jit = (f"x + y, {times.median(f'x + y, {library}') * 1e6:.2g} µs"
+                  for library in ("NumPy", "JAX"))  # fmt: skip
+    gradient = f"one point, force and its {count} derivatives, CasADi"
+    compile_jax = 'one point, `muscle.compile(backend="jax")`'
+    compile_casadi = 'one point, `muscle.compile(backend="casadi")`'
     return [
-        Row(
-            "one point, `muscle.force`", times.each("eager", 1e6), "µs", floor, 80.0, "≤", IN_PYTHON
-        ),
-        Row("one point, the law on NumPy's numbers", times.each("numpy", 1e6), "µs"),
-        Row(
-            "one point, `muscle.compile()`",
-            times.each("compiled", 1e6),
-            "µs",
-            floor,
-            15.0,
-            "≤",
-            many,
-        ),
+        Row("one point, `muscle.force`, NumPy", times.of("numpy", 1e6), "µs", numpy, at_most=500),
+        Row(compile_casadi, times.of("casadi", 1e6), "µs", at_most=30),
+        Row(gradient, times.of("gradient", 1e6), "µs", at_most=60),
+        Row(compile_jax, times.of("jax", 1e6), "µs", jit),
     ]
 
 

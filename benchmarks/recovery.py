@@ -1,26 +1,26 @@
-"""How often does the calibration's 90 % interval hold the truth?
+"""Coverage: how often do the calibration's 90 % intervals contain the true value?
 
 Virtual records of Table 1's two muscles, and of the second with a free strain that is the law's
 times a polynomial of first and second order, with a load cell's noise of 0.5 % of full scale and
-nothing else, are fitted from the untuned muscle, each with its own seed, by the same call that
-users make. Printed and drawn: the share of intervals that hold the truth, quick ones and those of
-the bootstrap, each with its counting error, and the mean error over the mean width.
+no other error, are fitted from the untuned muscle, each with its own seed, by the call that users
+make. Printed and drawn: the share of intervals that contain the true value, quick ones and those of
+the bootstrap, each with the error of counting, and the mean error over the mean width.
 
-The bootstrap is judged at its warp speed: a few simulated records for each record, the errors of
-all of them pooled for the distribution that each record's own 199 would give it. `--full` simulates
-the 199 of some records as well, as users do.
+The bootstrap runs at warp speed: a few simulated records for each record, and their errors are
+pooled for the distribution that each record's own 199 would give. `--full` simulates all 199 of
+some records, as users do.
 
-Of 1000 records a share of 90 % is counted to 1.9 % (two deviations), the pooled distribution errs
-beside it. Much of that is known: of the linear theory, on the same noise, exactly 90 % hold, and
-what the count makes of it is taken off in the proportion in which both go together (a control
-variate). What is left of the counting error is printed.
+With 1000 records a share of 90 % is counted to 1.9 % (two deviations). Much of this error is known:
+on the same noise, exactly 90 % of the intervals of the linear theory contain the true value. The
+deviation of their count is subtracted in proportion to the correlation of both (a control variate).
+The remaining error is printed.
 
-Records take their time: `--kept FILE` notes each, and a later run goes on from there.
+Records take their time: `--resume FILE` notes each, and a later run continues from there.
 
 **Source:** Giacomini, Politis and White (2013) for the warp-speed bootstrap; control variates are
 textbook, Asmussen and Glynn (2007), V.2.
 
-    python benchmarks/recovery.py --seeds 1000 --kept kept.jsonl --out docs/_static
+    python benchmarks/recovery.py --seeds 1000 --resume records.jsonl --out docs/_static
     python benchmarks/recovery.py --seeds 200 --samples 30 --out docs/_static --name sparse
 """
 
@@ -57,247 +57,260 @@ from fascicle.plot.theme import (
 from fascicle.records import VirtualDynamometer
 
 
-FACTORS = ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
-           "hinge_stiffness_slope")  # fmt: skip
-NAMES = [*FACTORS, "transition_rate"]
-EVEN = np.array([name == "hinge_stiffness_slope" for name in NAMES])
-TEN = "kim2021_slenderness_10"
-# the example, and the free strain over the law's by powers of the pressure over the highest
+NAMES = ["youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
+         "hinge_stiffness_slope", "transition_rate"]  # fmt: skip
+IS_LINEAR = np.array([name == "hinge_stiffness_slope" for name in NAMES])  # others: logarithms
+SLENDERNESS_10 = "kim2021_slenderness_10"
+# the example, and coefficients of its free strain over the law's in pressure over the highest
 MUSCLES: dict[str, tuple[str, tuple[float, ...]]] = {
     "slenderness 8": ("kim2021_slenderness_8", ()),
-    "slenderness 10": (TEN, ()),
-    "order 1": (TEN, (0.94, 0.1)),
-    "order 2": (TEN, (0.9, 0.3, -0.18)),
+    "slenderness 10": (SLENDERNESS_10, ()),
+    "order 1": (SLENDERNESS_10, (0.94, 0.1)),
+    "order 2": (SLENDERNESS_10, (0.9, 0.3, -0.18)),
 }
 LOOKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (BLACK, "D"))
-LEVEL, MEANT = 0.9, (0.88, 0.92)
-_FEW = 100  # records
-_DRAWN = 10_000  # seeds of simulated records from here on
-_ROWS = 200  # of a truth's table: between them it runs straight
+LEVEL, GOAL = 0.9, (0.88, 0.92)
+FEWEST = 100  # records for a control variate
+FIRST_DRAW_SEED = 10_000  # of simulated records
+TABLE_ROWS = 200  # of a truth's table, linear between them
 
 
-def truth_of(name: str, quotient: tuple[float, ...], pressures: np.ndarray) -> Any:
-    """An example, with the free strain and blocked force of smooth curves if they are given."""
+def make_truth(title: str, pressures: np.ndarray) -> Any:
+    """An example, with free strain and blocked force of smooth curves if it has coefficients."""
+    name, quotient = MUSCLES[title]
     example: Any = fs.example(name)
     if not quotient:
         return example
     top = float(pressures.max())
-    rows = np.unique(np.concatenate([np.linspace(0.02 * top, top, _ROWS), pressures[1:]]))
-    blocked = np.asarray(example.blocked_force(rows))
-    line = np.polynomial.polynomial.polyfit(rows / top, blocked, 1)
+    rows = np.unique(np.concatenate([np.linspace(0.02 * top, top, TABLE_ROWS), pressures[1:]]))
+    blocked_force = np.asarray(example.blocked_force(rows))
+    line = np.polynomial.polynomial.polyfit(rows / top, blocked_force, 1)
     curves = np.concatenate([quotient, np.zeros(4 - len(quotient)), line])
     c1, c2 = SmoothCurves(example, rows, top).corrections(curves)
-    old = example.tuning
-    factors = {name: getattr(old, name) for name in NAMES}
+    factors = {name: getattr(example.tuning, name) for name in NAMES}
     return example.replace(tuning=Tuning(rows, c1, c2, **factors))
 
 
-def recover(title: str, seeds: int, samples: int, draws: int, kept: Path | None) -> list[dict]:
-    """What was found of each record: values, intervals, simulated records, and linear errors."""
-    rows = {row["seed"]: row for row in noted(kept) if row["of"] == [title, samples, draws]}
-    machine = VirtualDynamometer(samples=samples)
-    truth = truth_of(*MUSCLES[title], np.asarray(machine.pressures))
+def recover(title: str, options: argparse.Namespace) -> list[dict]:
+    """Values, intervals, simulated records, and linear errors of each record."""
+    key = [title, options.samples, options.draws]
+    rows = {row["seed"]: row for row in load_rows(options.resume) if row["key"] == key}
+    machine = VirtualDynamometer(samples=options.samples)
+    truth = make_truth(title, np.asarray(machine.pressures))
     untuned = fs.Muscle.from_dimensions(
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
     first = machine.record(truth, seed=0)
-    clean = np.asarray(replace(machine, noise=0.0).forces(truth, [0])).reshape(-1)
-    influence, sigma = None, machine.noise * float(np.abs(clean).max())
-    for seed in (seed for seed in range(seeds) if seed not in rows):
+    exact = np.asarray(replace(machine, noise=0.0).forces(truth, [0])).reshape(-1)
+    influence, sigma = None, machine.noise * float(np.abs(exact).max())
+    for seed in (seed for seed in range(options.seeds) if seed not in rows):
         force = np.asarray(machine.forces(truth, [seed])).reshape(-1)
-        begun = time.process_time()
-        made = fit(replace(first, force=force), untuned)
-        spent = time.process_time() - begun
-        assert list(made.names) == NAMES
+        begin = time.process_time()
+        result = fit(replace(first, force=force), untuned)
+        seconds = time.process_time() - begin
+        assert list(result.names) == NAMES
         if influence is None:
-            influence = linear_errors(made)
-        again = []
-        rng = np.random.default_rng(_DRAWN + seed)
-        for _ in range(draws):
-            data = simulate_grid(made, rng)
-            scatter = (
-                made.diagnosis.noise if made.diagnosis.significant else float(made.problem.noise)
-            )
-            away = np.asarray(data.force) - made.force
-            z = refit(made, data)
-            again.append([value_of(made.problem, z).tolist(), of_grid(influence, away, scatter)])
-        noise = in_places(made, force - clean)
-        row = {
-            "of": [title, samples, draws], "seed": seed,
-            "found": [[one.value, one.low, one.high] for one in made.parameters],
-            "linear": of_grid(influence, noise, sigma), "again": again, "seconds": spent,
+            influence = linear_influence(result)
+        noise = mean_noise(result, force - exact)
+        rows[seed] = {
+            "key": key, "seed": seed, "seconds": seconds,
+            "fit": [[p.value, p.low, p.high] for p in result.parameters],
+            "linear": linear_errors(influence, noise, sigma),
+            "draws": draw_records(result, influence, options.draws, FIRST_DRAW_SEED + seed),
         }  # fmt: skip
-        rows[seed] = row
-        if kept is not None:
-            with kept.open("a") as file:
-                file.write(json.dumps(row) + "\n")
+        if options.resume is not None:
+            with options.resume.open("a") as file:
+                file.write(json.dumps(rows[seed]) + "\n")
         if seed % 50 == 49:
             print(title, seed + 1, flush=True)
-    return [rows[seed] for seed in range(seeds)]
+    return [rows[seed] for seed in range(options.seeds)]
 
 
-def noted(kept: Path | None) -> list[dict]:
+def load_rows(path: Path | None) -> list[dict]:
     """Rows of an earlier run."""
-    if kept is None or not kept.exists():
+    if path is None or not path.exists():
         return []
-    return [json.loads(line) for line in kept.read_text().splitlines()]
+    return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-def linear_errors(made: Any) -> tuple[np.ndarray, np.ndarray]:
-    """By how much each parameter errs for a newton in each place of the tables, linear in the
-    curves and coordinates; and how many readings each place averages. Taken at one record's fit:
-    that the linear theory is a little off there makes it a worse control, not a wrong one.
+def draw_records(
+    result: Any, influence: tuple[np.ndarray, np.ndarray], draws: int, seed: int
+) -> list[tuple[list[float], list[float]]]:
+    """Parameters and linear errors of simulated records of a fit."""
+    rng = np.random.default_rng(seed)
+    diagnosis = result.diagnosis
+    scatter = diagnosis.noise if diagnosis.significant else float(result.problem.noise)
+    records = []
+    for _ in range(draws):
+        data = simulate_grid(result, rng)
+        errors = linear_errors(influence, np.asarray(data.force) - result.force, scatter)
+        records.append((value_of(result.problem, refit(result, data)).tolist(), errors))
+    return records
+
+
+def linear_influence(result: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of the parameters by a newton in each cell of the tables, linear in curves and
+    coordinates, and the number of readings of each cell. It is that of one record's fit: that the
+    linear theory is a little off there makes it a worse control variate, not a wrong one.
     """
-    at = linearize(made.problem, made.coordinates, by_curves=True)
-    count = np.where(made.grid.measured, made.grid.count, 0.0)
-    root = np.sqrt(count.reshape(-1))
+    at = linearize(result.problem, result.coordinates, by_curves=True)
+    count = np.where(result.grid.measured, result.grid.count, 0.0).reshape(-1)
+    root = np.sqrt(count)
     slopes = at.force_slopes.reshape(root.size, -1) * root[:, None]
     K = np.linalg.pinv(slopes)[: len(NAMES)] * root
-    by = np.eye(len(NAMES))
-    by[EVEN] = slope_of(made.problem, made.coordinates)[EVEN]
-    return by @ K, np.maximum(count.reshape(-1), 1.0)
+    scale = np.eye(len(NAMES))
+    scale[IS_LINEAR] = slope_of(result.problem, result.coordinates)[IS_LINEAR]
+    return scale @ K, np.maximum(count, 1.0)
 
 
-def of_grid(influence: tuple[np.ndarray, np.ndarray], noise: np.ndarray, sigma: float) -> list:
-    """The linear error of each parameter over its deviation, a standard normal deviate."""
+def linear_errors(
+    influence: tuple[np.ndarray, np.ndarray], noise: np.ndarray, sigma: float
+) -> list[float]:
+    """Linear error of each parameter over its deviation, standard normal."""
     K, count = influence
-    deviation = sigma * np.sqrt(np.sum(K**2 / count, axis=1))
-    return (K @ noise.reshape(-1) / deviation).tolist()
+    return (K @ noise.reshape(-1) / (sigma * np.sqrt(np.sum(K**2 / count, axis=1)))).tolist()
 
 
-def in_places(made: Any, noise: np.ndarray) -> np.ndarray:
-    """The readings' noise as the tables average it."""
-    of, shape = made.fit_data, made.grid.count.shape
-    flat = of.level * shape[1] + of.column
-    size = shape[0] * shape[1]
-    return np.bincount(flat, noise, size) / np.maximum(np.bincount(flat, minlength=size), 1)
+def mean_noise(result: Any, noise: np.ndarray) -> np.ndarray:
+    """Mean noise of the readings of each cell of the tables."""
+    data, (levels, columns) = result.fit_data, result.grid.count.shape
+    cell, size = data.level * columns + data.column, levels * columns
+    return np.bincount(cell, noise, size) / np.maximum(np.bincount(cell, minlength=size), 1)
 
 
-def judged(title: str, rows: list[dict], samples: int, full: int) -> dict:
-    """The shares that hold the truth, with the deviation of counting, and the mean error."""
-    truth = truth_of(*MUSCLES[title], np.asarray(VirtualDynamometer().pressures))
-    real = np.array([float(getattr(truth.tuning, name)) for name in NAMES])
-    value, low, high = np.moveaxis(np.array([row["found"] for row in rows]), -1, 0)
-    theirs = np.array([row["linear"] for row in rows])
-    again = np.array([[one[0] for one in row["again"]] for row in rows])
-    of_again = np.array([[one[1] for one in row["again"]] for row in rows])
-    away = (on_scale(again) - on_scale(value)[:, None]).reshape(-1, real.size)
-    errors = on_scale(value) - on_scale(real)
-    least, most = np.quantile(away, [0.05, 0.95], axis=0)
-    quick, quick_error = counted((low < real) & (real < high), theirs)
-    hold, hold_error = counted((least < errors) & (errors < most), theirs)
-    # between the pooled ends lie 90 % of what was drawn, and not quite of what might have been
-    ends, ends_error = counted((least < away) & (away < most), of_again.reshape(away.shape))
+def evaluate(title: str, rows: list[dict], options: argparse.Namespace) -> dict:
+    """Shares that contain the true value, with the deviation of counting, and the mean error."""
+    truth = make_truth(title, np.asarray(VirtualDynamometer().pressures))
+    exact = np.array([float(getattr(truth.tuning, name)) for name in NAMES])
+    value, low, high = np.moveaxis(np.array([row["fit"] for row in rows]), -1, 0)
+    linear = np.array([row["linear"] for row in rows])
+    drawn, drawn_linear = (np.array([[draw[i] for draw in row["draws"]] for row in rows])
+                           for i in (0, 1))  # fmt: skip
+    deviations = (to_scale(drawn) - to_scale(value)[:, None]).reshape(-1, exact.size)
+    errors = to_scale(value) - to_scale(exact)
+    lowest, highest = np.quantile(deviations, [0.05, 0.95], axis=0)
+    quick, quick_error = coverage((low < exact) & (exact < high), linear)
+    share, share_error = coverage((lowest < errors) & (errors < highest), linear)
+    # between the pooled ends lie 90 % of the draws, and not quite of all that could be drawn
+    inside = (lowest < deviations) & (deviations < highest)
+    ends, ends_error = coverage(inside, drawn_linear.reshape(deviations.shape))
     return {
         "names": NAMES,
         "coverage": quick.tolist(),
         "coverage_error": quick_error.tolist(),
-        "bootstrap": np.clip(hold - ends + LEVEL, 0, 1).tolist(),
-        "bootstrap_error": np.hypot(hold_error, ends_error).tolist(),
-        "full": held(title, samples, full),
-        "bias": (np.mean(value - real, axis=0) / np.mean(high - low, axis=0)).tolist(),
+        "bootstrap": np.clip(share - ends + LEVEL, 0, 1).tolist(),
+        "bootstrap_error": np.hypot(share_error, ends_error).tolist(),
+        "full": full_coverage(title, options.samples, options.full),
+        "bias": (np.mean(value - exact, axis=0) / np.mean(high - low, axis=0)).tolist(),
         "seconds": float(np.median([row["seconds"] for row in rows])),
     }
 
 
-def counted(hold: np.ndarray, theirs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The share that holds, and its deviation, with what the linear theory's known share says of
-    the same noise taken off.
+def coverage(contains: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The share that contains the true value, and its deviation, corrected by what the linear
+    theory counts on the same noise.
     """
-    if len(hold) < _FEW:  # too few to tell how both go together
-        return hold.mean(axis=0), np.full(len(NAMES), np.sqrt(LEVEL * (1 - LEVEL) / len(hold)))
-    I, known = hold.astype(float), (np.abs(theirs) < NORMAL) - LEVEL
-    apart, own = I - I.mean(axis=0), known - known.mean(axis=0)
-    factor = np.sum(apart * own, axis=0) / np.maximum(np.sum(own**2, axis=0), 1e-12)
-    share = np.mean(I - factor * known, axis=0)
-    return share, np.std(apart - factor * own, axis=0) / np.sqrt(len(I))
+    if len(contains) < FEWEST:  # too few for a correlation
+        deviation = np.sqrt(LEVEL * (1 - LEVEL) / len(contains))
+        return contains.mean(axis=0), np.full(len(NAMES), deviation)
+    count, control = contains.astype(float), (np.abs(linear) < NORMAL) - LEVEL
+    centered, control_centered = count - count.mean(axis=0), control - control.mean(axis=0)
+    variance = np.maximum(np.sum(control_centered**2, axis=0), 1e-12)  # without any: factor 0
+    factor = np.sum(centered * control_centered, axis=0) / variance
+    share = np.mean(count - factor * control, axis=0)
+    return share, np.std(centered - factor * control_centered, axis=0) / np.sqrt(len(count))
 
 
-def held(title: str, samples: int, full: int) -> list[float] | None:
-    """The share of intervals with all 199 draws that hold the truth, of so many records."""
-    if not full:
+def full_coverage(title: str, samples: int, records: int) -> list[float] | None:
+    """The share of intervals with all 199 draws that contain the true value."""
+    if not records:
         return None
-    machine, good = VirtualDynamometer(samples=samples), []
-    truth = truth_of(*MUSCLES[title], np.asarray(machine.pressures))
+    machine, contains = VirtualDynamometer(samples=samples), []
+    truth = make_truth(title, np.asarray(machine.pressures))
+    exact = [float(getattr(truth.tuning, name)) for name in NAMES]
     untuned = truth.replace(tuning=Tuning())
-    for seed in range(full):
-        made = bootstrap(fit(machine.record(truth, seed=seed), untuned), seed=seed)
-        real = [float(getattr(truth.tuning, name)) for name in NAMES]
-        good.append([one.low < x < one.high for one, x in zip(made.parameters, real, strict=True)])
-    return np.mean(good, axis=0).tolist()
+    for seed in range(records):
+        result = bootstrap(fit(machine.record(truth, seed=seed), untuned), seed=seed)
+        contains.append([p.low < x < p.high for p, x in zip(result.parameters, exact, strict=True)])
+    return np.mean(contains, axis=0).tolist()
 
 
-def on_scale(values: np.ndarray) -> np.ndarray:
-    """Values as intervals take them: logarithms but for the hinge's slope, which is even."""
-    return np.where(EVEN, values, np.log(np.where(EVEN, 1.0, values)))
+def to_scale(values: np.ndarray) -> np.ndarray:
+    """Values on the scale of the intervals: logarithms, but for the hinge's slope."""
+    return np.where(IS_LINEAR, values, np.log(np.where(IS_LINEAR, 1.0, values)))
 
 
 @styled
 def draw(results: dict, seeds: int) -> Figure:
-    names = next(iter(results.values()))["names"]
+    """Figure of coverage and bias."""
     figure, axes = new_figure(1, 2, DOUBLE, 0.34 * DOUBLE, sharey=True)
-    for place, (title, one) in enumerate(results.items()):
-        y = np.arange(len(names)) + 0.16 * (place - 1.5)
-        color, mark = LOOKS[place]
-        p = np.array(one["bootstrap"])
-        error = 1.96 * np.array(one["bootstrap_error"])
-        axes[0, 0].errorbar(100 * p, y, xerr=100 * error, color=color, fmt=mark, label=title)
-        axes[0, 0].plot(100 * np.array(one["coverage"]), y, mark, color=color, fillstyle="none")
-        axes[0, 1].plot(100 * np.array(one["bias"]), y, mark, color=color, label=title)
-    axes[0, 0].axvspan(100 * MEANT[0], 100 * MEANT[1], color=GRAY, alpha=0.2, linewidth=0)
-    axes[0, 0].axvline(90, color=GRAY, linewidth=0.8, linestyle="--")
-    axes[0, 1].axvspan(-10, 10, color=GRAY, alpha=0.2, linewidth=0)
-    axes[0, 0].set_yticks(range(len(names)), [n.replace("_", " ") for n in names])
-    axes[0, 0].set_xlabel("90 % intervals that hold the truth [%]")
-    axes[0, 1].set_xlabel("Mean error over mean width [%]")
-    axes[0, 0].set_xlim(77, 99)
-    axes[0, 1].set_xlim(-15, 15)
-    axes[0, 1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    letter(axes[0, 0], "a", f"{seeds} synthetic records; open: quick")
-    letter(axes[0, 1], "b", "bias")
-    axes[0, 0].invert_yaxis()
+    left, right = axes[0]
+    for i, (title, result) in enumerate(results.items()):
+        y = np.arange(len(NAMES)) + 0.16 * (i - 1.5)
+        color, mark = LOOKS[i]
+        error = 1.96 * 100 * np.array(result["bootstrap_error"])
+        share = 100 * np.array(result["bootstrap"])
+        left.errorbar(share, y, xerr=error, color=color, fmt=mark, label=title)
+        left.plot(100 * np.array(result["coverage"]), y, mark, color=color, fillstyle="none")
+        right.plot(100 * np.array(result["bias"]), y, mark, color=color, label=title)
+    left.axvspan(100 * GOAL[0], 100 * GOAL[1], color=GRAY, alpha=0.2, linewidth=0)
+    left.axvline(90, color=GRAY, linewidth=0.8, linestyle="--")
+    left.set_yticks(range(len(NAMES)), [name.replace("_", " ") for name in NAMES])
+    left.set_xlabel("90 % intervals that contain the true value [%]")
+    left.set_xlim(77, 99)
+    left.invert_yaxis()
+    right.axvspan(-10, 10, color=GRAY, alpha=0.2, linewidth=0)
+    right.set_xlabel("Mean error over mean width [%]")
+    right.set_xlim(-15, 15)
+    right.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    letter(left, "a", f"{seeds} synthetic records; open: quick")
+    letter(right, "b", "bias")
     return figure
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=1000)
-    parser.add_argument("--samples", type=int, default=200, help="of a sweep, each way")
-    parser.add_argument("--out", type=Path, default=None)
-    parser.add_argument("--name", default="recovery", help="of the files there")
+    """Fit the records, print the shares, and write them with a figure."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seeds", type=int, default=1000, help="records of each muscle")
+    parser.add_argument("--samples", type=int, default=200, help="readings of a sweep, each way")
     parser.add_argument("--draws", type=int, default=3, help="simulated records of each record")
-    parser.add_argument("--kept", type=Path, default=None, help="where records are noted")
     parser.add_argument("--full", type=int, default=0, help="records with all 199 draws")
-    parser.add_argument("--only", choices=list(MUSCLES), action="append", help="these truths")
-    given = parser.parse_args()
-    results = {}
-    for title in given.only or MUSCLES:
-        rows = recover(title, given.seeds, given.samples, given.draws, given.kept)
-        results[title] = judged(title, rows, given.samples, given.full)
-    print(f"{given.seeds} synthetic records each; meant: {MEANT[0]:.0%} to {MEANT[1]:.0%};")
-    print("behind each share two deviations of counting it")
-    for title, one in results.items():
-        print(f"{title}: {one['seconds']:.2f} s of computing a fit")
-        for i, name in enumerate(one["names"]):
-            quick, boots = (
-                f"{one[key][i]:6.1%} ± {2 * one[key + '_error'][i]:.1%}"
+    parser.add_argument("--only", choices=list(MUSCLES), action="append", help="these muscles")
+    parser.add_argument("--resume", type=Path, default=None, help="file in which records are noted")
+    parser.add_argument("--out", type=Path, default=None, help="folder for the results")
+    parser.add_argument("--name", default="recovery", help="name of the files there")
+    options = parser.parse_args()
+    results = {title: evaluate(title, recover(title, options), options)
+               for title in options.only or MUSCLES}  # fmt: skip
+    print(f"{options.seeds} synthetic records each; goal: {GOAL[0]:.0%} to {GOAL[1]:.0%};")
+    print("after each share two deviations of its count")
+    for title, result in results.items():
+        print(f"{title}: {result['seconds']:.2f} s of CPU for a fit")
+        for i, name in enumerate(NAMES):
+            quick, bootstrapped = (
+                f"{result[key][i]:6.1%} ± {2 * result[key + '_error'][i]:.1%}"
                 for key in ("coverage", "bootstrap")
             )
-            print(f"  {name:24s} quick {quick}  bootstrap {boots}  bias {one['bias'][i]:+.3f}")
-        if one["full"]:
-            print(f"  all 199 draws, {given.full} records:", *(f"{x:.1%}" for x in one["full"]))
-    if given.out is not None:
-        (given.out / f"{given.name}.png").write_bytes(to_bytes(draw(results, given.seeds), "png"))
+            bias = result["bias"][i]
+            print(f"  {name:24s} quick {quick}  bootstrap {bootstrapped}  bias {bias:+.3f}")
+        if result["full"]:
+            print(f"  all 199 draws, {options.full} records:",
+                  *(f"{x:.1%}" for x in result["full"]))  # fmt: skip
+    if options.out is not None:
         text = json.dumps(
             {
-                "seeds": given.seeds,
-                "samples": given.samples,
-                "draws": given.draws,
+                "seeds": options.seeds,
+                "samples": options.samples,
+                "draws": options.draws,
                 "muscles": results,
             },
             indent=1,
         )
-        (given.out / f"{given.name}.json").write_text(text + "\n")
+        (options.out / f"{options.name}.json").write_text(text + "\n")
+        figure = draw(results, options.seeds)
+        (options.out / f"{options.name}.png").write_bytes(to_bytes(figure, "png"))
 
 
 if __name__ == "__main__":

@@ -1,120 +1,121 @@
-"""Every benchmark, one after another, each in a process of its own, into one table.
+"""Every benchmark in a process of its own, into one table.
 
-    python benchmarks/run_all.py            # writes benchmarks/RESULTS.md
-    python benchmarks/run_all.py --small    # only whether all of them run, in a minute or two
+    python benchmarks/run_all.py                             # writes benchmarks/RESULTS.md
+    python benchmarks/run_all.py --only one_point bundles    # the same, of some of them
+    python benchmarks/run_all.py --small                     # only whether they run
 
-Rows come in the order of the list below. A GPU's rows are measured where there is one, or
-taken from `gpu.json` beside this file, which `gpu.py --json` has written on another machine.
+A small run takes about two minutes of CPU.
 """
 
+import datetime as dt
 import os
+import platform
 import subprocess
 import sys
 import tempfile
 import time
+from importlib.metadata import version
 from pathlib import Path
 
-from machine import describe
-from timing import Row, load, options, table
+from timing import Row, load_rows, parse_options, table
 
 
-HERE = Path(__file__).parent
-RESULTS, FROM_GPU = HERE / "RESULTS.md", HERE / "gpu.json"
+FOLDER = Path(__file__).parent
+RESULTS = FOLDER / "RESULTS.md"
 MODULES = (
-    "force_field",
-    "scattered_points",
-    "point_derivatives",
-    "muscle_gradient",
-    "many_muscles",
-    "against_scipy",
-    "bundle_free_strain",
-    "efficiency_maps",
-    "one_point",
-    "first_call",
-    "command_line",
-    "field_memory",
-    "growing",
-    "cores",
-    "inverse",
-    "designing",
-    "in_time",
-    "control_reach",
-    "exported",
-    "robots",
-    "training",
-    "fitting",
-    "roofline",
-    "gpu",
-)
+    "one_point", "first_call", "against_scipy", "bundles", "jax_arrays", "simulation",
+    "control_policies", "design_evaluation", "fitting", "exported_c", "robots", "training",
+    "explorer", "gpu",
+)  # fmt: skip
 
 
-def rows_of(module: str, small: bool) -> list[Row]:
-    """Rows of one benchmark, from a process of its own."""
-    surroundings = dict(os.environ)
-    if module != "gpu":
-        surroundings["JAX_PLATFORMS"] = "cpu"
+def measure(module: str, small: bool) -> list[Row] | None:
+    """Rows of one benchmark; `None` if it failed."""
+    environment = {**os.environ, **({} if module == "gpu" else {"JAX_PLATFORMS": "cpu"})}
+    if small:
+        environment["XLA_FLAGS"] = "--xla_backend_optimization_level=0"  # compiles sooner
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "rows.json")
-        command = [sys.executable, str(HERE / f"{module}.py"), "--json", str(path)]
-        ran = subprocess.run([*command, "--small"] if small else command, env=surroundings)  # noqa: S603, PLW1510 this folder's own files; the code is looked at
-        if ran.returncode != 0:
-            return [Row(module, None, "", limit=f"it ended with code {ran.returncode}")]
-        rows = load(path)
-    if module == "gpu" and FROM_GPU.exists() and all(row.figure is None for row in rows):
-        return load(FROM_GPU)
-    return rows
+        command = [sys.executable, str(FOLDER / f"{module}.py"), "--json", str(path)]
+        process = subprocess.run([*command, "--small"] if small else command, env=environment)  # noqa: S603, PLW1510 this folder's own files; the code is looked at
+        return load_rows(path) if process.returncode == 0 else None
 
 
-def farthest(rows: list[Row]) -> str:
-    """The two rows that are slowest against what was hoped for."""
-    known = [(row.shortfall, row) for row in rows if row.shortfall is not None]
-    first = sorted(known, key=lambda one: -one[0])[:2]
-    told = []
-    for place, (short, row) in enumerate(first, start=1):
-        how = f"misses its reach by a factor of {short:.2g}"
-        if short <= 1:
-            how = f"within its reach by a factor of {1 / short:.2g}"
-        told.append(f"{place}. {row.question}, {row.cells()[2]}: {how}.")
-    return "\n".join(["The two that are slowest against their reach:", "", *told])
+def describe_machine() -> str:
+    """The machine, its load and the versions that a table of times belongs to."""
+    cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count()
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    packages = ("fascicle", "numpy", "scipy", "jax", "casadi")
+    versions = ", ".join(f"{package} {version(package)}" for package in packages)
+    return (
+        f"{dt.datetime.now(tz=dt.UTC):%Y-%m-%d %H:%M} UTC; {processor()}, {cores} cores, "
+        f"{memory:.0f} GiB; {platform.system()} {platform.machine()}; "
+        f"Python {platform.python_version()}, {versions}; load {load()} before the run"
+    )
 
 
-def written(rows: list[Row], machine: dict[str, str], spent: float) -> str:
-    """The text of RESULTS.md."""
-    facts = "; ".join(f"{name} {value}" for name, value in machine.items())
-    missed = sum(row.met is False for row in rows)
-    held = sum(row.met is not None for row in rows)
-    return f"""# Results of the benchmarks
+def load() -> str:
+    """Mean number of processes that ran or waited in the last minute."""
+    return f"{os.getloadavg()[0]:.1f}"
 
-Written by `make bench`, which measures everything again. The page "How fast, and why" in `docs`
-says what is measured.
 
-<!-- from here on the documentation shows it -->
+def processor() -> str:
+    """Name of the processor."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text().splitlines() if path.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
 
-Measured: {facts}. The whole run took {spent / 60:.1f} minutes.
 
-{table(rows)}
-
-{held - missed} of {held} are within reach. {farthest(rows)}
-"""
+def results_page(rows: list[Row], machine: str, seconds: float, left_out: list[str]) -> str:
+    """Text of RESULTS.md."""
+    omission = f" Left out of this run: {', '.join(left_out)}." if left_out else ""
+    missed = sorted(
+        (row for row in rows if row.met is False), key=lambda row: -(row.shortfall or 0)
+    )
+    judged = sum(row.met is not None for row in rows)
+    lines = [f"- {row.name}: by a factor of {row.shortfall:.2g}" for row in missed]
+    return "\n".join(
+        [
+            "# Results of the benchmarks",
+            "",
+            "Written by `make bench`. The page *Speed* of the documentation explains the table.",
+            "",
+            "<!-- the documentation shows what follows -->",
+            "",
+            f"Measured {machine}, {load()} after it. The run took {seconds / 60:.1f} minutes."
+            + omission,
+            "",
+            table(rows),
+            "",
+            f"{judged - len(missed)} of {judged} goals are met."
+            + (" These are missed:" if missed else ""),
+            "",
+            *lines,
+        ]
+    ).rstrip() + "\n"  # fmt: skip
 
 
 def main() -> None:
-    """Run all, print all, and write the table unless small."""
-    given = options(__doc__)
-    machine, begun = describe(), time.perf_counter()
-    rows: list[Row] = []
-    for module in MODULES:
-        start = time.perf_counter()
+    """Run every benchmark, print the table, and write it unless small."""
+    options = parse_options(__doc__, MODULES)
+    machine, start = describe_machine(), time.perf_counter()
+    rows, failed = [], []
+    modules = options.only or MODULES
+    for module in modules:
+        begin = time.perf_counter()
         print(f"{module}:", flush=True)
-        rows += rows_of(module, given.small)
-        print(f"{time.perf_counter() - start:.0f} s\n", flush=True)
-    text = written(rows, machine, time.perf_counter() - begun)
+        measured = measure(module, options.small)
+        rows += measured or []
+        failed += [module] if measured is None else []
+        print(f"{time.perf_counter() - begin:.0f} s\n", flush=True)
+    left_out = [module for module in MODULES if module not in modules]
+    text = results_page(rows, machine, time.perf_counter() - start, left_out)
     print(text)
-    if not given.small:
+    if failed:
+        raise SystemExit(f"These benchmarks failed, see above: {', '.join(failed)}.")
+    if not options.small:
         RESULTS.write_text(text)
-        print(RESULTS)
-    if any(not row.unit for row in rows):
-        raise SystemExit("a benchmark failed: see above")
 
 
 if __name__ == "__main__":

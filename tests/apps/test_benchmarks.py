@@ -1,4 +1,4 @@
-"""Each benchmark runs, at a size whose times mean nothing; no time is asserted."""
+"""Every benchmark runs, at a size whose times mean nothing; no time is asserted."""
 
 import importlib
 import math
@@ -9,7 +9,7 @@ import pytest
 
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
-# in the table, and alone
+# those with rows; the others are studies that run alone
 MODULES = [
     path.stem
     for path in sorted(FOLDER.glob("*.py"))
@@ -28,37 +28,71 @@ def benchmark(monkeypatch):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=() if one == "one_point" else pytest.mark.slow) for one in MODULES],
+    [pytest.param(name, marks=() if name == "one_point" else pytest.mark.slow) for name in MODULES],
 )
-def test_a_benchmark_runs(benchmark, name):
+def test_benchmark_runs(benchmark, name):
     rows = benchmark(name).rows(small=True)
     assert rows
     for row in rows:
         assert len(row.cells()) == 6
         if row.figure is None:
-            assert row.limit  # why there is none
+            assert row.note  # the reason
         else:
-            numbers = (row.figure.low, row.figure.value, row.figure.high)
-            assert all(math.isfinite(x) and x > 0 for x in numbers)
-            assert row.figure.low <= row.figure.value <= row.figure.high
+            numbers = (row.figure.low, row.figure.median, row.figure.high)
+            assert all(map(math.isfinite, numbers))
+            assert list(numbers) == sorted(numbers)
 
 
-def test_the_table_holds_every_benchmark(benchmark):
+def test_table_has_every_benchmark(benchmark):
     assert sorted(benchmark("run_all").MODULES) == MODULES
 
 
-def test_a_reach_is_met_from_its_own_side(benchmark):
+def test_goals_are_lower_or_upper_bounds(benchmark):
     timing = benchmark("timing")
-    two = timing.Measured(2.0, 2.0, 2.0)
-    assert timing.Row("rate", two, "×", reach=1.0, side="≥").met
-    assert not timing.Row("rate", two, "×", reach=3.0, side="≥").met
-    assert timing.Row("time", two, "s", reach=3.0, side="≤").met
-    assert timing.Row("time", two, "s", reach=1.0, side="≤").shortfall == 2.0
+    two = timing.Quartiles(2.0, 2.0, 2.0)
+    assert timing.Row("rate", two, "×", at_least=1.0).met
+    assert not timing.Row("rate", two, "×", at_least=3.0).met
+    assert timing.Row("time", two, "s", at_most=3.0).met
+    assert timing.Row("time", two, "s", at_most=1.0).shortfall == 2.0
     assert timing.Row("time", two, "s").met is None
 
 
-def test_the_ratio_is_of_medians_and_its_spread_of_rounds(benchmark):
+def test_a_goal_is_written_in_full(benchmark):
+    timing = benchmark("timing")
+    figure = timing.Quartiles(1.0, 1.0, 1.0)
+    goals = {500: "≤ 500 µs", 0.15: "≤ 0.15 µs", 100_000: "≤ 100,000 µs"}
+    for bound, goal in goals.items():
+        assert timing.Row("time", figure, "µs", at_most=bound).cells()[3] == goal
+
+
+def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
     timing = benchmark("timing")
     seconds = {"a": timing.np.array([2.0, 4.0, 6.0]), "b": timing.np.array([1.0, 2.0, 2.0])}
     ratio = timing.Times(seconds).ratio("a", "b")
-    assert (ratio.value, ratio.low, ratio.high) == (2.0, 2.0, 2.5)
+    assert (ratio.median, ratio.low, ratio.high) == (2.0, 2.0, 2.5)
+    difference = timing.Times(seconds).difference("a", "b")
+    assert (difference.median, difference.low, difference.high) == (2.0, 1.5, 3.0)
+
+
+def test_what_was_not_measured_is_one_sentence(benchmark):
+    timing = benchmark("timing")
+    text = timing.table([timing.Row("a GPU's field", None, "×", note="it needs a GPU")])
+    assert text.endswith("Not measured: a GPU's field (it needs a GPU).")
+
+
+def test_results_name_missed_goals(benchmark):
+    timing, run_all = benchmark("timing"), benchmark("run_all")
+    two = timing.Quartiles(2.0, 2.0, 2.0)
+    rows = [timing.Row("fast", two, "s", at_most=3), timing.Row("slow", two, "s", at_most=1)]
+    text = run_all.results_page(rows, "on a machine", 60.0, ["fast"])
+    assert "1 of 2 goals are met." in text and "- slow: by a factor of 2" in text
+    assert "Left out of this run: fast." in text
+
+
+def test_rows_are_read_as_written(benchmark, tmp_path, monkeypatch):
+    timing, path = benchmark("timing"), tmp_path / "rows.json"
+    rows = [timing.Row("time", timing.Quartiles(2.0, 1.0, 3.0), "s", "a floor", at_most=3.0),
+            timing.Row("rate", None, "×", note="it needs a GPU")]  # fmt: skip
+    monkeypatch.setattr(sys, "argv", ["benchmark", "--json", str(path)])
+    timing.run(lambda _: rows, "a benchmark")
+    assert timing.load_rows(path) == rows

@@ -199,7 +199,7 @@ def test_the_first_of_many_visitors_does_not_wait_for_the_last(port, monkeypatch
 
     async def visit(url):
         begin = time.perf_counter()
-        visitor = await Visitor.opened(url)
+        visitor = await Visitor.open(url)
         wait = time.perf_counter() - begin
         visitor.close()
         while await visitor._connection.read_message() is not None:

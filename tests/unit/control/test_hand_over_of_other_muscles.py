@@ -1,5 +1,5 @@
 """A hand-over of muscles that its controller knows wrongly: a sample of
-`benchmarks/hand_over_reach.py`.
+`benchmarks/hand_over_random_muscles.py`.
 """
 
 import importlib.util
@@ -13,16 +13,16 @@ from fascicle.control import Gains
 
 
 @pytest.fixture(scope="module")
-def reach():
-    path = Path(__file__).parents[3] / "benchmarks" / "hand_over_reach.py"
-    spec = importlib.util.spec_from_file_location("hand_over_reach", path)
+def study():
+    path = Path(__file__).parents[3] / "benchmarks" / "hand_over_random_muscles.py"
+    spec = importlib.util.spec_from_file_location("hand_over_random_muscles", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_random_muscles_are_handed_over_with_small_dips(reach):
-    result = reach.study(1, 0.2, 6)
+def test_random_muscles_are_handed_over_with_small_dips(study):
+    result = study.study(1, 0.2, 6)
     plain, handed = result["threshold"], result["hand_over"]
     # the first crossing's target: a median of a tenth, nine of ten within a quarter
     assert np.median(handed.dip) <= 0.1 and handed.dip.max() <= 0.25
@@ -31,21 +31,21 @@ def test_random_muscles_are_handed_over_with_small_dips(reach):
 
 
 @pytest.mark.slow
-def test_the_third_crossing_is_held(reach):
-    result = reach.study(1, 0.2, 6, crossings=3, seed=7)
+def test_the_third_crossing_is_held(study):
+    result = study.study(1, 0.2, 6, crossings=3, seed=7)
     assert np.quantile(result["crossings"][2].dip, 0.9) <= 0.1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("lag", "delay"), [(20e-3, 0.0), (None, 20e-3)])
-def test_late_loops_hand_over_better_than_threshold(reach, lag, delay):
-    result = reach.study(1, 0.2, 6, lag, delay)
+def test_late_loops_hand_over_better_than_threshold(study, lag, delay):
+    result = study.study(1, 0.2, 6, lag, delay)
     plain, handed = result["threshold"], result["hand_over"]
     assert np.all(handed.dip < plain.dip) and np.quantile(handed.dip, 0.9) <= 0.3
 
 
-def test_the_observer_is_one_of_policies_that_hand_over(reach):
-    plant = reach.make_plant(reach.NOMINAL, 1, 0.2)
+def test_the_observer_is_one_of_policies_that_hand_over(study):
+    plant = study.make_plant(study.NOMINAL, 1, 0.2)
     assert control.cascade(plant, "hand_over").gains.observer_time == 5e-3
     assert control.cascade(plant, "threshold").gains.observer_time == np.inf
     chosen = control.cascade(plant, "threshold", gains=Gains(observer_time=0.02))

@@ -1,4 +1,4 @@
-"""What `hand_over` makes of muscles that differ from its model: dips of isometric demands.
+"""Hand-over of muscles that differ from the controller's model: dips of isometric demands.
 
 Random truths: standard deviations of 10 % of Young's modulus, collapse moment and rubber, 5 % of
 the wall, 2 % of the radius, 1° of the braid angle, 0.4 of the logarithm of the transition rate. The
@@ -8,7 +8,7 @@ muscle, 1 kHz; dips over the model's dip D, counted up to the demand that the tr
 Simulated: nothing here was measured on a bench. The policy's constants were chosen on seed
 1, the learner's on seed 5 with draws of seed 99; these tables are of another seed.
 
-    python benchmarks/hand_over_reach.py crossings|delays|durations|shapes [truths]
+    python benchmarks/hand_over_random_muscles.py crossings|delays|durations|shapes [truths]
 """
 
 import sys
@@ -161,8 +161,8 @@ def study(
     `declared`: lag and delay [s] that the controller is told; left out, the true ones.
     """
     plants = [make_plant(m, count, strain, lag) for m in draw_muscles(truths, seed)]
-    told_lag, told_delay = (lag, delay) if declared is None else declared
-    model = make_plant(NOMINAL, count, strain, told_lag)
+    declared_lag, declared_delay = (lag, delay) if declared is None else declared
+    model = make_plant(NOMINAL, count, strain, declared_lag)
     state = control.transition(model.bundles[0], strain)
     first, depth = float(state.largest_force), float(state.dip)
     demand = make_demand(shape, duration, first)
@@ -184,7 +184,7 @@ def study(
     grid = None if learner is None else learner.grid
 
     def controller(policy: str, correction: Any) -> Any:
-        return control.cascade(model, policy, delay=told_delay, correction=correction)
+        return control.cascade(model, policy, delay=declared_delay, correction=correction)
 
     plain = [controller("threshold", grid)] * truths
     force, pressures, air = fleet.run(plain, demand)
