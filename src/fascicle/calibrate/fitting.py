@@ -118,7 +118,7 @@ def fit(
       constants.
     - `priors`: prior knowledge of some of them, by name.
     - `loss`: "linear", or against outliers "soft_l1" or "cauchy".
-    - `weights`: "uniform", or "level" for equal weights of all pressures.
+    - `weights`: "uniform" for equal readings, "level" for equal pressure levels.
     - `starts`: number of points that the search begins from.
     - `seed`: random seed of the starts.
     - `whole`: compare the law past the free strain with readings that are clipped at zero. If not,

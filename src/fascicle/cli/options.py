@@ -80,8 +80,8 @@ PRESSURE = option(
     default=DEFAULT_PRESSURE,
 )
 PRESSURES = option(
-    "Gauge pressures, one or a range for each motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
-    " default: the recruitment states at full pressure.",
+    "Gauge pressures, one value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeat for"
+    " more; default: the recruitment states at full pressure.",
     "--pressure -p",
     metavar="LIST",
 )

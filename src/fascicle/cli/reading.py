@@ -19,7 +19,7 @@ DATA = argument(
     " torque and angle of a joint.",
 )
 REST_LENGTH = option(
-    "Length that strains and displacements refer to; default: the file's, else the muscle's.",
+    "Reference length of strains and displacements; default: the file's, else the muscle's.",
     metavar="LENGTH",
 )
 UNIT = option("Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT")
@@ -41,7 +41,7 @@ ROWS = option(
     metavar="FIRST:LAST",
 )
 DECIMAL = option(
-    "Sign before decimals, . or , where the other may part thousands; default: detected.",
+    "Decimal separator, . or , (the other may separate thousands); default: detected.",
     metavar="SIGN",
 )
 TABLE = option(
@@ -164,7 +164,7 @@ def read_record(
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     remark = (
-        f"rest length not given: strains refer to the muscle's length, {pretty(length, 'length')}"
+        f"no rest length given: strains refer to the muscle's length, {pretty(length, 'length')}"
     )
     return record, (remark,) if assumed else ()
 

@@ -136,7 +136,7 @@ class Uncertainty:
     draws: int = USUAL_DRAWS
     muscles: Muscle | None = None
     share: float = USUAL_SHARE
-    basis: str = "assumed of a muscle that isn't calibrated"
+    basis: str = "assumed, as the muscle isn't calibrated"
 
     @property
     def assumptions(self) -> str:

@@ -53,7 +53,9 @@ def run(
         metavar="FILE",
         autocompletion=complete_target,
     ),
-    length: str | None = option("Rest length between the end fittings: 300mm.", metavar="LENGTH"),
+    length: str | None = option(
+        "Muscle length between the end fittings, at rest, such as 300mm.", metavar="LENGTH"
+    ),
     outer_radius: str | None = option("Outer radius of the bladder at rest.", metavar="LENGTH"),
     wall_thickness: str | None = option("Wall thickness of the bladder at rest.", metavar="LENGTH"),
     braid_angle: str | None = option("Angle of a fiber from the axis at rest.", metavar="ANGLE"),
@@ -93,7 +95,7 @@ def run(
         "Loss: linear, or soft_l1 or cauchy for data with outliers.", default="linear"
     ),
     weights: str = option(
-        "Weights of readings: uniform, or level for equal weights of all pressures.",
+        "Weights: uniform for equal readings, level for equal pressure levels.",
         default="uniform",
     ),
     starts: int = option("Starting points of the search.", default=4, min=1, max=64),

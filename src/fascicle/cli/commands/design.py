@@ -185,13 +185,13 @@ def _print_front(result: "SearchResult") -> None:
     caption = f"{result.judged} designs,{counts} {len(result.front)} on the front"
     caption += "; *: recommended, c: best compromise" if result.cheapest is not None else ""
     if result.safety is not None:
-        caption += f"; percentiles of {result.safety.spread.met.shape[1]} draws"
+        caption += f"; percentiles of the first {result.safety.spread.met.shape[1]} draws"
     if result.cheapest is not None and result.cheapest not in result.front:
-        caption += "; the recommended design is the cheapest, but not on the front"
+        caption += "; the recommended design is the cheapest, not on the front"
     if omitted := len(result.reported) - len(rows):
         caption += f"; {omitted} more are in the files"
     heads = ["design", "muscles by unit", *objectives, "sizes"]
-    print_table("Front: no other design is better in all objectives", heads, rows, caption)
+    print_table("Pareto front, and the recommended design", heads, rows, caption)
 
 
 def _write(

@@ -20,7 +20,8 @@ def run(
         autocompletion=lambda: list(_PATHS),
     ),
     force: str | None = option(
-        "Forces: 20N or 10N:100N:10N; default: 80 values up to the blocked force.", metavar="LIST"
+        "Forces of a table: 20N or 10N:100N:10N; default: 80, for the average alone.",
+        metavar="LIST",
     ),
     strain: str | None = options.SPACE_STRAIN,
     scheme: str | None = options.SCHEME,
@@ -33,8 +34,8 @@ def run(
 ) -> None:
     """Compute the average efficiency of isobaric and isotonic work.
 
-    The average is over a bundle's force-strain workspace. With --force, a table also has the
-    efficiency of each point.
+    The average is over a bundle's force-strain workspace. With --force, a table gives the
+    efficiency of each point, too.
     """
     if path is not None and path not in _PATHS:
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")

@@ -52,7 +52,7 @@ def run(
 
     `--c` writes the force law itself, its derivatives and its free strain; it needs
     `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a
-    scenario with force control it adds one step of the controller. Both have the inverse,
+    scenario with force control as FILE it adds one step of the controller. Both have the inverse,
     `NAME_pressures`: the pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
     packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
     platform it holds sources only. `--page` writes one file with sliders for pressure, contraction

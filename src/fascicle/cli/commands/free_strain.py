@@ -13,8 +13,8 @@ from .bundle import check_equilibria, print_states
 def run(
     file: str = options.TARGET,
     pressure: list[str] | None = option(
-        "Gauge pressures: a list or range for a muscle; for a bundle one or a range for each motor"
-        " unit (344.7kPa,0kPa), repeatable.",
+        "Gauge pressures: a list or range for a muscle; for a bundle one value or range per motor"
+        " unit (344.7kPa,0kPa); repeat for more.",
         "--pressure -p",
         metavar="LIST",
     ),

@@ -21,7 +21,7 @@ def run(
     ),
     as_json: bool = options.JSON,
 ) -> None:
-    """List the laws and their constants, also of other packages."""
+    """List the laws and their constants, including those of other packages."""
     load_laws()
     from ...core.validation import check_choice
     from ...muscle.law import package_of

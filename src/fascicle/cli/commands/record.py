@@ -28,16 +28,16 @@ def run(
     samples: int = option("Number of readings in one sweep.", default=200, min=2),
     one_way: bool = flag("Contraction only, without the return.", "--one-way"),
     noise: str = option(
-        "Standard deviation of the load cell, as a share of the largest force.",
+        "Standard deviation of the force's noise, as a share of the largest force.",
         metavar="SHARE",
         default="0.5%",
     ),
     resolution: str = option("Resolution of the load cell.", metavar="FORCE", default="0N"),
     pressure_noise: str = option(
-        "Standard deviation of the pressure transducer.", metavar="PRESSURE", default="0Pa"
+        "Standard deviation of the pressure's noise.", metavar="PRESSURE", default="0Pa"
     ),
     displacement_noise: str = option(
-        "Standard deviation of the displacement sensor.", metavar="LENGTH", default="0mm"
+        "Standard deviation of the displacement's noise.", metavar="LENGTH", default="0mm"
     ),
     hysteresis: str = option(
         "Width of the hysteresis loop, as a share of the blocked force.",
@@ -45,7 +45,7 @@ def run(
         default="0%",
     ),
     mullins: str = option(
-        "Stiffening of new rubber (Mullins effect), as a share.", metavar="SHARE", default="0%"
+        "Extra stiffness of new rubber (Mullins effect), as a share.", metavar="SHARE", default="0%"
     ),
     preconditioning: int = option("Number of cycles before the first reading.", default=5, min=0),
     length_scatter: str = option(

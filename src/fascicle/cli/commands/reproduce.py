@@ -30,7 +30,7 @@ def run(
 ) -> None:
     """Reproduce the figures and check the claims of a paper.
 
-    Exit code 1 if a claim fails that isn't known to differ; 3 if no measured record is available,
+    Exit code 1 if a claim fails that should hold; 3 if no measured record is available,
     or some were omitted.
     """
     import fascicle

@@ -98,7 +98,7 @@ def _signed_constant(
 # name, symbol, dimension, the paper's unit over SI's, what it is
 _SAROSI = (
     ("exponential_slope", "a", "slip", 1 / _BAR, "slope of the exponential with pressure"),
-    ("exponential_force", "b", "force", 1.0, "exponential without pressure"),
+    ("exponential_force", "b", "force", 1.0, "exponential at zero pressure"),
     ("exponent", "c", "number", 1 / _PERCENT, "rate of the exponential over the strain"),
     ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT),
      "slope of the plane with pressure and strain"),
@@ -178,7 +178,7 @@ _BOLEN = (
      "scale of the largest force"),
     ("length_scale", "l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
      "length over which the largest force rises"),
-    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "length of a muscle without force"),
+    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "muscle length at zero force"),
 )  # fmt: skip
 
 
