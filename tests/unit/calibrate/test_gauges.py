@@ -69,7 +69,7 @@ def test_a_zero_counts_without_a_sign_of_a_passive_force():
         found.append(read_vented(record, MUSCLE).gauge.force_zero)
     # noise looks like a passive force in one of twenty; then a zero must be clearer
     assert sum(zero > 0 for zero in found) >= 8
-    assert max(abs(zero - 4.0) for zero in found if zero > 0) < 1.5  # three deviations, of 0.46 N at most
+    assert max(abs(zero - 4.0) for zero in found if zero > 0) < 1.5  # 3 deviations of 0.46 N
 
 
 def test_a_wrong_push_of_the_law_is_no_zero():
