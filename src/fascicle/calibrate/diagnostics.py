@@ -590,7 +590,7 @@ def force_slopes_of(
     muscle = put(problem.parameters, problem.muscle, point)
     varied = replace(problem, muscle=muscle, parameters=parameters)
     z = np.asarray(coordinates(parameters, muscle), float)
-    return varied.force_slopes(z, varied.force(z), fine=True)
+    return varied.force_and_slopes(z, fine=True)[1]
 
 
 def _effects_of_constants(fit: Fit, residuals: Residuals) -> dict[Parameter, np.ndarray]:

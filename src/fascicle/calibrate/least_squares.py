@@ -36,7 +36,7 @@ import numpy as np
 from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
-from ..core.array_namespace import array_namespace, maximum, where
+from ..core.array_namespace import array_namespace, maximum, slices, where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Float
 from ..muscle import Muscle
@@ -202,17 +202,16 @@ class Problem:
         place_indices[order[used]] = np.flatnonzero(used)
         return level, place_indices.reshape(-1, width), order
 
-    def force_slopes(
-        self, point: Vector, force: Table, columns: np.ndarray | None = None, fine: bool = False
-    ) -> np.ndarray:
-        """Jacobian of the forces [N] by the numbers of a `point`, by finite differences.
+    def force_and_slopes(
+        self, point: Vector, columns: np.ndarray | None = None, fine: bool = False
+    ) -> tuple[Table, np.ndarray]:
+        """Forces [N] at a `point`, and their Jacobian [N] by its numbers, by finite differences.
 
         Differences are one-sided: constants that can't fall below zero have a kink there.
 
         **Arguments:**
 
-        - `point`: where it is taken.
-        - `force`: the forces there [N].
+        - `point`: where both are taken.
         - `columns`: indices of the numbers; all by default.
         - `fine`: use differences of second order.
         """
@@ -222,19 +221,18 @@ class Problem:
             columns < len(self.parameters), 1.0, np.maximum(1.0, np.abs(point[columns]))
         )
         size = size * (_SECOND_ORDER if fine else _FIRST_ORDER)
-        steps = size * (np.arange(len(point))[:, None] == columns)
-        out = np.zeros((*force.shape, len(columns)))
-        # as many columns at once as stay in a processor's cache
-        count = max(1, _BATCH // self._rows[1].size)
-        for i in range(0, len(columns), count):
-            step, chunk = steps[:, i : i + count], slice(i, i + count)
-            rise = self.force(point[:, None] + step) - force
-            if fine:
-                # in this form a force that doesn't change has a slope of exactly zero
-                further = self.force(point[:, None] + 2 * step) - force
-                rise = 2 * rise - further / 2
-            out[..., chunk] = np.moveaxis(rise, 0, -1) / size[chunk]
-        return out
+        step = size * (np.arange(len(point))[:, None] == columns)
+        steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
+        places = point[:, None] + np.concatenate(steps, axis=1)
+        # as many at once as stay in a processor's cache: calls cost more than their numbers
+        chunks = slices(places.shape[1], max(1, _BATCH // self._rows[1].size))
+        forces = np.concatenate([self.force(places[:, chunk]) for chunk in chunks])
+        n, force = len(columns), forces[0]
+        rise = forces[1 : n + 1] - force
+        if fine:
+            # in this form a force that doesn't change has a slope of exactly zero
+            rise = 2 * rise - (forces[n + 1 :] - force) / 2
+        return force, np.moveaxis(rise, 0, -1) / size
 
     def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;
@@ -321,10 +319,10 @@ def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linea
     """Linearize a problem at a `point`; `by_curves`: with columns for the tuning's curves, too, if
     the point has none.
     """
-    force, both = problem.force(point), point
+    both = point
     if by_curves and problem.curves is not None and len(point) == len(problem.parameters):
         both = np.concatenate([point, problem.curves])
-    force_slopes = problem.force_slopes(both, force, fine=True)
+    force, force_slopes = problem.force_and_slopes(both, fine=True)
     return Linearization(
         problem.residuals(point, force),
         problem.slopes(force, force_slopes, np.arange(len(both))),
@@ -382,48 +380,41 @@ def _walk(
 ) -> tuple[np.ndarray, float, int, int]:
     """One walk from `start`: its end, half the sum of squares, status, steps."""
     # MINPACK asks for residuals and Jacobian one after another
-    last: dict[bytes, np.ndarray] = {}
-    first: dict[bytes, np.ndarray] = {}
+    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     def whole(z: np.ndarray) -> np.ndarray:
         point = start.copy()
         point[free_columns] = z
         return point
 
-    def force(z: np.ndarray) -> np.ndarray:
+    def force_and_slopes(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         key = z.tobytes()
         if key not in last:
             last.clear()
-            last[key] = problem.force(whole(z))
+            last[key] = problem.force_and_slopes(whole(z), free_columns)
         return last[key]
 
     def residuals(z: np.ndarray) -> np.ndarray:
-        r = problem.residuals(whole(z), force(z))
+        r = problem.residuals(whole(z), force_and_slopes(z)[0])
         # where the law has no number a step is too far
         return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
 
     def jacobian(z: np.ndarray) -> np.ndarray:
-        if (stored := first.pop(z.tobytes(), None)) is not None:
-            return stored
-        F = force(z)
-        return problem.slopes(F, problem.force_slopes(whole(z), F, free_columns), free_columns)
+        return problem.slopes(*force_and_slopes(z), free_columns)
 
-    z, r = start[free_columns], problem.residuals(start, force(start[free_columns]))
-    J = jacobian(z)
+    z = start[free_columns]
+    r, J = problem.residuals(start, force_and_slopes(z)[0]), jacobian(z)
     if not (np.all(np.isfinite(r)) and np.all(np.isfinite(J))):
         return start, np.nan, BROKE, 0
     if not free_columns.size:
         return start, 0.5 * float(r @ r), CONVERGED, 0
-    first[z.tobytes()] = J
     minpack: Any = leastsq  # its stubs know only the short answer
     end, _, counts, _, flag = minpack(
         residuals, z, Dfun=jacobian, full_output=True, ftol=tolerance,
         # gtol, an angle, would say nothing on the cost that is left
         xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS if tolerance < ROUGH else _MAX_ROUGH_STEPS,
     )  # fmt: skip
-    r, status = problem.residuals(whole(end), force(end)), CONVERGED
-    if not np.all(np.isfinite(r)):
-        return start, np.nan, BROKE, 0
+    r, status = counts["fvec"], CONVERGED
     # 1 to 4: nothing moves any more, or no step within rounding is left
     if flag == _MAX_FEV and _remaining(r, jacobian(end)) >= _SETTLED:
         status = STOPPED
@@ -540,11 +531,13 @@ def solve_with_noise(
                 break
             problem = replace(problem, noise=noise)
             best = solve(problem, best[None], tolerance=ROUGH).points[0]
-        # the others follow with the noise as it is now, so that their ends can be compared
-        again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
-        ends = replace(again, steps=again.steps + np.append(ends.steps, 0))
-        best = ends.best_point
-    best = solve(problem, best[None], tolerance=tolerance).points[0]
+        if len(starts) > 1 and tolerance < ROUGH:
+            # the others follow with the noise as it is now, so that their ends can be compared
+            again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
+            ends = replace(again, steps=again.steps + np.append(ends.steps, 0))
+            best = ends.best_point
+    if tolerance < ROUGH:
+        best = solve(problem, best[None], tolerance=tolerance).points[0]
     return problem, ends, best, minimum_at(problem, best, curves_covariance)
 
 

@@ -11,6 +11,7 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..plot import calibration as plot
 from ..plot import loops
+from ..plot.theme import styled
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import DIMENSIONS
@@ -33,6 +34,7 @@ _SAME_LEVEL = 0.02  # of the range of levels: runs that share a level
 _PANELS = 6  # pressures at which laws are compared in one picture
 
 
+@styled
 def figures(
     calibration: Calibration,
     profiles: Sequence[Profile] = (),
@@ -63,8 +65,9 @@ def figures(
         panels["laws"] = loops.laws(laws_plot(calibration, comparison))
     for figure in panels.values():
         # a layout moves a little each time it is made: the files of one figure would differ
-        figure.draw_without_rendering()
-        figure.set_layout_engine(None)  # which also spares each file a second drawing
+        if (layout := figure.get_layout_engine()) is not None:
+            layout.execute(figure)
+        figure.set_layout_engine(None)
     return panels
 
 
@@ -247,7 +250,7 @@ def _variance(
     elapsed = elapsed / np.sum(count, axis=1, keepdims=True)
     grid = replace(problem.grid, strain=strain, count=np.ones_like(strain), elapsed=elapsed)
     along = replace(problem, grid=grid, branch=None)  # a curve between the loop's branches
-    slopes = along.force_slopes(point, along.force(point))
+    slopes = along.force_and_slopes(point)[1]
     variance = np.einsum("lri,ij,lrj->lr", slopes, np.atleast_2d(covariance), slopes)
     return np.maximum(variance, 0.0)
 

@@ -89,9 +89,10 @@ def refit_tuning(
     **Returns:** the coordinates, and the problem with its curves.
     """
     readings, refit = with_readings(problem, grid, weights)
-    point = solve(refit, point[None], tolerance=ROUGH).points[0]
     end = fit_jointly(refit, readings, point, weights, starts=1) if joint else None
-    return (point, refit) if end is None else (end.point, end.problem)
+    if end is not None:
+        return end.point, end.problem
+    return solve(refit, point[None], tolerance=ROUGH).points[0], refit
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,13 +121,9 @@ class MooneyRivlin(AbstractMaterial):
         p, q, a, b = axial_squared, hoop_squared, self.c10, self.c01
         s = 1 / (p * q)
         u, v = q * s, p * s  # 1/p and 1/q, for one division
-        return Slopes(
-            p=a * (1 - s * u) + b * (q - u**2),
-            q=a * (1 - s * v) + b * (p - v**2),
-            pp=2 * u**2 * (a * s + b * u),
-            pq=a * s**2 + b,
-            qq=2 * v**2 * (a * s + b * v),
-        )
+        a_s = a * s
+        U, V = u * (a_s + b * u), v * (a_s + b * v)  # of stretches that the wall's thinning causes
+        return Slopes(p=a + b * q - U, q=a + b * p - V, pp=2 * u * U, pq=a_s * s + b, qq=2 * v * V)
 
 
 # The default: Klute and Hannaford's latex, E = 1.34 MPa.
