@@ -46,7 +46,7 @@ _TAIL = 0.05  # a 90 % interval lacks it at either end
 _MIN_DRAWS = 19  # of which the lowest and highest are the ends of a 90 % interval
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 _POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard deviations
-_TOLERANCE = 1e-4  # of a cost of some hundreds: 2 % of the critical rise, 1 % of its distance
+_TOLERANCE = 3e-4  # of a cost of some hundreds: 5 % of the critical rise, 3 % of its distance
 
 
 def with_profiles(calibration: Calibration) -> Calibration:
