@@ -236,6 +236,9 @@ def test_force_and_energy_agree():
 def test_where_it_cannot_go():
     with pytest.raises(ValueError, match="can't be written in C"):
         c_code(FIGURE_6)
+    for target in (FIGURE_6, fs.Bundle([fs.MotorUnit(FIGURE_6, 2)])):
+        with pytest.raises(ValueError, match="take backend="):
+            target.compile(backend="casadi")
 
 
 def test_shape_ends_where_the_ends_are():

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..bundle import Bundle
 from ..bundle.pressurized import muscle_strain
-from ..core.errors import require
+from ..core.errors import InvalidInputError, require
 from ..muscle import Muscle
 
 
@@ -69,6 +69,7 @@ class MuscleFunction(PointFunction):
     def __init__(self, muscle: Muscle):
         """**Arguments:** `muscle`: one muscle, of numbers."""
         ca, functions = _casadi()
+        _check_expression(muscle)
         pressure, strain = ca.SX.sym("pressure"), ca.SX.sym("strain")
         force, by_strain = muscle.law.at(pressure).force(strain)
         force, *slopes = functions.resolve(force, ca.jacobian(force, pressure), by_strain)
@@ -114,6 +115,7 @@ def compile_bundle_force(bundle: Bundle) -> PointFunction:
     pressures, strain = ca.SX.sym("P", len(bundle.motor_units)), ca.SX.sym("eps")
     total, by_pressure, by_strain = ca.SX(0), [], ca.SX(0)
     for i, unit in enumerate(bundle.motor_units):
+        _check_expression(unit.muscle)
         ratio = None if bundle.ratios is None else float(bundle.ratios[i])
         unit_strain = strain if ratio is None else muscle_strain(ratio, strain)
         force, slope = unit.muscle.law.at(pressures[i]).force(unit_strain)
@@ -123,6 +125,15 @@ def compile_bundle_force(bundle: Bundle) -> PointFunction:
         by_strain = by_strain + count * slope * (1.0 if ratio is None else ratio)
     force, *slopes = functions.resolve(total, ca.vertcat(*by_pressure), by_strain)
     return PointFunction("bundle_force", [pressures, strain], force, slopes)
+
+
+def _check_expression(muscle: Muscle) -> None:
+    """Refuse a `muscle` whose buckling law has no expression of the force."""
+    if not muscle.buckling.symbolic:
+        remedy = 'take backend="jax", or the law elastica or kim2021'
+        raise InvalidInputError(
+            "buckling", "can't be compiled by CasADi", muscle.buckling.name, remedy
+        )
 
 
 def _casadi() -> tuple[Any, Any]:
