@@ -242,7 +242,7 @@ def _misfit(fit: Calibration) -> str:
     trends = trends or [f"{run.along}, by runs of one sign" for run in fit.diagnosis.autocorrelated]
     causes = [cause.name for cause in fit.diagnosis.causes[:_MOST_CAUSES]]
     most = f"; likely cause: {' or '.join(causes)}" if causes else "; no known cause"
-    return f"residuals follow {', '.join(trends)}{most}"
+    return f"residuals vary with {', '.join(trends)}{most}"
 
 
 def _share(share: float) -> str:

@@ -186,9 +186,9 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     # one table, not a block for each column
     assert out.count("Candidates, fitted to readings that pull") == 1 and " selected" in out
     assert "Selected: " in out and "The paper's tuning (" in out
-    assert "Residuals follow strain" in out and "What to do: " in out
+    assert "Residuals vary with strain" in out and "What to do: " in out
     page = (tmp_path / "calibrated-d/report.html").read_text(encoding="utf-8")
-    for told in ("Candidates", "Tests of the residuals", "48 readings read", "Residuals follow"):
+    for told in ("Candidates", "Tests of the residuals", "48 readings read", "Residuals vary with"):
         assert told in page
     kept = provenance(tmp_path / "calibrated-d/muscle.toml")
     assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Selected: ")

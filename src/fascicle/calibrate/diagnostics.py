@@ -65,8 +65,8 @@ _CAUSES = {
     "zero": ("an offset of the load cell",
              "subtract the load cell's reading without pressure at the rest length"),
     "rubber": (
-        "the bladder's elasticity, a force that depends on contraction, not on pressure",
-        "rely on the model at the measured strains only: c10 and c01 can't reproduce such a force",
+        "the bladder's elasticity, a force that depends on strain alone",
+        "use the model at the measured strains only: c10 and c01 can't describe this force",
     ),
     "branch": ("friction, a hysteresis loop",
                "count the loop's width as an error of the muscle in use"),

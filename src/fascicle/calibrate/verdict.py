@@ -52,7 +52,7 @@ FITS = {
     "untested": "too few readings to judge the fit",
     "noise": "good fit: the residuals look like noise",
     "other sizes": "good fit, but only with sizes that are not this muscle's",
-    "well": "good fit: the errors are small, but not noise",
+    "well": "good fit: the errors are small but systematic",
     "roughly": "rough fit: errors of {}",
     "poorly": "bad fit: errors of {}; a law, a size or a gauge is wrong",
 }  # of a verdict, with the size of the errors
@@ -133,9 +133,9 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
     count = calibration.fit_data.clipped
     clipped = f", {count} of them clipped" if count else ""
     error = (
-        f"Error of {calibration.points} {kind}{clipped}: {pretty(verdict.rmse, 'force', 3)},"
-        f" {100 * verdict.relative_rmse:.2g} % of the largest force"
-        f" ({pretty(largest_force(record), 'force', 3)})"
+        f"Root-mean-square error of {calibration.points} {kind}{clipped}:"
+        f" {pretty(verdict.rmse, 'force', 3)}, {100 * verdict.relative_rmse:.2g} % of the largest"
+        f" force ({pretty(largest_force(record), 'force', 3)})"
     )
     if np.isfinite(verdict.torque_rmse) and record.moment_arm is not None:
         torque = float(np.max(np.abs(record.force * record.moment_arm)))
@@ -169,7 +169,7 @@ def verdict_lines(calibration: Calibration, verdict: Verdict) -> tuple[list[str]
             alternatives = "; or ".join(cause.name for cause in causes)
             cause = f"Likely cause{plural} ({share}): {alternatives}."
         names = list_text(list(dict.fromkeys(along)))
-        judgment += f" The residuals follow {names}. {cause}"
+        judgment += f" The residuals vary with {names}. {cause}"
     elif verdict.fit in ("roughly", "poorly"):
         judgment += " The residuals look like noise."
     gaps = [
@@ -269,7 +269,7 @@ def _gauge_notices(calibration: Calibration) -> Iterator[Notice]:
                            " largest: the channel may be saturated.",
                            f"check the range of the {fault.channel}"),
             "quantization": (f"The forces are multiples of {value}.",
-                             "use a finer range of the load cell"),
+                             "use a smaller range of the load cell"),
             "lag": (f"The force follows the {fault.channel} by {value}.",
                     "check filters and synchronization of the channels, or move slower"),
         }  # fmt: skip
@@ -298,7 +298,7 @@ def _residual_notices(calibration: Calibration) -> Iterator[Notice]:
         if diagnosis.significant:
             trends = [f"{t.along} ({100 * t.share:.2g} %)" for t in diagnosis.significant]
             pieces.append(
-                f"Residuals follow {list_text(trends)}, in brackets the share of the squared"
+                f"Residuals vary with {list_text(trends)}, in brackets the share of the squared"
                 " residuals: an error of the model or of the gauge, not noise."
             )
         if diagnosis.autocorrelated:

@@ -86,7 +86,7 @@ def test_intervals_with_a_discrepancy_hold_the_truth(bowed):
     for calibration in bowed:
         assert calibration.diagnosis.significant[0].along == "strain"
         assert np.all(calibration.wider > 1.5)
-        assert any("Residuals follow strain" in line for line in calibration.warnings)
+        assert any("Residuals vary with strain" in line for line in calibration.warnings)
     inside, from_noise = coverage(bowed)
     assert from_noise < 0.5
     assert least_coverage(bowed) < inside <= 1
