@@ -70,7 +70,7 @@ def test_shipped_controlled_scenarios_are_complete():
     [
         ("ramp_1_4", "hand_over"),
         ("raise_1x5", "orderly"),
-        pytest.param("raise_1_4", "hand_over", marks=pytest.mark.slow),
+        pytest.param("raise_1_4", "pre_charge", marks=pytest.mark.slow),
         pytest.param("joint_gait", "hand_over", marks=pytest.mark.slow),
     ],
 )
