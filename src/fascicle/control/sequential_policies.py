@@ -24,7 +24,13 @@ at the deepest dip unit $k$ must have climbed, wide open, in $t_k$, as far as it
 well; the force that it lacks there, $\rho_{near}$, is never available in time. $m$ is a margin, $s$
 how much longer than with open valves a hand-over lasts, $\tau$ the lag of the pressures. A slow
 hand-over leaves the observer, (K2a), time for what the model gets wrong; where the reserve falls
-too fast for it, the ramp is as much faster, up to the valves' own.
+too fast for it, the ramp is as much faster, up to the valves' own. Up to half of $p_d$ the next
+unit takes little force, and its valve is wide open; from there on it rises no faster than
+
+$$\dot p \le \frac{p_d}{2 D}\, \frac{\partial F_k}{\partial P} \dot P_k: \tag{X8}$$
+
+it takes no more force than unit $k$ can add, its valve wide open. A hand-over lasts no less than
+$8 \tau$: a faster one overshoots.
 
 **Source:** derived here.
 """
@@ -52,7 +58,12 @@ _MARGIN = 0.1  # of the dip: a model's error, as of 10 % of its stiffness
 # of the dip, how much more reserve begins a slow hand-over: with 1 a random muscle dips by 0.27 D,
 # with 2.5 small sines recruit a unit that they don't need
 _EARLIEST = 1.5
-_SLOW = 10.0  # times of the valve: what a slower ramp gets wrong is corrected in time
+_SLOW = 20.0  # times of the valve: what a slower ramp gets wrong is corrected in time
+# of the dip's pressure: up to there a unit takes a tenth to a third of its dip, its valve wide open
+_FLAT = 0.5
+_STEEP = 2.0  # times the dip's mean slope: beyond `_FLAT` a unit takes its dip about so steeply
+# of the pressures: a faster hand-over overshoots, by 0.3 D more at valves late by 20 ms
+_LAGS = 8.0
 _ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
 _SHORT = 0.02  # of the supply: a unit before that is so far off stops the next one's ramp
 _NOISE = 5e-3  # s, of a filter of pressures: 5 kPa of noise at 1 kHz become 1.6
@@ -134,7 +145,8 @@ class SequentialPolicy(Module):
         hold = where(memory.direction > 0, minimum(hold, maximum(excess, 0.0)), hold)
         falls = down | ((fraction > 0) & (direction < 0))
         times = where(falls, capability.vent, capability.time)
-        time = maximum(xp.sum(where(down, next_[1], next_[0]) * times), demand.dt)
+        time = xp.sum(where(down, next_[1], next_[0]) * times)
+        time = maximum(time, maximum(_LAGS * demand.lag, demand.dt))
         pace = self._hand_over_rate(
             capability, demand, (last[0], next_[0]), reserve[0], fraction, time
         )
@@ -189,7 +201,13 @@ class SequentialPolicy(Module):
             maximum(deepest - fraction, 0.0) * rise / spare,
             (1 - fraction) * rise / maximum(reserve, 1e-9),
         )
-        return minimum(maximum(needed, 1 / (self.longest * time)), 1 / (SLACK * time))
+        # no faster than the unit before, its valve wide open, can make up for [N/s]
+        growth = select_unit(last, capability.slope * capability.speed)
+        # N: where there is no dip, nothing limits the pace
+        limit = growth / maximum(_STEEP * dip / maximum(deepest, 1e-9), 1e-9)
+        slow = maximum(minimum(needed, limit), 1 / (self.longest * time))
+        fast = 1 / (SLACK * time)
+        return where(fraction < _FLAT * deepest, fast, minimum(slow, fast))
 
     def _reserves(
         self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers

@@ -44,6 +44,24 @@ def test_late_loops_hand_over_better_than_threshold(study, lag, delay):
     assert np.all(handed.dip < plain.dip) and np.quantile(handed.dip, 0.9) <= 0.3
 
 
+@pytest.mark.parametrize(
+    ("lag", "declared", "largest"),
+    [
+        (None, None, 0.15),
+        # as identified in one step of pressure
+        pytest.param(20e-3, (15e-3, 8e-3), 0.3, marks=pytest.mark.slow),
+    ],
+)
+def test_a_steep_dip_is_crossed_no_faster_than_the_first_unit_can_follow(
+    study, monkeypatch, lag, declared, largest
+):
+    # all three can cross; the steep part of their dip is at other pressures than the model's
+    muscles = [study.draw_muscles(24, 1)[index] for index in (12, 14, 22)]
+    monkeypatch.setattr(study, "draw_muscles", lambda *_: muscles)
+    handed = study.study(4, 0.2, 3, lag, declared=declared)["hand_over"]
+    assert np.all(handed.least == 0) and handed.dip.max() <= largest
+
+
 def test_the_observer_is_one_of_policies_that_hand_over(study):
     plant = study.make_plant(study.NOMINAL, 1, 0.2)
     assert control.cascade(plant, "hand_over").gains.observer_time == 5e-3
