@@ -223,10 +223,10 @@ class Problem:
         size = size * (_SECOND_ORDER if fine else _FIRST_ORDER)
         step = size * (np.arange(len(point))[:, None] == columns)
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
-        places = point[:, None] + np.concatenate(steps, axis=1)
+        points = point[:, None] + np.concatenate(steps, axis=1)
         # as many at once as stay in a processor's cache: calls cost more than their numbers
-        chunks = slices(places.shape[1], max(1, _BATCH // self._rows[1].size))
-        forces = np.concatenate([self.force(places[:, chunk]) for chunk in chunks])
+        chunks = slices(points.shape[1], max(1, _BATCH // self._rows[1].size))
+        forces = np.concatenate([self.force(points[:, chunk]) for chunk in chunks])
         n, force = len(columns), forces[0]
         rise = forces[1 : n + 1] - force
         if fine:

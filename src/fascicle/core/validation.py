@@ -307,11 +307,11 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     """Return a number or array [SI] as it is; refuse one outside of `limits` (default: the range of
     its `name`), warn of an unusual one, and let JAX's tracers pass.
     """
-    unit, least, low, high, largest = RANGES[name] if limits is None else limits
+    unit, smallest, low, high, largest = RANGES[name] if limits is None else limits
     if (isinstance(value, float) and low <= value <= high) or not is_concrete(value):
         return value
     closed, remedy = (True, True), "check its unit"
-    x = np.asarray(check_interval(value, least, largest, name, unit, "", closed, remedy))
+    x = np.asarray(check_interval(value, smallest, largest, name, unit, "", closed, remedy))
     usual = (x >= low) & (x <= high)
     if not np.all(usual):
         interval = _append_unit(f"[{_number_text(low)}, {_number_text(high)}]", unit)

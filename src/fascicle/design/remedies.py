@@ -153,7 +153,7 @@ def _smallest_change(
     def reaches(value: float, points: Int[np.ndarray, " point"]) -> bool:
         return bool(within_miss_limit(spare_forces(value, points), task.weight[points], may_miss))
 
-    present, most = float(grid[0]), float(grid[-1])
+    present, highest = float(grid[0]), float(grid[-1])
     all_points = points = np.arange(len(task))
     if may_miss == 0 and len(task) > _FEW:
         # where all must be reached the hardest decide; which they are may change with the value
@@ -161,15 +161,15 @@ def _smallest_change(
     while True:
         first = next((i for i, value in enumerate(grid) if reaches(float(value), points)), None)
         if first is None:
-            excess = spare_forces(most, all_points)
+            excess = spare_forces(highest, all_points)
             worst = int(np.argmin(excess / task.reference))
             largest = float(excess[worst] + task.force[worst])
-            return Remedy(what, present, None, most, worst, float(-excess[worst]), largest)
+            return Remedy(what, present, None, highest, worst, float(-excess[worst]), largest)
         low, high = grid[max(first - 1, 0)], grid[first]
         while high - low > (1.0 if what == "muscles" else _PRECISION * high):
             middle = 0.5 * (low + high)
             middle = float(np.floor(middle)) if what == "muscles" else middle
             low, high = (low, middle) if reaches(middle, points) else (middle, high)
         if reaches(float(high), all_points):
-            return Remedy(what, present, float(high), most)
+            return Remedy(what, present, float(high), highest)
         points = np.union1d(points, np.argsort(spare_forces(float(high), all_points))[:_FEW])

@@ -243,9 +243,9 @@ def _coenergy_and_slope(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray
     grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
     work = integrate_force(at, grid, _POINTS)
     work = work - work[np.argmin(np.abs(strain))]
-    rest, _ = muscle.law.tension.rest_coenergy(pressure)
-    rest = rest + coenergy_at_rest(at) + pressure * muscle.volume(0.0)
-    return np.stack([(rest + muscle.length * work).T, muscle.length * at.force(grid)[0].T])
+    coenergy, _ = muscle.law.tension.rest_coenergy(pressure)
+    coenergy = coenergy + coenergy_at_rest(at) + pressure * muscle.volume(0.0)
+    return np.stack([(coenergy + muscle.length * work).T, muscle.length * at.force(grid)[0].T])
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:

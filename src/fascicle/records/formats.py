@@ -75,8 +75,11 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     if len(names) > 1 and table is None:
         listed = ", ".join(f"`{name}`" for name in names)
         before = f"{source}: several tables, {listed}: choose one with "
-        one, every = ("table", "", names[0], ""), ("table", "", "*", " for all, if of one muscle")
-        raise MissingMetadataError(before, one, every)
+        single, several = (
+            ("table", "", names[0], ""),
+            ("table", "", "*", " for all, if of one muscle"),
+        )
+        raise MissingMetadataError(before, single, several)
     return {name: tables[name] for name in names}
 
 

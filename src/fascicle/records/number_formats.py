@@ -71,12 +71,12 @@ class NumberFormat:
         """Decimal sign and condition of each way to read an unclear `cell`; empty for others."""
         if not (sign := self._unclear_sign(cell)):
             return []
-        other = "," if sign == "." else "."
+        opposite = "," if sign == "." else "."
         decimals, thousands = cell.replace(sign, "."), cell.replace(sign, "")
         if self.decimal not in self.unclear:  # clear decimals have the other sign
-            after = f" if it is {thousands}, else write {decimals} with {other!r}"
-            return [(other, after)]
-        return [(sign, f" if it is {decimals}"), (other, f" if it is {thousands}")]
+            after = f" if it is {thousands}, else write {decimals} with {opposite!r}"
+            return [(opposite, after)]
+        return [(sign, f" if it is {decimals}"), (opposite, f" if it is {thousands}")]
 
     def rule(self, cell: str) -> str:
         """Reason why a `cell` has no value, with what to do."""

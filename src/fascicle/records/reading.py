@@ -238,9 +238,9 @@ def _read_tables(
             table_info = info.model_copy(update=changes)
             table_notes += (f"its name gives {_list_values(changes)}",)
         table_info = _overrule(table_info, **options)
-        stated, given = pressure_in_name(path, table), table_info.pressure
-        if stated is not None and given is not None and not np.isclose(stated, given):
-            pressures = (pretty(pressure, "pressure") for pressure in (stated, given))
+        stated, chosen = pressure_in_name(path, table), table_info.pressure
+        if stated is not None and chosen is not None and not np.isclose(stated, chosen):
+            pressures = (pretty(pressure, "pressure") for pressure in (stated, chosen))
             table_notes += ("its name states {}, the pressure given is {}".format(*pressures),)
         label = f", {table}" if len(texts) > 1 else ""
         source = f"{path}{label}"

@@ -339,10 +339,10 @@ def open_table(
         last, titles = max(layout.header, layout.units or 0), head[: layout.header]
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
-        where, above = f"{source}, line {line}", remarks if last < 0 else []
+        where, leading = f"{source}, line {line}", remarks if last < 0 else []
         # the names are those of what was printed behind the clock
         printed = layout._replace(width=layout.width - has_clock)
-        header = [*[CLOCK_NAME] * has_clock, *_headless(above, names, printed, where)]
+        header = [*[CLOCK_NAME] * has_clock, *_headless(leading, names, printed, where)]
     if any(len(name) > _LONGEST_NAME for name in header):
         raise ValueError(
             f"{source}, line {line}: a column's name is longer than {_LONGEST_NAME}"
