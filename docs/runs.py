@@ -1,5 +1,5 @@
-"""Runs that pages only tell of: maps of sines, by one muscle and four others and by five as one;
-a stride with and without friction fed forward; and a fit of a record whose load cell can't push.
+"""Results of runs that take too long for the pages: error maps of sines, with 1 + 4 muscles and as
+one unit of five; a stride with and without friction compensation; a fit of a clipped record.
 
 python docs/runs.py docs/_static/runs.json
 """
@@ -26,31 +26,31 @@ SINES = {
 }
 
 
-def told(name: str, policy: str) -> dict[str, Any]:
-    """A map of a scenario [-] with a policy [-]: errors [-], and the system's efficiency [-]."""
+def sine_map(name: str, policy: str) -> dict[str, Any]:
+    """Errors [-] and efficiency [-] of a scenario with a policy, over frequency and amplitude."""
     scenario = fs.example(name)
     controller = scenario.with_policy(policy).control.controller
-    found = control.frequency_response(
+    response = control.frequency_response(
         scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start
     )
-    spent = control.shaft_work(found, SUPPLY, fluid.OIL.reference_density)
+    works = control.shaft_work(response, SUPPLY, fluid.OIL.reference_density)
     return {
-        "error": _short(found.error),
-        "efficiency": {unit: _short(found.work / work) for unit, work in spent.items()},
-        "trusted": bool(np.all(found.is_valid)),
-        "held": bool(np.all(found.reachable_share == 1)),
+        "error": _round(response.error),
+        "efficiency": {unit: _round(response.work / work) for unit, work in works.items()},
+        "trusted": bool(np.all(response.is_valid)),
+        "held": bool(np.all(response.reachable_share == 1)),
     }
 
 
-def missed(compensate: bool) -> float:
-    """The root mean square of what a stride is missed by [deg]."""
-    one = fs.example("joint_gait").with_policy(compensate=compensate)
-    worth = control.control_metrics(one.control.controller, one.run(), one.control.reference)
-    return float(f"{np.degrees(worth.rms):.5g}")
+def stride_error(compensate: bool) -> float:
+    """Root mean square error of a stride's angle [deg]."""
+    gait = fs.example("joint_gait").with_policy(compensate=compensate)
+    metrics = control.control_metrics(gait.control.controller, gait.run(), gait.control.reference)
+    return float(f"{np.degrees(metrics.rms):.5g}")
 
 
-def clipped() -> list[str]:
-    """What a fit says of a synthetic record that is clipped at zero [-]."""
+def clipped_fit() -> list[str]:
+    """Lines on a fit of a synthetic record that is clipped at zero."""
     truth = fs.example("kim2021_slenderness_10")
     muscle = fs.Muscle.from_dimensions(
         length=truth.length,
@@ -60,16 +60,17 @@ def clipped() -> list[str]:
         material="silicone_kim2021",
     )
     record = VirtualDynamometer(samples=20, clip=True).record(truth, seed=4)
-    pulled = fs.calibrate.fit(record, muscle)
+    calibration = fs.calibrate.fit(record, muscle)
     values = [
-        f"{one.name:24s} {pretty(one.value, one.dimension, 3):>12s}"
-        f"   identifiable: {one.identifiable}"
-        for one in pulled.parameters
+        f"{estimate.name:24s} {pretty(estimate.value, estimate.dimension, 3):>12s}"
+        f"   identifiable: {estimate.identifiable}"
+        for estimate in calibration.parameters
     ]
-    return [*values, *(f"- {line}" for line in pulled.warnings)]
+    return [*values, *(f"- {line}" for line in calibration.warnings)]
 
 
-def _short(values: np.ndarray) -> list[list[float]]:
+def _round(values: np.ndarray) -> list[list[float]]:
+    """Values with five digits."""
     return [[float(f"{x:.5g}") for x in row] for row in values]
 
 
@@ -78,7 +79,7 @@ if __name__ == "__main__":
     parser.add_argument("path", type=Path)
     path = parser.parse_args().path
     sines = {"frequencies": FREQUENCIES, "amplitudes": AMPLITUDES}
-    sines |= {"runs": {run: told(*which) for run, which in SINES.items()}}
-    gait = {"compensated": missed(True), "not": missed(False)}
-    every = {"sines": sines, "gait": gait, "clipped": clipped()}
-    path.write_text(json.dumps(every) + "\n", encoding="utf-8")
+    sines |= {"runs": {run: sine_map(*scenario) for run, scenario in SINES.items()}}
+    gait = {"compensated": stride_error(True), "not": stride_error(False)}
+    results = {"sines": sines, "gait": gait, "clipped": clipped_fit()}
+    path.write_text(json.dumps(results) + "\n", encoding="utf-8")

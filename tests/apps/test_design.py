@@ -127,7 +127,7 @@ def test_design_that_fails_in_draws_is_not_recommended(fascicle, written, tmp_pa
     first = out.splitlines()[0]
     assert first.startswith("No design is recommended: 14 of 14 designs reach every load case")
     assert "none holds in 95 % of 2000 draws: the surest in " in first
-    assert "all forces 15 % (assumed of a muscle that isn't calibrated)" in first
+    assert "all forces 15 % (assumed, as the muscle isn't calibrated)" in first
     share = re.search(r'write safety = "(\d+) %"', first)[1]
     # the front is there, to choose from, and each design has its section
     assert "5th" in out and "c: best compromise" not in out
