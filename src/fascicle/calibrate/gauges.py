@@ -18,7 +18,7 @@ beside a free dead band: the priors alone separate them.
 """
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import fdtrc, ndtr, stdtrit
@@ -209,39 +209,49 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     # a passive force counts if the readings show one; then errors of the gauges must be clear with
     # it and without
     passives = [np.empty((count, 0)), smooth[:, 1:]]
-    *_, level, freedom = _fit_push(F - push, push, smooth[:, :1], least_noise)
-    *_, curve, freedom = _fit_push(F - push, push, smooth, least_noise)
-    gain = max(level / max(curve, least_noise**2) - 1, 0.0) * freedom / max(orders, 1)
-    if orders == 0 or (freedom > 0 and fdtrc(orders, freedom, gain) > _CHANCE):
+    level_fit = _fit_push(F - push, push, smooth[:, :1], least_noise)
+    curve_fit = _fit_push(F - push, push, smooth, least_noise)
+    excess = max(level_fit.squares / max(curve_fit.squares, least_noise**2) - 1, 0.0)
+    ratio = excess * curve_fit.freedom / max(orders, 1)  # of variances, Fisher's F
+    if orders == 0 or (curve_fit.freedom > 0 and fdtrc(orders, curve_fit.freedom, ratio) > _CHANCE):
         passives = passives[:1]
     fits = [
         _fit_push(F - push, push, np.column_stack([*columns, passive]), least_noise)
         for passive in passives
     ]
-    best = fits[-1][0]
+    best = fits[-1].coefficients
     for i, name in enumerate(names):
-        deviations[name] = max(float(deviation[i]) for _, deviation, *_ in fits)
-        if all(abs(value[i]) > _CLEAR * deviation[i] for value, deviation, *_ in fits):
+        deviations[name] = max(float(fit.deviations[i]) for fit in fits)
+        if all(abs(fit.coefficients[i]) > _CLEAR * fit.deviations[i] for fit in fits):
             zeros[name] = float(best[i])
     if "force_drift" in zeros:  # it is the change of a zero
         zeros["force_zero"] = float(best[0])
     return VentedReadings(Gauge(**zeros, start=start), deviations, count)
 
 
+class _PushFit(NamedTuple):
+    """Fit of the forces that a predicted push missed: `coefficients` of its columns [N], their
+    standard `deviations`, sum of the squared residuals [N²] and its degrees of `freedom`.
+    """
+
+    coefficients: np.ndarray
+    deviations: np.ndarray
+    squares: float
+    freedom: int
+
+
 def _fit_push(
     missed: np.ndarray, push: np.ndarray, columns: np.ndarray, least_noise: float
-) -> tuple[np.ndarray, np.ndarray, float, int]:
-    """Coefficients of `columns` in the forces that a predicted `push` missed [N], their standard
-    deviations, the sum of the squared residuals [N²] and its degrees of freedom.
-
-    The deviations are infinite without a reading more than coefficients.
+) -> _PushFit:
+    """Fit of `columns` to the forces that a predicted `push` missed [N]; its deviations are
+    infinite without a reading more than coefficients.
     """
     # the push predicted by the law may be in error by a share with a prior of its own
     basis = np.column_stack([columns, push])
     best, _, rank, _ = np.linalg.lstsq(basis, missed, rcond=None)
     freedom = missed.size - int(rank)
     if freedom < 1:
-        return best[:-1], np.full(columns.shape[1], np.inf), 0.0, 0
+        return _PushFit(best[:-1], np.full(columns.shape[1], np.inf), 0.0, 0)
     noise = max(float(np.linalg.norm(missed - basis @ best)) / np.sqrt(freedom), least_noise)
     precision = basis.T @ basis
     precision[-1, -1] += (noise / _PUSH_ERROR) ** 2
@@ -250,4 +260,4 @@ def _fit_push(
     wider = noise * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
     best = inverse @ basis.T @ missed
     squares = float(np.sum((missed - basis @ best) ** 2))
-    return best[:-1], wider * np.sqrt(np.diag(inverse))[:-1], squares, freedom
+    return _PushFit(best[:-1], wider * np.sqrt(np.diag(inverse))[:-1], squares, freedom)

@@ -298,7 +298,7 @@ def _fluid(summary: Summary) -> str:
     if cases.task.time is None:
         cycle = (
             "for a cycle from rest to a load case and back (weighted mean;"
-            f" {format_digits(largest, 3)} at the largest)"
+            f" the largest takes {format_digits(largest, 3)})"
         )
     if cases.task.fluid == "liquid":
         return f"{format_digits(mean, 3)} liters {cycle}"
