@@ -176,7 +176,7 @@ def calibration_rows(processes: Processes, small: bool) -> list[Row]:
     rows = []
     if not small:
         processes.run(FASCICLE, "record", "kim2021_slenderness_10", "-o", "record.csv", "--samples",
-                      "25", "--pressure", "0:400kPa:10")  # fmt: skip
+                      "25", "--pressure", "0kPa:360kPa:40kPa")  # fmt: skip
         _, cpu, _ = processes.run(FASCICLE, "calibrate", "record.csv", "-m",
                                   "kim2021_slenderness_10", "--json")  # fmt: skip
         rows.append(Row("`fascicle calibrate`, 500 readings, CPU", Quartiles.of([cpu]), "s",
