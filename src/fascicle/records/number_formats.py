@@ -13,6 +13,7 @@ from ..core.errors import InvalidInputError
 
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+_WITH_UNIT = re.compile(rf"{NUMBER.pattern}\s*[^\W\d_]+", re.ASCII)
 _POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
 # with signs between thousands, and a tail of decimals
 _GROUPED = re.compile(
@@ -84,6 +85,8 @@ class NumberFormat:
         hint = ": write the decimals after a point" if _COMMA.fullmatch(cell) else ""
         if _GROUPED.fullmatch(cell):
             hint = ": write it without signs between thousands"
+        elif _WITH_UNIT.fullmatch(cell):
+            hint = ": write the number alone, in the unit of its column"
         return f"{excerpt!r} is no finite number{hint}"
 
     def _unclear_sign(self, cell: str) -> str:

@@ -226,7 +226,8 @@ def _read_tables(
     """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
     `name_pattern` and the `options`.
     """
-    is_published = raw.lstrip()[:1] == b"{"
+    # a further object below the first one: each line of a log is one
+    is_published = raw.lstrip()[:1] == b"{" and not re.match(rb"\s*\{[^{}\[\]]*\}\s*\{", raw)
     selected = options.get("table") or info.table
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
     check_pressures_in_names([path], options.get("constants"), list(texts))
@@ -318,7 +319,7 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     names, notes = info.names, ()
-    if names and table.header[0] == CLOCK_NAME:
+    if names and table.header[0] == CLOCK_NAME and len(names) < len(table.header):
         has_time = any(read_header(name)[0][0] in TERMS["time"] for name in names)
         names = ("" if has_time else "time", *names)
     if table.origins:

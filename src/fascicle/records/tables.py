@@ -312,7 +312,8 @@ def open_table(
     of a table without header. `wide`: a table with columns for each pressure becomes a long one.
     Raises a `ValueError` for anything but a table.
     """
-    lines, has_clock = table_lines(decode(raw, source))
+    lines, printed_names = table_lines(decode(raw, source))
+    has_clock = printed_names[:1] == (CLOCK_NAME,)
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
@@ -327,6 +328,9 @@ def open_table(
                 f" {_HEAD_LINES} lines that is neither blank nor a remark."
             )
     layout = _find_layout([text for _, text in head], header_index)
+    if len(printed_names) > has_clock:
+        layout = layout._replace(header=None, units=None)
+        names = names or printed_names[has_clock:]
     long = unfold(lines, head, layout.delimiter, layout.start, names, source) if wide else None
     if long is not None:
         text, origins = long
@@ -342,6 +346,7 @@ def open_table(
         where, leading = f"{source}, line {line}", remarks if last < 0 else []
         # the names are those of what was printed behind the clock
         printed = layout._replace(width=layout.width - has_clock)
+        names = names[has_clock and len(names) == layout.width :]
         header = [*[CLOCK_NAME] * has_clock, *_headless(leading, names, printed, where)]
     if any(len(name) > _LONGEST_NAME for name in header):
         raise ValueError(

@@ -91,6 +91,23 @@ MONITOR = "\n".join(f"12:00:0{3 + t:.3f} -> {f}, {p}, {x}" for t, p, f, x in ROW
 MONITOR = f"12:00:02.900 -> force_N, pressure_kPa, length_mm\n{MONITOR}\n"
 PLOTTER = "".join(f"t_s:{t},pressure_kPa:{p},force_N:{f},length_mm:{x}\n" for t, p, f, x in ROWS)
 SENTENCES = "".join(f"Force: {f} N  Pressure = {p} kPa; Length: {x} mm\n" for _, p, f, x in ROWS)
+BRACKETS = "".join(f"[{t:.3f}] p={p} kPa F={f} N L={x} mm\n" for t, p, f, x in ROWS)
+COLONS = "".join(f"{t}: {p} kPa; {f} N; {x} mm\n" for t, p, f, x in ROWS)
+BRACKET_CLOCK = "".join(f"[2024-03-05 10:59:0{5 + t:.2f}] {p},{f},{x}\n" for t, p, f, x in ROWS)
+BLANK_CLOCK = BRACKET_CLOCK.replace("[", "").replace("]", "")
+NAMES_WITH_UNITS = "".join(
+    f"Time[s]={t} Pressure (kPa): {p} Force[N]={f} Length[mm]={x}\n" for t, p, f, x in ROWS
+)
+COMMAS_IN_PAIRS = "".join(
+    f"t: {t}; p: {p} kPa; F: {f} N; L: {x} mm\n".replace(".", ",") for t, p, f, x in ROWS
+)
+TWO_ORDERS = "".join(
+    f"t={t} p={p}kPa F={f}N L={x}mm\n" if t > 0.1 else f"F={f}N L={x}mm p={p}kPa t={t}\n"
+    for t, p, f, x in ROWS
+)
+JSON_LINES = "".join(
+    f'{{"t_s": {t}, "p_kPa": {p}, "F_N": {f}, "L_mm": {x}}}\n' for t, p, f, x in ROWS
+)
 NUMPY = "# time_s pressure_kPa force_N length_mm\n" + table(" ", [TIME, PRESSURE, FORCE, LENGTH])
 FIXED = "  t [s]  pressure [kPa]  force [N] length [mm]\n" + "".join(
     f"{t:7.1f}{p:16.1f}{f:11.1f}{x:12.1f}\n" for t, p, f, x in ROWS
@@ -172,6 +189,14 @@ TEXTS = {
     "serial monitor": (MONITOR, {}),
     "serial plotter": (PLOTTER, {}),
     "sentences": (SENTENCES, {}),
+    "clock in brackets": (BRACKETS, {}),
+    "quantities without names": (COLONS, {"columns": {"length": "[mm]"}}),
+    "date in brackets": (BRACKET_CLOCK, {"columns": "pressure[kPa],force[N],length[mm]"}),
+    "clock before a blank": (BLANK_CLOCK, {"columns": "time,pressure[kPa],force[N],length[mm]"}),
+    "names with units": (NAMES_WITH_UNITS, {}),
+    "decimal commas in pairs": (COMMAS_IN_PAIRS, {}),
+    "pairs in two orders": (TWO_ORDERS, {}),
+    "JSON lines": (JSON_LINES, {}),
     "NumPy": (NUMPY, {}),
     "fixed width": (FIXED, {}),
     "Origin": (ORIGIN, {}),
@@ -207,6 +232,12 @@ def test_exports_of_instruments(tmp_path, name, encoding):
     path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
     record = load(path, rest_length=REST, **options)
     check(record, pressure="constants" not in options, time=name != "sentences")
+
+
+def test_unmarked_encodings_and_a_reserved_end():
+    text = "t [s],p [kPa],F [N],Länge [mm]\n" + table(",", [TIME, PRESSURE, FORCE, LENGTH])
+    for raw in (text.encode("utf-16-le"), text.encode("utf-16-be"), text.encode() + b"\0" * 64):
+        check(loads(raw, rest_length=REST))
 
 
 def test_a_header_repeated_between_blocks_is_read_once():
@@ -676,6 +707,22 @@ def test_pairs_of_a_serial_monitor_below_its_start(sign):
     check(record, time=False)
     assert record.time.tolist() == [0, 1, 4, 5]
     assert any("1 row with holes left out" in note for note in record.notes)
+
+
+def test_an_error_in_a_log_of_quantities_names_its_line_and_its_unit():
+    lines = [f"p={p} kPa F={f} N L={x} mm" for _, p, f, x in ROWS]
+    text = "\n".join(["ready", *lines, "p=2.001 bar F=40 N L=167 mm"])
+    for odd, message in (
+        ("", "`p [kPa]`: '2.001bar'"),
+        ("\np=200 kPa F=1 N L=1 mm", "`L [mm]`: 1"),
+    ):
+        body = text.replace("2.001 bar", "200 kPa") + odd if odd else text
+        with pytest.raises(ValueError, match=f"line {6 + bool(odd)}, column ") as error:
+            loads(body, rest_length=REST)
+        assert message in str(error.value)
+    # a name twice is not one quantity
+    with pytest.raises(ValueError, match="2 times"):
+        loads("\n".join(f"{line} F=9 N" for line in lines), rest_length=REST)
 
 
 def test_columns_in_order_are_those_behind_a_monitors_clock():
