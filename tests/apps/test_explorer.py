@@ -874,6 +874,22 @@ def test_a_page_follows_the_systems_preference_unless_its_address_has_a_theme(br
         page.close()
 
 
+def test_another_theme_keeps_what_can_be_undone(visit):
+    page = visit("?strain=0.1&theme=default")
+    typed = field(page, "Contraction ε, typed")
+    typed.fill("0.2")
+    typed.press("Enter")
+    until(page, f"() => ({SOURCE})('point').x[0] === 0.2")
+    page.get_by_role("button", name="Use dark page").click()
+    until(page, "() => location.search.includes('theme=dark')")
+    assert max(background(page)) < 60
+    page.get_by_role("button", name="Undo").click()
+    until(page, f"() => ({SOURCE})('point').x[0] === 0.1")
+    page.reload()
+    until(page, READY)
+    assert max(background(page)) < 60
+
+
 def test_the_example_record_and_an_error_of_its_rest_length(visit):
     page = visit("?tab=data")
     page.get_by_text("Forces of fluidic artificial muscles").first.wait_for()

@@ -370,7 +370,7 @@ class BundleView(Tab):
         length, envelope = float(view.bundle.length), scene.envelope
         reach = max(0.58 * length, 1.1 * envelope), 1.05 * envelope + 0.12 * length
         owners = [shades[i] for i in scene.owners]
-        self._scene.show(scene.solids, owners, scene.positions, reach)
+        self._scene.show(scene.solids, owners, self.colors.fitting, scene.positions, reach)
         length_unit, length_scale = self.unit("length")
         rows = {
             "force": f"{force / scale:.4g} {unit}",

@@ -3,7 +3,7 @@
 Line styles differ as well as colors, so that no color is needed to read a figure.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import panel as pn
@@ -49,6 +49,21 @@ def pressure_colors(colors: Colors, count: int) -> list[str]:
 def cycle_colors(colors: Colors, count: int) -> list[str]:
     """Colors for `count` curves, again from the first where there are too few."""
     return [colors.curves[i % len(colors.curves)] for i in range(count)]
+
+
+def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> None:
+    """Replace the colors of a page `before` by those of a page `after` in `figures` of Bokeh."""
+    new = dict(zip(_figure_colors(before), _figure_colors(after), strict=True))
+    # each once, though figures share some: a new color may be an old one, too
+    for model in set().union(*(part.references() for part in figures)):
+        for name in model.properties():
+            if name.endswith("_color") and isinstance(color := getattr(model, name), str):
+                setattr(model, name, new.get(color, color))
+
+
+def _figure_colors(colors: Colors) -> tuple[str, ...]:
+    """Colors of a page that figures have, each once."""
+    return (colors.ink, colors.soft, colors.line, colors.raised, colors.paper, *colors.curves)
 
 
 def screen_height(margin: int) -> str:

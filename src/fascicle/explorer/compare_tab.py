@@ -133,7 +133,6 @@ class CompareView(Tab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self._colors = cycle_colors(colors, len(DASHES))
         self._form = PinForm(session)
         self._names: list[Any] = []
         self._rows = column()
@@ -170,6 +169,11 @@ class CompareView(Tab):
             width=318,
         )  # fmt: skip
         self.panel = row(side, column(self._empty, self._comparison))
+
+    @property
+    def _colors(self) -> list[str]:
+        """Colors of curves, in their order."""
+        return cycle_colors(self.colors, len(DASHES))
 
     def draw(self, view: View) -> None:
         """Draw all that the tab shows of a `view`."""

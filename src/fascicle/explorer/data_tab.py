@@ -2,7 +2,6 @@
 
 import datetime as dt
 import threading
-import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
@@ -36,7 +35,7 @@ from .measured import (
     read_record,
 )
 from .state import Session, View, view_of
-from .tab import LatestResult, Tab, progress_bar
+from .tab import LatestResult, Progress, Tab
 from .theme import column, height_css, pane, row, side_column
 from .widgets import (
     WHOLE_ROW,
@@ -156,7 +155,7 @@ class DataView(Tab):
         self.fit: FitResult | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
         self._read_options: Mapping[str, Any] = {}
-        self._stage, self._usual, self._start_time, self._timer = "", "", 0.0, None  # of a fit
+        self._stage = ""  # of a fit
         self._cancelled = threading.Event()
         self._add_widgets()
         self._add_chart()
@@ -164,7 +163,7 @@ class DataView(Tab):
         self._fits = LatestResult(self._show_fit, self._fail_fit)
         left = side_column(
             self.file, self._other_example, self.message.pane, self.read_inputs.panel, self.kind,
-            self.constants, self.calibrate, self.cancel, self.bar, self.status, self.table,
+            self.constants, self.calibrate, self.cancel, self.progress.bar, self.status, self.table,
             self.use, row(*self.saves, kind=""), self.fit_notes, self.notes, width=420,
         )  # fmt: skip
         self.empty_state = _empty_state(self._example)
@@ -197,8 +196,8 @@ class DataView(Tab):
         self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
         self.cancel = button("Cancel the fit", self.cancel_fit, visible=False, **wide)
         self.cancel.disabled = False
-        self.bar = pane(progress_bar("fitting"), visible=False, **_WIDE)
         self.status, self.fit_notes = (pane(**_WIDE) for _ in range(2))
+        self.progress = Progress("fitting", self.status)
         self.table = pane(margin=(4, 8))
         self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
@@ -379,11 +378,13 @@ class DataView(Tab):
         self.message.show("")
         self.calibrate.disabled, self.cancel.visible = True, True
         cancelled = self._cancelled = threading.Event()
-        self._usual = _DURATIONS[self.kind.value]
-        self._start_time, self._stage = time.monotonic(), "fitting"
-        self._show_progress()
-        if pn.state.curdoc is not None and pn.state.curdoc.session_context:
-            self._timer = pn.state.add_periodic_callback(self._show_progress, period=500)
+        self._stage, usual = "fitting", _DURATIONS[self.kind.value]
+        self.progress.start(
+            lambda seconds: (
+                f"{self._stage}: {seconds:.0f} s. It usually takes {usual}, longer on"
+                " a busy machine."
+            )
+        )
 
         def progress(stage: str) -> None:
             if cancelled.is_set():
@@ -399,15 +400,6 @@ class DataView(Tab):
 
         self._fits.request(compute)
 
-    def _show_progress(self) -> None:
-        # of unknown duration: the bar moves, and the seconds count
-        self.bar.visible = True
-        seconds = time.monotonic() - self._start_time
-        self.status.object = status_line(
-            f"{self._stage}: {seconds:.0f} s. It usually takes {self._usual}, longer on a busy"
-            " machine."
-        )
-
     def cancel_fit(self) -> None:
         """Drop the running fit, whose thread ends with its next step."""
         self._fits.drop()
@@ -415,16 +407,12 @@ class DataView(Tab):
         self.status.object = status_line("The fit was cancelled.")
 
     def _end_fit(self) -> None:
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
+        self.progress.stop()
         self._cancelled.set()
-        self.calibrate.disabled, self.bar.visible = self.record is None, False
-        self.cancel.visible = False
-        self.status.object = ""
+        self.calibrate.disabled, self.cancel.visible = self.record is None, False
 
     def _fail_fit(self, error: ValueError | str) -> None:
-        if self.bar.visible:  # else another record was opened meanwhile
+        if self.progress.bar.visible:  # else another record was opened meanwhile
             self._end_fit()
             self.fail(error)
 

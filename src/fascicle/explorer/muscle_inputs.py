@@ -10,11 +10,10 @@ from ..files.shipped_files import named_muscles
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
-from ..units import DIMENSIONS
 from .pins import shipped_muscle
 from .state import Session, View
 from .theme import column
-from .widgets import SIZES, WHOLE_ROW, Field, Message, dropdown
+from .widgets import SIZES, WHOLE_ROW, Field, Message, dropdown, field_unit
 
 
 _CUSTOM, _CHANGED = "its own", ", changed"
@@ -42,10 +41,8 @@ class MuscleInputs:
         """Show the muscle of a `view`."""
         muscle = view.muscle
         for name, (_, dimension) in SIZES.items():
-            self.fields[name].show(
-                float(getattr(muscle, name)),
-                view.display_units.get(dimension, DIMENSIONS[dimension].common),
-            )
+            unit = field_unit(dimension, view.display_units)
+            self.fields[name].show(float(getattr(muscle, name)), unit)
         names = [name for name, material in MATERIALS.items() if material == muscle.material]
         self._material.value = names[0] if names else _CUSTOM
         for kind, law in self.laws.items():
@@ -127,7 +124,7 @@ class LawInputs:
             self._make_widgets(law)
         self.select.value = law.name
         for constant in law.constants():
-            unit = units.get(constant.dimension, DIMENSIONS[constant.dimension].common)
+            unit = field_unit(constant.dimension, units)
             self.fields[constant.name].show(float(getattr(law, constant.name)), unit)
         for name, choice in self.choices.items():
             choice.value = getattr(law, name)

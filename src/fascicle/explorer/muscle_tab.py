@@ -247,7 +247,7 @@ class MuscleView(Tab):
         # a stubby muscle is wider than long; it bows out to its side
         reach = max(0.53 * length, 2.0 * solid.radius), 2.0 * solid.radius + 0.16 * length
         colors = [(self.colors.tube, self.colors.fiber)]
-        self._scene.show([solid], colors, [(0.0, 0.0, 0.0)], reach)
+        self._scene.show([solid], colors, self.colors.fitting, [(0.0, 0.0, 0.0)], reach)
         # the volume is a straight muscle's of this length: no law has that of a bent one
         fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
         length_unit, length_scale = self.unit("length")

@@ -15,6 +15,12 @@ window.fascicleNotice = (id, text, passing = false) => {
   document.body.append(line);
   if (passing) setTimeout(() => line.remove(), 8000);
 };
+// colors of the page, after it has changed them: also outside of the explorer's own element
+window.fascicleStyle = (css) => {
+  const id = "page-style", sheet = document.createElement("style");
+  document.getElementById(id)?.remove();
+  document.head.append(Object.assign(sheet, {id, textContent: css}));
+};
 // a refused file is past with the next input
 addEventListener("input", () => fascicleNotice("size", ""), {capture: true});
 

@@ -2,8 +2,7 @@
 
 import html
 import io
-from collections.abc import Callable, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
@@ -14,7 +13,7 @@ from bokeh.models import CustomJS
 from ..files import example, loads
 from ..files.shipped_files import named_muscles, shipped_names
 from ..io.sanitize import sanitize_line
-from ..plot.theme import TITLE, Colors
+from ..plot.theme import TITLE
 from .bundle_tab import BundleView
 from .compare_tab import CompareView
 from .data_tab import DataView
@@ -24,8 +23,9 @@ from .link import to_query
 from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
-from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
+from .state import CONTENT_FIELDS, DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .story import Story
+from .tab import Tab, session_document
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
 from .time_tab import TimeView
 from .widgets import Message, button, decode_upload, dropdown, widget
@@ -33,8 +33,6 @@ from .widgets import Message, button, decode_upload, dropdown, widget
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
 _QUIET = 400  # ms without a change until the address follows: browsers limit its changes
-# fields of the view, but those after whose changes a message still holds
-_CONTENT = [field.name for field in fields(View) if field.name not in ("display_units", "tab")]
 _CUSTOM = "(own)"
 _PURPOSE = "Forces of fluidic artificial muscles, and where they buckle and collapse"
 _SCRIPT, _FRAME = (
@@ -52,12 +50,7 @@ const copied = () => fascicleNotice("copied", "Link copied. It opens where fasci
 const show = () => prompt("Link", text);
 navigator.clipboard ? navigator.clipboard.writeText(text).then(copied, show) : show();
 """
-_SET_THEME = """
-const address = new URL(location);
-address.searchParams.set("theme", "%s");
-location.assign(address);
-"""
-_VIEWS: dict[str, Callable[..., Any]] = {
+_VIEWS: Mapping[str, type[Tab]] = {
     "muscle": MuscleView,
     "bundle": BundleView,
     "reversal": ReversalView,
@@ -71,10 +64,16 @@ _VIEWS: dict[str, Callable[..., Any]] = {
 class Header:
     """Example, file, units and theme; keeps the address up to date."""
 
-    def __init__(self, session: Session, colors: Colors, theme_in_link: bool = False):
-        """Build it for a `session`; `theme_in_link` keeps the theme in the address."""
+    def __init__(
+        self, session: Session, theme: str, theme_in_link: bool, show_theme: Callable[[str], None]
+    ):
+        """Build it for a `session`; the address has the theme if it is dark or `theme_in_link`.
+
+        `show_theme` shows the page in another theme.
+        """
         self._session, self._address_timer = session, None
-        self._theme = ("dark" if colors.dark else "default") if theme_in_link or colors.dark else ""
+        self._theme, self._show_theme = theme, show_theme
+        self._theme_in_link = theme_in_link or theme == "dark"
         groups = {"Examples": shipped_names("examples"),
                   "Measured muscles": shipped_names("measured"), "Your own": [_CUSTOM]}  # fmt: skip
         self._example = widget(pn.widgets.Select, "Example", groups=groups, width=208)
@@ -93,16 +92,15 @@ class Header:
         for kind, select in self._units.items():
             select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
         self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
-        other_mode, theme = ("light", "default") if colors.dark else ("dark", "dark")
         style: dict[str, Any] = {"margin": (22, 4, 4, 4)}
         self.undo = button("Undo", session.undo, width=62, **style)
         self.reset = button("Reset", session.reset, width=62, **style)
         copy = button("Copy link", None, width=84, **style)
         copy.js_on_click(code=_COPY)
-        switch = button(f"Use {other_mode} page", None, width=112, **style)
-        switch.js_on_click(code=_SET_THEME % theme)
+        self.theme_switch = button("", self._switch_theme, width=112, **style)
+        self._name_theme_switch()
         inputs = row(self._example, self.file, self.save, *self._units.values(), self.undo,
-                     self.reset, copy, switch, kind="header", margin=(0, 8))  # fmt: skip
+                     self.reset, copy, self.theme_switch, kind="header", margin=(0, 8))  # fmt: skip
         self._offer = ""  # example that waits for an answer
         self._question = pane(margin=(6, 8))
         answers = (button("Replace it", self._replace), button("Keep it", self._keep))
@@ -117,7 +115,7 @@ class Header:
         if changed(before, after, "name", "display_units", "muscle", "units"):
             self._show(after)
         # a message on a link or a file is past, once something else is shown
-        if changed(before, after, *_CONTENT):
+        if changed(before, after, *CONTENT_FIELDS):
             self.message.show("")
             self.question.visible = False
         self._show_history()
@@ -126,7 +124,7 @@ class Header:
     def _show_history(self) -> None:
         session = self._session
         self.undo.disabled = not session.can_undo
-        self.reset.disabled = not changed(session.opened, session.view, *_CONTENT)
+        self.reset.disabled = not changed(session.opened, session.view, *CONTENT_FIELDS)
 
     def _show(self, view: View) -> None:
         self._title.object = (
@@ -183,10 +181,20 @@ class Header:
     def _set_unit(self, kind: str, unit: str) -> None:
         self._session.change(display_units={**self._session.view.display_units, kind: unit})
 
+    def _switch_theme(self) -> None:
+        self._theme = "default" if self._theme == "dark" else "dark"
+        self._theme_in_link = True  # else the next visit would follow the system's preference
+        self._show_theme(self._theme)
+        self._name_theme_switch()
+        self._schedule_address()
+
+    def _name_theme_switch(self) -> None:
+        self.theme_switch.label = f"Use {'light' if self._theme == 'dark' else 'dark'} page"
+
     def _schedule_address(self) -> None:
         """Change the address once nothing has changed for a while."""
-        doc: Any = pn.state.curdoc
-        if doc is None or not doc.session_context or pn.state.location is None:
+        doc = session_document()
+        if doc is None or pn.state.location is None:
             return
         if self._address_timer is not None:
             doc.remove_timeout_callback(self._address_timer)
@@ -194,9 +202,64 @@ class Header:
 
     def _set_address(self) -> None:
         self._address_timer = None
-        query = to_query(self._session.view) | ({"theme": self._theme} if self._theme else {})
+        query = to_query(self._session.view)
+        if self._theme_in_link:
+            query["theme"] = self._theme
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
+
+
+class Page:
+    """The explorer of a visitor's session, as the Panel layout `panel`."""
+
+    def __init__(
+        self, session: Session, theme: str, errors: Sequence[str], theme_in_link: bool, offer: bool
+    ):
+        self._session, self._colors = session, page_colors(theme)
+        header = self.header = Header(session, theme, theme_in_link, self.show_theme)
+        header.message.show(" ".join(errors))
+        self._story = Story(session, offer)
+        self._views: dict[str, Tab] = {}
+        self._contents = {name: column() for name in TABS}
+        self._tabs = pn.Tabs(
+            *((name.capitalize(), content) for name, content in self._contents.items()),
+            dynamic=True,
+            stylesheets=[WIDGET_CSS, LAYOUT_CSS],
+            css_classes=["narrow"],
+            sizing_mode="stretch_width",
+            margin=(0, 8),
+            active=TABS.index(session.view.tab),
+        )
+        self._tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
+        session.watch(self._follow)
+        self._open_tab(session.view.tab)
+        self.panel = column(header.panel, self._story.panel, self._tabs, name="explorer")
+        self._set_style()
+        self.panel.jscallback(stylesheets="window.fascicleStyle?.(cb_obj.stylesheets.at(-1))")
+
+    def show_theme(self, theme: str) -> None:
+        """Show the page in a `theme`, "default" or "dark"."""
+        self._colors = page_colors(theme)
+        self._set_style()
+        for view in self._views.values():
+            view.set_colors(self._colors)
+        self._open_tab(self._session.view.tab)
+
+    def _set_style(self) -> None:
+        self.panel.stylesheets = [LAYOUT_CSS, page_css(self._colors)]
+
+    def _open_tab(self, name: str) -> None:
+        """Show a tab, which is made when it is first opened: most visitors never open most."""
+        if name not in self._views:
+            view = self._views[name] = _VIEWS[name](self._session, self._colors)
+            downloads = _download_rows(self._session, name, self._story)
+            self._contents[name].objects = [view.panel, *downloads]
+        self._views[name].refresh()
+
+    def _follow(self, before: View, after: View) -> None:
+        if before.tab != after.tab:
+            self._tabs.active = TABS.index(after.tab)
+            self._open_tab(after.tab)
 
 
 def build(
@@ -210,40 +273,7 @@ def build(
 
     With an `offer`, browsers that have not dismissed it offer the story.
     """
-    colors = page_colors(theme)
-    header = Header(session, colors, theme_in_link)
-    header.message.show(" ".join(errors))
-    story = Story(session, offer)
-    views: dict[str, Any] = {}
-    contents = {name: column() for name in TABS}
-    tabs = pn.Tabs(
-        *((name.capitalize(), content) for name, content in contents.items()),
-        dynamic=True,
-        stylesheets=[WIDGET_CSS, LAYOUT_CSS],
-        css_classes=["narrow"],
-        sizing_mode="stretch_width",
-        margin=(0, 8),
-        active=TABS.index(session.view.tab),
-    )
-
-    def open_tab(name: str) -> None:
-        # made when it is first opened: most visitors never open most of them
-        if name not in views:
-            views[name] = _VIEWS[name](session, colors)
-            contents[name].objects = [views[name].panel, *_download_rows(session, name, story)]
-        views[name].refresh()
-
-    def follow(before: View, after: View) -> None:
-        if before.tab != after.tab:
-            tabs.active = TABS.index(after.tab)
-            open_tab(after.tab)
-
-    tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
-    session.watch(follow)
-    open_tab(session.view.tab)
-    return column(
-        header.panel, story.panel, tabs, name="explorer", stylesheets=[LAYOUT_CSS, page_css(colors)]
-    )
+    return Page(session, theme, errors, theme_in_link, offer).panel
 
 
 def _download_rows(session: Session, name: str, story: Story) -> list[Any]:

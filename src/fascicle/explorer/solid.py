@@ -134,7 +134,6 @@ class Scene:
 
     def __init__(self, colors: Colors, name: str, height: str):
         """Scene whose sources have a `name`, and a `height` in CSS."""
-        self._colors = colors
         chart = self._chart = Chart(
             colors, "", "", height, tools="", toolbar_location=None, min_border=0
         )
@@ -178,10 +177,14 @@ class Scene:
         self,
         solids: Sequence[Solid],
         colors: Sequence[tuple[str, str]],
+        fitting: str,
         positions: Sequence[tuple[float, float, float]],
         reach: tuple[float, float],
     ) -> None:
-        """Show solids at `positions` (angle [rad], x, y [m]), and `reach` [m] across and up."""
+        """Show solids at `positions` (angle [rad], x, y [m]), and `reach` [m] across and up.
+
+        `colors` of each one's tube and fibers; color of each `fitting`.
+        """
         parts = [
             solid.transform(*position) for solid, position in zip(solids, positions, strict=True)
         ]
@@ -193,7 +196,7 @@ class Scene:
         kinds = (tuple(colors), tuple(len(solid.fibers) for solid in solids))
         if kinds != self._kinds:  # faces are many, and stay while a slider moves
             tubes, fibers = zip(*colors, strict=True)
-            self._faces.data = _face_columns(tubes, self._colors.fitting)
+            self._faces.data = _face_columns(tubes, fitting)
             self._fibers.tags = [
                 color for color, count in zip(fibers, kinds[1], strict=True) for _ in range(count)
             ]

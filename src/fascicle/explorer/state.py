@@ -100,6 +100,10 @@ class View:
         return dumps(self.muscle if self.units == (Unit(),) else self.bundle)
 
 
+# fields of the view that undo and reset restore
+CONTENT_FIELDS = tuple(entry.name for entry in fields(View) if entry.name not in _DISPLAY_FIELDS)
+
+
 def scaled_muscle(muscle: Muscle, size: float) -> Muscle:
     """A muscle of `size` times the radius and wall thickness [-] and the same length."""
     if size == 1:
@@ -216,8 +220,7 @@ class Session:
         """Keep the present view to undo, if a `view` differs by more than the last change's next
         step.
         """
-        names = {field.name for field in fields(View) if field.name not in _DISPLAY_FIELDS}
-        names = {name for name in names if changed(self.view, view, name)}
+        names = {name for name in CONTENT_FIELDS if changed(self.view, view, name)}
         (last_names, last), time_now = self._last, time.monotonic()
         if names and (names != last_names or time_now - last > _ONE_CHANGE):
             self._past = [*self._past[1 - _MOST_UNDONE :], (self.view, self.opened)]

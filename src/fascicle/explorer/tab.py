@@ -5,6 +5,7 @@ A tab is drawn when it is open, and only if its content has changed.
 
 import asyncio
 import contextlib
+import time
 import traceback
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -13,13 +14,15 @@ from typing import Any, ClassVar
 import panel as pn
 
 from ..plot.theme import Colors
+from .chart import replace_colors
 from .state import Session, View, changed
 from .theme import pane
-from .widgets import Message, unit_factor
+from .widgets import Message, status_line, unit_factor
 
 
 _WORKERS = ThreadPoolExecutor(2, thread_name_prefix="fascicle")  # a fit, and a map beside it
 _RUNNING: set["Future[Any]"] = set()
+_PERIOD = 500  # ms between the seconds that a progress shows
 Outcome = tuple[Any, ValueError | str | None]  # of a computation: result, and error
 
 
@@ -60,6 +63,12 @@ class Tab:
     def follow(self, before: View, after: View) -> None:
         """Update only what depends on fields of the view outside `fields`, such as a slider's."""
 
+    def set_colors(self, colors: Colors) -> None:
+        """Replace the colors of the figures; what the tab shows is drawn anew when it is open."""
+        figures = (pane.object for pane in self.panel.select(pn.pane.Bokeh))
+        replace_colors(figures, self.colors, colors)
+        self.colors, self._drawn = colors, None
+
     def unit(self, dimension: str) -> tuple[str, float]:
         """Unit shown of a `dimension`, and its value [SI]."""
         unit = self.session.view.display_units[dimension]
@@ -71,9 +80,39 @@ class Tab:
         self.message.show(error, self.session.view.display_units)
 
 
-def progress_bar(label: str) -> str:
-    """A moving bar in HTML, for work of unknown duration."""
-    return f'<div role="progressbar" aria-label="{label}"><div></div></div>'
+def session_document() -> Any:
+    """Document of the visitor's session; `None` in a notebook, or a test."""
+    doc = pn.state.curdoc
+    return doc if doc is not None and doc.session_context else None
+
+
+class Progress:
+    """A bar that moves while a computation of unknown duration runs, and a line with its time."""
+
+    def __init__(self, label: str, status: Any):
+        """Progress with a `label` for screen readers; `status` is the pane of the line."""
+        html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
+        self.bar = pane(html, visible=False, sizing_mode="stretch_width")
+        self._status, self._timer = status, None
+
+    def start(self, text: Callable[[float], str]) -> None:
+        """Show the `text` of the seconds since now."""
+        start_time = time.monotonic()
+
+        def show() -> None:
+            self._status.object = status_line(text(time.monotonic() - start_time))
+
+        show()
+        self.bar.visible = True
+        if session_document():
+            self._timer = pn.state.add_periodic_callback(show, period=_PERIOD)
+
+    def stop(self) -> None:
+        """Hide bar and text."""
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+        self.bar.visible, self._status.object = False, ""
 
 
 def is_computing() -> bool:
@@ -97,8 +136,8 @@ class LatestResult:
 
     def request(self, compute: Callable[[], Any]) -> None:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
-        self._latest, doc = compute, pn.state.curdoc
-        if doc is None or not doc.session_context:  # a notebook, or a test
+        self._latest, doc = compute, session_document()
+        if doc is None:
             self._finish(_result_and_error(compute))
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)

@@ -6,7 +6,6 @@ The run goes to the browser once; there `time_page.js` plays it, without a messa
 import asyncio
 import html
 import io
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,13 +20,12 @@ from ..core.errors import MissingExtraError, require
 from ..files.shipped_files import scenarios
 from ..plot.theme import LIGHT, Colors
 from ..results import Table
-from ..units import DIMENSIONS
 from .chart import Chart, cycle_colors
 from .exports import download_button, output_stem
 from .remarks import glossary_html
 from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_policies, open_setup
 from .state import Session, View
-from .tab import LatestResult, Tab, progress_bar
+from .tab import LatestResult, Progress, Tab, session_document
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, pane, row, side_column
 from .time_drawing import ALPHAS, HATCHED, STATES, rigid_colors
 from .time_film import ChartCurves, Curve, film
@@ -37,6 +35,7 @@ from .widgets import (
     button,
     decode_upload,
     dropdown,
+    field_unit,
     heading,
     html_legend,
     html_table,
@@ -47,7 +46,6 @@ from .widgets import (
 from .worker import WAITING, CanceledError, Job
 
 
-_PERIOD = 500  # ms between looks at a job's stage
 _OWN = "(your file)"
 _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 _HEIGHTS = (150, 150, 150, 110, 170)  # pixels of the charts, from top to bottom
@@ -69,6 +67,10 @@ _EMPTY = (
     " here. A scenario brings its own bundle: the muscle of the other tabs takes no part. The"
     " first run takes longer: the simulator is compiled.</p>"
 )
+_LEGEND = (  # of the drawing
+    "Filled: the muscle pulls. Pale: it has buckled. Hatched: it has collapsed. ▼ the valve is open"
+    " to the supply, ▲ to the room, – shut. Red line: where the load should be."
+)
 _DRAWDOWN = "Drawdown: how far force or position falls back while its demand does not."
 _DIP = (
     " D: how far the force falls while a motor unit fills and the others hold their pressures."
@@ -87,14 +89,13 @@ class TimeView(Tab):
         self.result: SimulationResult | None = None
         self._setup = Setup()  # of the result
         self._job: Job | None = None
-        self._start_time, self._timer = 0.0, None
         self._updating = False
         self._inputs: dict[str, Field] = {}
         self._add_widgets()
         self._add_charts()
         self._add_player()
         self._runs = LatestResult(self._show_result, self._fail_job, WAITING)
-        if pn.state.curdoc is not None and pn.state.curdoc.session_context:
+        if session_document():
             pn.state.on_session_destroyed(lambda _: self.cancel_job())
         self._lay_out()
 
@@ -116,7 +117,7 @@ class TimeView(Tab):
         self.policies.param.watch(self._set_policies, "value")
         self._policy_title = pane()
         self._policy_words = pane(glossary_html("Explain the policies", POLICIES))
-        self.bar = pane(progress_bar("simulating"), visible=False, sizing_mode="stretch_width")
+        self._progress = Progress("simulating", self.status)
         self._about, self._table = (
             pane(sizing_mode="stretch_width"),
             pane(margin=(4, 8), sizing_mode="stretch_width", stylesheets=[LAYOUT_CSS, _TABLE_CSS]),
@@ -192,7 +193,7 @@ class TimeView(Tab):
         )  # fmt: skip
         readout = Div(text="", sizing_mode="stretch_width", margin=(2, 8), name="readout",
                       stylesheets=[":host { font-variant-numeric: tabular-nums;"
-                                   f" color: {colors.ink}; }}"])  # fmt: skip
+                                   " color: var(--ink); }"])  # fmt: skip
         scene = self._scene = Chart(
             colors, "", "", _SCENE_HEIGHT, tools="", toolbar_location=None, min_border=0
         )
@@ -242,10 +243,10 @@ class TimeView(Tab):
                           else None)
             for model in self._player
         )  # fmt: skip
-        states = self._drawing_legend()
+        legend = pane(status_line(_LEGEND), sizing_mode="stretch_width")
         drawing = column(
-            self.drawn, self._scene.new_pane(), pane(states, sizing_mode="stretch_width"),
-            self._table, row(*self.saves, kind="wrapped", sizing_mode=None, margin=(4, 4)),
+            self.drawn, self._scene.new_pane(), legend, self._table,
+            row(*self.saves, kind="wrapped", sizing_mode=None, margin=(4, 4)),
             kind="equal", styles={"flex": "2 1 0"},
         )  # fmt: skip
         charts = column(
@@ -260,7 +261,7 @@ class TimeView(Tab):
                                   margin=8)  # fmt: skip
         top = row(self.scenario, self.run, self.cancel, kind="wrapped")
         main = column(
-            top, self._about, self.bar, self.status, self.message.pane, self.notes,
+            top, self._about, self._progress.bar, self.status, self.message.pane, self.notes,
             self.empty_state, self._shown,
         )  # fmt: skip
         self.panel = row(left, main)
@@ -304,7 +305,7 @@ class TimeView(Tab):
             # a new grid: Bokeh leaves an empty cell where it changes the children of one
             self._fields.objects = [column(*cells, kind="pairs")]
         for field in fields:
-            unit = view.display_units.get(field.dimension) or _common_unit(field.dimension)
+            unit = field_unit(field.dimension, view.display_units)
             self._inputs[field.path].show(field.value, unit)
 
     def _make_input(self, field: ScenarioValue) -> Field:
@@ -361,25 +362,14 @@ class TimeView(Tab):
             self._job.cancel()
 
     def _begin(self, job: Job) -> None:
-        self._job, self._start_time = job, time.monotonic()
+        self._job = job
         self.message.show("")
         self._enable(False)
-        self._show_progress()
-        if pn.state.curdoc is not None and pn.state.curdoc.session_context:
-            self._timer = pn.state.add_periodic_callback(self._show_progress, period=_PERIOD)
-
-    def _show_progress(self) -> None:
-        """Show the running job's stage, and its seconds so far."""
-        if self._job is not None:
-            seconds = time.monotonic() - self._start_time
-            self.bar.visible = True
-            self.status.object = status_line(f"{self._job.stage}: {seconds:.0f} s")
+        self._progress.start(lambda seconds: f"{job.stage}: {seconds:.0f} s")
 
     def _end_job(self) -> None:
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
-        self._job, self.bar.visible, self.status.object = None, False, ""
+        self._job = None
+        self._progress.stop()
         self._enable(True)
 
     def _fail_job(self, error: ValueError | str) -> None:
@@ -449,7 +439,6 @@ class TimeView(Tab):
         result, run, colors = self.result, self.drawn_run, self.colors
         assert result is not None
         end = float(run.table["time"].values[-1])
-        self.charts[0].set_ranges((0.0, end), (0.0, 1.0))
         step = float(f"{end / (len(run.rows) - 1):.6g}")
         self._slider.update(end=end, step=step)
         for curves, chart, source, legend in zip(
@@ -471,8 +460,9 @@ class TimeView(Tab):
         self, chart_curves: ChartCurves, chart: Chart, source: Any, legend: Any
     ) -> None:
         title, unit, curves = chart_curves
+        time = self._samples("time")
         source.data = {
-            "xs": [self._samples("time")] * len(curves),
+            "xs": [time] * len(curves),
             "ys": [curve.values for curve in curves],
             "color": [curve.color for curve in curves],
             "dash": [curve.dash for curve in curves],
@@ -485,9 +475,7 @@ class TimeView(Tab):
         values = np.concatenate([curve.values for curve in curves])
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         gap = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
-        chart.figure.y_range.update(
-            start=low - gap, end=high + gap, reset_start=low - gap, reset_end=high + gap
-        )
+        chart.set_ranges((0.0, time[-1]), (low - gap, high + gap))
 
     def _samples(self, name: str, run: PolicyResult | None = None) -> np.ndarray:
         """Values [SI] of a variable of a `run`, the drawn one by default, at its samples."""
@@ -593,15 +581,6 @@ class TimeView(Tab):
             **columns,
         }
 
-    def _drawing_legend(self) -> str:
-        """Explanation of the drawing: fills of muscles, marks of valves, the demand's line."""
-        texts = (
-            "Filled: the muscle pulls. Pale: it has buckled. Hatched: it has collapsed.",
-            "▼ the valve is open to the supply, ▲ to the room, – shut.",
-            "Red line: where the load should be.",
-        )
-        return status_line(" ".join(texts))
-
     # files
 
     def _stem(self) -> str:
@@ -638,11 +617,6 @@ class TimeView(Tab):
 def _run_label(run: PolicyResult) -> str:
     """Label of a run: its policy, or "reached" for a schedule."""
     return run.policy or "reached"
-
-
-def _common_unit(dimension: str) -> str:
-    """Common unit of a `dimension`, whatever unit the page shows."""
-    return DIMENSIONS[dimension].common
 
 
 def _energies(table: Table, rows: np.ndarray, colors: Colors) -> list[Curve]:

@@ -45,6 +45,11 @@ def unit_factor(unit: str, dimension: str) -> float:
     return float(DIMENSIONS[dimension].factors[unit])
 
 
+def field_unit(dimension: str, display_units: Mapping[str, str]) -> str:
+    """Unit of a field of a `dimension`: the one that the page shows, else the common one."""
+    return display_units.get(dimension, DIMENSIONS[dimension].common)
+
+
 def format_quantity(value: float, unit: str, dimension: str, digits: int = 6) -> str:
     """A `value` [SI] in a `unit`, as a field shows it."""
     return f"{value / unit_factor(unit, dimension):.{digits}g} {unit}".strip()

@@ -114,9 +114,9 @@ def test_a_fit_to_an_earlier_record_is_not_shown(tab, monkeypatch):
     requests = []
     monkeypatch.setattr(LatestResult, "request", lambda *call: requests.append(call))
     tab.start_fit()
-    assert tab.calibrate.disabled and tab.bar.visible
+    assert tab.calibrate.disabled and tab.progress.bar.visible
     send(tab, GOOD.replace(b"200", b"300"), "b.csv")
-    assert not tab.calibrate.disabled and not tab.bar.visible
+    assert not tab.calibrate.disabled and not tab.progress.bar.visible
     latest, _ = requests[0]
     earlier = SimpleNamespace(record=object())
     latest._show(earlier)

@@ -1,5 +1,7 @@
 """The header, and the explorer in a notebook's cell."""
 
+from collections import Counter
+
 import numpy as np
 import panel as pn
 import pytest
@@ -7,14 +9,15 @@ from bokeh.models import ColumnDataSource
 
 import fascicle as fs
 from fascicle.explorer import panel
-from fascicle.explorer.page import Header
+from fascicle.explorer.page import Header, Page
 from fascicle.explorer.state import TABS, Session, view_of
-from fascicle.plot.theme import LIGHT
+from fascicle.plot.theme import DARK, LIGHT
 
 
 @pytest.fixture
 def header():
-    return Header(Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")), LIGHT)
+    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
+    return Header(session, "default", False, print)
 
 
 def test_a_message_on_a_link_goes_with_the_next_change(header):
@@ -55,6 +58,58 @@ def test_buttons_of_the_history_are_enabled_while_there_is_one(header):
     assert not header.undo.disabled and not header.reset.disabled
     header._session.undo()
     assert header.undo.disabled and header.reset.disabled
+
+
+def page_of(theme):
+    """Page in a `theme` with a bundle, all of whose tabs were open, and its session."""
+    session = Session(view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4"))
+    session.change(load=20.0)
+    page = Page(session, theme, [], False, False)
+    for tab in TABS:
+        session.change(tab=tab)
+        if tab == "compare":
+            page._views[tab].pin_example()
+        elif tab == "data":
+            page._views[tab].open_example()
+    return page, session
+
+
+def colors_of(page):
+    """Numbers of all colors of the figures of the tabs that were open."""
+    colors = Counter()
+    for name, tab in page._views.items():
+        tab.refresh()
+        for pane in tab.panel.select(pn.pane.Bokeh):
+            for model in pane.object.references():
+                names = [name for name in model.properties() if name.endswith("_color")]
+                values = {name: getattr(model, name) for name in names}
+                values |= model.data if isinstance(model, ColumnDataSource) else {}
+                for key, value in values.items():
+                    texts = value if isinstance(value, list) else [value]
+                    colors.update(
+                        (name, type(model).__name__, key, text)
+                        for text in texts
+                        if isinstance(text, str) and text.startswith("#")
+                    )
+    return colors
+
+
+def test_another_theme_changes_all_colors_and_keeps_the_history():
+    page, session = page_of("default")
+    dark_page, _ = page_of("dark")
+    light, past = colors_of(page), session._past
+    assert light != colors_of(dark_page)
+    record = page._views["data"].record
+    for theme, expected in (("dark", colors_of(dark_page)), ("light", light)):
+        page.header.theme_switch.clicks += 1
+        assert colors_of(page) == expected
+        assert (
+            f"Use {'light' if theme == 'dark' else 'dark'} page" == page.header.theme_switch.label
+        )
+        paper = DARK.paper if theme == "dark" else LIGHT.paper
+        assert f"--paper: {paper}" in page.panel.stylesheets[-1]
+    assert session._past is past and session.can_undo
+    assert page._views["data"].record is record is not None
 
 
 def test_an_empty_file_is_refused(header):
