@@ -186,8 +186,7 @@ class EfficiencyView(Tab):
         )
         bar = ColorBar(
             color_mapper=self._mapper, major_label_text_color=colors.ink,
-            major_tick_line_color="white",  # on any page
-            background_fill_color=colors.paper, width=12,
+            background_fill_color=colors.paper, major_tick_line_color=colors.paper, width=12,
         )  # fmt: skip
         chart.figure.add_layout(bar, "right")
         self._bar_title = Title(
