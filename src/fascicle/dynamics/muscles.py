@@ -73,11 +73,20 @@ class MuscleTables(AbstractMuscles):
 
     @classmethod
     def from_muscles(
-        cls, muscles: Sequence[Muscle], highest_pressure: float, shape: tuple[int, int]
+        cls,
+        muscles: Sequence[Muscle],
+        highest_pressure: float,
+        shape: tuple[int, int],
+        strains: Sequence[tuple[float, float] | None] | None = None,
     ) -> "MuscleTables":
-        """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes."""
+        """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes between
+        its `strains` [-]; default: those of `UnitSurface.tabulate`.
+        """
         unique, indices = unique_indices(muscles)
-        tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
+        ends = strains or [None] * len(muscles)
+        tables = [
+            UnitSurface.tabulate(muscles[i], highest_pressure, ends[i], shape) for i in unique
+        ]
 
         def per_unit(get: Callable[[UnitSurface], Any]) -> Numbers:
             return np.array([float(get(tables[i])) for i in indices])

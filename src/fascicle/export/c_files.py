@@ -9,9 +9,10 @@ from typing import Any
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.validation import is_concrete
+from ..core.validation import LARGEST_STRAIN, is_concrete
 from ..io.atomic import write_text
 from ..muscle import Muscle
+from ..muscle.surface import default_strains
 
 
 # a file of such a name would hide a header of C23, of POSIX or one that these include; and `fmu.c`
@@ -73,6 +74,22 @@ def length_ratios(bundle: Bundle) -> tuple[float, ...]:
     if bundle.ratios is None:
         return (1.0,) * len(bundle.motor_units)
     return tuple(float(ratio) for ratio in bundle.ratios)
+
+
+def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
+    """Ends of the table of each motor unit's muscle [-]: up to the contraction at which no unit of
+    the bundle pulls any more, also where its own muscle stops pulling before.
+    """
+    muscles, ratios = [unit.muscle for unit in bundle.motor_units], length_ratios(bundle)
+    largest = max(
+        1 - (1 - float(muscle.braid.ideal_free_strain)) / ratio
+        for muscle, ratio in zip(muscles, ratios, strict=True)
+    )
+    ends = []
+    for muscle, ratio in zip(muscles, ratios, strict=True):
+        low, high = default_strains(muscle)
+        ends.append((low, max(high, min(1 - ratio * (1 - largest), LARGEST_STRAIN))))
+    return ends
 
 
 def render_template(file: str, values: Mapping[str, Any]) -> str:

@@ -30,6 +30,7 @@ from .c_files import (
     check_c_name,
     length_ratios,
     render_template,
+    table_strains,
     write_c_files,
 )
 from .controller import tabulate_controller, template_values
@@ -221,9 +222,9 @@ def tabulate(
         supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
     indices, kinds = unique_indices([unit.muscle for unit in units])
-    muscles = [units[i].muscle for i in indices]
+    muscles, strains = [units[i].muscle for i in indices], table_strains(bundle)
     surfaces = tuple(
-        UnitSurface.tabulate(muscle, highest_pressure, shape=shape) for muscle in muscles
+        UnitSurface.tabulate(units[i].muscle, highest_pressure, strains[i], shape) for i in indices
     )
     counts = tuple(int(unit.count) for unit in units)
     errors = _error_text(muscles, surfaces, precision)

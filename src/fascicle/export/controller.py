@@ -22,7 +22,7 @@ from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
-from .c_files import c_array, render_template
+from .c_files import c_array, render_template, table_strains
 
 
 # chambers whose content the C code computes
@@ -56,7 +56,8 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
             raise InvalidInputError("controller", rule, None, remedy)
     top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
-    tables: Any = MuscleTables.from_muscles(muscles, top, shape)
+    strains = table_strains(plant.bundles[0])
+    tables: Any = MuscleTables.from_muscles(muscles, top, shape, strains)
     corrected = controller.units[0].branches.muscles
     if isinstance(corrected, CorrectedMuscles):
         tables = replace(corrected, muscles=tables)

@@ -299,12 +299,18 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     return np.abs(surface.force - force), np.abs(surface.volume - law.by_pressure[:, between])
 
 
+def default_strains(muscle: Muscle) -> tuple[float, float]:
+    """Ends of a `muscle`'s table [-], if none are given."""
+    straight = float(lowest_strain(*strain_domain(muscle)))
+    high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
+    return _LOWEST_SHARE * straight, high
+
+
 def _strain_nodes(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Evenly spaced strains [-] from end to end, zero among them."""
     straight = float(lowest_strain(*strain_domain(muscle)))
     if ends is None:
-        low = _LOWEST_SHARE * straight
-        high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
+        low, high = default_strains(muscle)
     else:
         low, high = (
             check_interval(end, straight, LARGEST_STRAIN, "strains", "-", closed=(False, True))

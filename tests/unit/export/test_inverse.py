@@ -193,6 +193,26 @@ def test_by_the_table_it_finds_the_first_pressure(scheme, make_bundle, compile_c
     assert crossings > 150
 
 
+@pytest.mark.parametrize("supply", [1.0, 0.6])
+def test_the_table_covers_the_workspace_of_unlike_units(supply, compile_c, tmp_path):
+    """A unit of a wide braid stops pulling long before the other one, and resists from there on."""
+    muscles = (fs.Muscle.from_dimensions(0.13, 6e-3, 1e-3, math.radians(x)) for x in (22, 45))
+    units = [fs.MotorUnit(muscle, count) for muscle, count in zip(muscles, (2, 1), strict=True)]
+    bundle = fs.Bundle(units, SUPPLY)
+    library = compile_c(write_table(bundle, tmp_path, "knee")[1])
+    rng = np.random.default_rng(6)
+    free_strain = float(bundle.free_strain([SUPPLY, SUPPLY], resistance=False))
+    strain = rng.uniform(0.0, free_strain, 500)
+    full = np.full(2, supply * SUPPLY)
+    force = rng.uniform(0.0, 1.1, 500) * bundle.force(full, strain)
+    status, _, reached, _ = pressures_in_c(library, "knee", 2, force, strain, full[0])
+    expected = bundle.recruit(force, strain, full[0])
+    assert np.all(status != OUTSIDE) and free_strain > 0.33
+    assert np.mean(status == expected.status) > 0.99
+    largest = stated_errors(bundle)[2]
+    np.testing.assert_allclose(reached, expected.force, rtol=0, atol=2 * largest)
+
+
 def test_units_of_free_pressures_choose_as_recruit(make_bundle, compile_c, tmp_path):
     bundle = make_bundle("free", True)
     library = compile_c(write_table(bundle, tmp_path, "knee")[1])

@@ -101,28 +101,39 @@ static solution search(const curves *at, const real count[KINDS], real force)
 {
     const real h = root_step[0], line = h * h;
     solution best = {0, INFINITY, 0};
+    real excess_at[NODES], slope_at[NODES], bound = INFINITY;
     int i, kind, n;
 
-    for (i = 0; i < LINES; i++) {
-        const real start = (real)(i * i) * line, stop = (real)((i + 1) * (i + 1)) * line;
+    for (i = 0; i < NODES; i++) {
+        excess_at[i] = -force;
+        slope_at[i] = 0;
+    }
+    for (kind = 0; kind < KINDS; kind++) {
+        if (!(count[kind] > 0)) continue;
+        for (i = 0; i < NODES; i++) {
+            excess_at[i] += count[kind] * at->force[kind][i];
+            slope_at[i] += count[kind] * at->slope[kind][i];
+        }
+    }
+    for (i = 0; i < NODES && (real)(i * i) * line <= at->supply; i++)
+        bound = smaller(bound, size(excess_at[i]));
+    /* what is as near as this may be the result */
+    bound = larger(bound + tie, meets);
+    for (i = 0; i < LINES && (real)(i * i) * line < at->supply; i++) {
+        const real stop = (real)((i + 1) * (i + 1)) * line;
         const real by_start = i ? 2 * (real)i * line : line;
         const real by_stop = i ? 2 * (real)(i + 1) * line : line;
-        real f = -force, g = -force, f_slope = 0, g_slope = 0, end = 1, stops[4], c[4], f_b, g_b;
+        const real f = excess_at[i], f_slope = by_start * slope_at[i];
+        const real g = excess_at[i + 1], g_slope = by_stop * slope_at[i + 1];
+        const real f_b = f + f_slope / 3, g_b = g - g_slope / 3;
+        real end = 1, stops[4], c[4];
         int count_stops = 1;
 
-        if (start >= at->supply) break;
-        for (kind = 0; kind < KINDS; kind++) {
-            f += count[kind] * at->force[kind][i];
-            g += count[kind] * at->force[kind][i + 1];
-            f_slope += count[kind] * by_start * at->slope[kind][i];
-            g_slope += count[kind] * by_stop * at->slope[kind][i + 1];
-        }
         /* a cubic lies between the least and the largest of its Bezier ordinates: skip a cell that
-         * holds nothing nearer than what is found */
-        f_b = f + f_slope / 3;
-        g_b = g - g_slope / 3;
-        if (smaller(smaller(f, f_b), smaller(g, g_b)) >= size(best.excess)) continue;
-        if (larger(larger(f, f_b), larger(g, g_b)) <= -size(best.excess)) continue;
+         * holds nothing as near as a node, or nothing nearer than what is found */
+        bound = smaller(bound, size(best.excess));
+        if (smaller(smaller(f, f_b), smaller(g, g_b)) >= bound) continue;
+        if (larger(larger(f, f_b), larger(g, g_b)) <= -bound) continue;
         c[0] = f;
         c[1] = f_slope;
         c[2] = 3 * (g - f) - 2 * f_slope - g_slope;
