@@ -63,7 +63,8 @@ class NumberFormat:
         """Finite value of a `cell`, or `None`."""
         if self.unclear and self._unclear_sign(cell):
             return None
-        plain = cell.replace(",", ".") if self.decimal == "," else cell
+        plain = self.plain(cell)
+        plain = plain.replace(",", ".") if self.decimal == "," else plain
         # Python's own numbers, such as 1_000 and nan, are none here
         is_plain = NUMBER.fullmatch(plain) and "," not in plain
         return value if is_plain and math.isfinite(value := float(plain)) else None

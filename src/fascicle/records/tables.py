@@ -6,11 +6,11 @@ between blocks of readings; a serial monitor's clock; lines of `name: number` pa
 """
 
 import csv
-import io
 import re
-from collections.abc import Iterator, Sequence
+from array import array
+from collections.abc import Iterator, MutableSequence, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class TableColumns:
 
     numbers: dict[int, np.ndarray]
     texts: dict[int, list[str]]
-    lines: list[int]
+    lines: MutableSequence[int]
     notes: list[str] = field(default_factory=list)
 
     def only(self, mask: np.ndarray) -> "TableColumns":
@@ -56,7 +56,7 @@ class TableColumns:
         return TableColumns(
             {i: values[rows] for i, values in self.numbers.items()},
             {i: [texts[row] for row in rows] for i, texts in self.texts.items()},
-            [self.lines[row] for row in rows],
+            array("q", np.asarray(self.lines)[rows]),
             self.notes,
         )
 
@@ -84,6 +84,7 @@ class Table:
     - `remarks`: lines after `#` above the header; `titles`: other lines above it.
     - `delimiter`: the sign between cells; `numbers`: the format of numbers.
     - `body`: the lines of the rows; `first`: the number of the first one.
+    - `row_width`: cells of a row between blanks, where a missing cell leaves no sign; else 0.
     - `origins`: of a table that was wide, the file's line of each line.
     """
 
@@ -97,6 +98,7 @@ class Table:
     numbers: NumberFormat
     body: list[str]
     first: int
+    row_width: int
     origins: tuple[int, ...] = ()
 
     @property
@@ -122,13 +124,11 @@ class Table:
         default: all rows, unless they are of several specimens. Raises a `ValueError` with line and
         column for the first bad cell.
         """
-        selected, rows = rows is not None, rows or (1, MAX_ROWS)
-        if cells := self._read_regular(numbers, texts, time, rows):
-            return cells
+        first, last = rows or (1, MAX_ROWS)
         width, count, is_led = len(self.header), 0, False
-        values: list[list[float]] = []
+        values = array("d")  # row by row
         texts = [*texts, *([] if time is None else [time])]
-        cells = TableColumns({}, {i: [] for i in texts}, [])
+        cells = TableColumns({}, {i: [] for i in texts}, array("q"))
         left_out: dict[str, list[tuple[int, list[str]]]] = {
             "with holes": [], "of words": [], "of two lines in one": []
         }  # fmt: skip
@@ -136,37 +136,40 @@ class Table:
         ends: list[int] = []  # rows above the names of further specimens
         for line, row in self._rows():
             count += 1
-            if not rows[0] <= count <= rows[1]:
+            if not first <= count <= last:
                 continue
+            is_short = len(row) < self.row_width
             row.extend([""] * (width - len(row)))
             if time is not None and len(row) == width + 1 and is_split_clock(*row[time : time + 2]):
                 row[time : time + 2] = [f"{row[time]}.{row[time + 1]}"]  # 10:11:12,100
-            # below rows that begin with a number, a word begins those of a mean and the like
-            is_led = is_led or is_number(row[0])
             needed = [row[i] for i in numbers]
-            kind = _row_kind(row, needed, is_led)
-            if kind == "words":
+            readings = list(map(self.numbers.value, needed))
+            is_whole = None not in readings
+            has_hole = is_short or (not is_whole and any(map(_is_hole, needed)))
+            begins_with_word = row[0][:1].isalpha() and not _is_hole(row[0])
+            # below rows that begin otherwise, a word begins those of a mean and the like
+            is_text = is_led and begins_with_word
+            if is_text or not (is_whole or has_hole or any(map(is_number, needed))):
                 self._check_header(row, line, count)
                 text_rows.append((line, row))
                 ends += [count - 1] if _SPECIMEN.fullmatch(row[0]) else []
             elif any(row[width:]):
                 doubles.append((line, row))
-            elif kind == "holes":
+            elif has_hole:
                 holes.append((line, row))
             else:
-                values.append(
-                    [self._number(x, line, i) for i, x in zip(numbers, needed, strict=True)]
-                )
+                is_led = is_led or not row[0] or is_number(row[0])
+                values.extend(self._finite(readings, row, line, numbers))
                 cells.lines.append(line)
                 for i in texts:
-                    cells.texts[i].append(row[i])
-        if ends and not selected:
+                    cells.texts[i].append(self.numbers.plain(row[i]))
+        if ends and rows is None:
             before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
             raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
-        self._check_doubles(doubles, len(values))
-        if not values:
-            raise self._no_readings(numbers, holes, text_rows, count)
-        cells.numbers = dict(zip(numbers, np.array(values).T, strict=True))
+        self._check_doubles(doubles, len(cells.lines))
+        self._check_any(cells.lines, numbers, holes, text_rows, count)
+        columns = np.reshape(values, (len(cells.lines), len(numbers))).T
+        cells.numbers = dict(zip(numbers, columns, strict=True))
         if time is not None and (seconds := read_seconds(cells.texts.pop(time))) is not None:
             cells.numbers[time] = seconds
         cells.notes += [
@@ -176,43 +179,6 @@ class Table:
             if rows
         ]
         return cells
-
-    def _read_regular(
-        self, numbers: Sequence[int], texts: Sequence[int], time: int | None, rows: tuple[int, int]
-    ) -> TableColumns | None:
-        """All rows read by pandas, in a tenth of the time; `None` if they aren't regular."""
-        import pandas as pd
-
-        width, decimal = len(self.header), self.numbers.decimal
-        if decimal in self.numbers.unclear:
-            return None
-        if {line.count(self.delimiter) for line in self.body} != {width - 1}:
-            return None
-        floats = [*numbers, *([] if time is None else [time])]
-        # the nearest float is pandas' default from 3.1 on
-        old = tuple(map(int, re.findall(r"\d+", pd.__version__)[:2])) < (3, 1)
-        try:
-            frame = pd.read_csv(
-                io.StringIO("\n".join(self.body)), header=None, names=range(width), index_col=False,
-                dtype={i: float if i in floats else str for i in range(width)}, na_filter=False,
-                sep=self.delimiter, decimal=decimal, skip_blank_lines=False,
-                skipinitialspace=True, float_precision="round_trip" if old else None,
-            )  # fmt: skip
-        except (ValueError, OverflowError):
-            return None
-        has_text = 0 not in floats and any(str(text)[:1].isalpha() for text in frame[0])
-        if (
-            has_text
-            or len(frame) != len(self.body)
-            or not np.isfinite(frame[floats]).all(axis=None)
-        ):
-            return None
-        frame = frame.iloc[rows[0] - 1 : rows[1]]
-        return None if frame.empty else TableColumns(
-            {i: frame[i].to_numpy() for i in floats},
-            {i: [text.strip() for text in frame[i]] for i in texts},
-            [self._file_line(self.first + int(i)) for i in frame.index],
-        )  # fmt: skip
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line and stripped cells of each row that is neither blank, a remark nor a header."""
@@ -227,7 +193,6 @@ class Table:
             for cells in rows:
                 row = [cell.strip() for cell in cells]
                 if any(row) and row not in repeats:
-                    row = list(map(self.numbers.plain, row))
                     yield self._file_line(self.first + rows.line_num - 1), row
         except csv.Error as error:
             line = self._file_line(self.first + rows.line_num - 1)
@@ -236,9 +201,10 @@ class Table:
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
         """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
         units = self.units if any(self.units) else [read_header(x)[0][1] for x in self.header]
-        if sum(map(is_known, row)) > 1:
+        if len(set(filter(is_known, row))) > 1:
             is_other = any(map(differ, row, self.header))
         else:
+            row = _without_label(row) or row
             cells = [
                 (strip_brackets(a), strip_brackets(b)) for a, b in zip(row, units, strict=False)
             ]
@@ -253,23 +219,26 @@ class Table:
     def _file_line(self, line: int) -> int:
         return self.origins[line - 1] if self.origins else line
 
-    def _no_readings(
-        self, numbers: Sequence[int], holes: list, text_rows: list, count: int
-    ) -> ValueError:
-        """The error for a table of which no row can be read."""
+    def _check_any(
+        self,
+        readings: Sequence[int],
+        numbers: Sequence[int],
+        holes: Sequence[tuple[int, list[str]]],
+        text_rows: Sequence[tuple[int, list[str]]],
+        count: int,
+    ) -> None:
+        """Refuse a table of which no row could be read."""
+        if readings:
+            return
         if text_rows:
             line, row = text_rows[0]
-            try:
-                for i in numbers:
-                    self._number(row[i], line, i)
-            except ValueError as error:
-                return error
+            self._finite([self.numbers.value(row[i]) for i in numbers], row, line, numbers)
         rule = f"no readings below the header in line {self.line}"
         if holes:
             rule = f"no row has a number in each column, the first hole is in line {holes[0][0]}"
         elif count:
             rule = f"no readings in those rows: it has {count}"
-        return ValueError(f"{self.source}: {rule}.")
+        raise ValueError(f"{self.source}: {rule}.")
 
     def _check_doubles(self, doubles: Sequence[tuple[int, list[str]]], count: int) -> None:
         """Refuse rows with more cells than the header, unless a few among `count` readings are
@@ -285,15 +254,19 @@ class Table:
             message = f"{len(row)} cells, where the header has {width}: {remedy}."
             raise ValueError(f"{self.source}, line {line}: {message}")
 
-    def _number(self, text: str, line: int, column: int) -> float:
-        """Finite number of a cell's `text`; the error for another one names line and column."""
-        if (value := self.numbers.value(text)) is None:
-            if meanings := self.numbers.meanings(text):
-                before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
-                choices = (("decimal", "", sign, after) for sign, after in meanings)
-                raise MissingMetadataError(str(before), *choices)
-            raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
-        return value
+    def _finite(
+        self, values: Sequence[float | None], row: Sequence[str], line: int, columns: Sequence[int]
+    ) -> Sequence[float]:
+        """The `values` of a row's `columns`; the error for the first `None` names line, column."""
+        if None not in values:
+            return cast("Sequence[float]", values)
+        column = columns[values.index(None)]
+        text = row[column]
+        if meanings := self.numbers.meanings(text):
+            before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
+            choices = (("decimal", "", sign, after) for sign, after in meanings)
+            raise MissingMetadataError(str(before), *choices)
+        raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
 
 
 def open_table(
@@ -366,22 +339,12 @@ def open_table(
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
         layout.delimiter, numbers, body, first,
+        layout.width if layout.delimiter.isspace() and layout.delimiter != "\t" else 0,
     )  # fmt: skip
 
 
-def _row_kind(row: Sequence[str], needed: Sequence[str], is_led: bool) -> str:
-    """Kind of a row by its `needed` cells: "holes" if one is blank or such as nan, "words" if none
-    is a number or blank, else "numbers", bad cells among them.
-
-    `is_led`: readings begin with a number, so a row that begins with a word is "words".
-    """
-    is_text = is_led and row[0][:1].isalpha() and row[0].lower() not in _HOLES
-    if not is_text and all(map(is_number, needed)):
-        return "numbers"
-    has_hole = any(cell.lower().lstrip("+-") in _HOLES for cell in needed)
-    if is_text or not (has_hole or any(map(is_number, needed))):
-        return "words"
-    return "holes" if has_hole else "numbers"
+def _is_hole(cell: str) -> bool:
+    return cell.lower().lstrip("+-") in _HOLES
 
 
 def has_readings(raw: bytes) -> bool:
@@ -514,11 +477,16 @@ def _unit_row(cells: Sequence[list[str]], layout: _Layout) -> list[str]:
     header = cells[layout.header or 0]
     if _are_units(header):  # the columns have no other names
         return header
-    for row in cells[: layout.header or 0]:
-        if row and re.search(r"unit|einheit", row[0], re.IGNORECASE) and _are_units(row[1:]):
-            # LabVIEW names no unit of the time, which may be left out
-            return ["", *row[1:]] if not header[0] or score(header[0], "", "time") else row[1:]
+    for row in filter(None, map(_without_label, cells[: layout.header or 0])):
+        # LabVIEW names no unit of the time, which may be left out
+        return row if not header[0] or score(header[0], "", "time") else row[1:]
     return []
+
+
+def _without_label(row: Sequence[str]) -> list[str]:
+    """A row of units with its first cell, such as Y_Unit_Label, blank; empty for another row."""
+    is_labeled = bool(row) and re.search(r"unit|einheit", row[0], re.IGNORECASE)
+    return ["", *row[1:]] if is_labeled and _are_units(row[1:]) else []
 
 
 def _are_units(cells: Sequence[str]) -> bool:

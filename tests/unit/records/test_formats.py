@@ -263,6 +263,29 @@ def test_rows_with_holes_are_left_out_and_counted():
         loads("p [kPa],F [N],L [mm]\n100,,180\n100,40,\n", rest_length=REST)
 
 
+@pytest.mark.parametrize("blanks", ["  ", "          "])
+def test_a_missing_cell_between_blanks_moves_no_others(blanks):
+    rows = [f"{t} {p} {f} {x} 21.5" for t, p, f, x in ROWS]
+    short = f"0.4{blanks}{FORCE[0]} {LENGTH[0]} 21.5"  # a force would be a pressure
+    for odd in ([*rows, short], [*rows[:2], short, *rows[2:]]):
+        record = loads("\n".join(["t_s p_kPa F_N L_mm T_degC", *odd]), rest_length=REST)
+        check(record)
+        assert any("1 row with holes left out" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("text", [LVM_ONE, LVM_MULTI, LVM_NO])
+def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_first(text):
+    segment = text[text.index("Channels") :]
+    record = loads(f"{text}\n{segment}", rest_length=REST)
+    assert_allclose(record.force, FORCE * 2)
+    assert_allclose(record.pressure, np.array(PRESSURE * 2) * 1e3)
+    for old, new in (("\tN\t", "\tkN\t"), ("Force", "Torque")):
+        with pytest.raises(MissingMetadataError, match="another header than in line") as error:
+            loads(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
+        first = loads(text + segment.replace(old, new), rest_length=REST, rows=error.value.value)
+        check(first, time=text is not LVM_NO)
+
+
 def test_columns_by_place():
     text = table(",", [FORCE, PRESSURE, TIME, [1] * 4, LENGTH])
     with pytest.raises(MissingMetadataError, match="no header, but numbers in 5 columns") as error:
