@@ -35,7 +35,7 @@ def modules(kind: str) -> list[str]:
     from fascicle.muscle import LAWS
 
     names = dict.fromkeys(law.__module__ for law in LAWS[kind].values())
-    return [name for name in names if not name.endswith(f".{kind}_law")]
+    return [name for name in names if not name.endswith(f".{kind}")]
 
 
 def abilities() -> str:

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from fascicle.bundle import Bundle
 from fascicle.bundle.reversal import Reversal, free_strain_curve, reversal
 from fascicle.muscle import Muscle
-from fascicle.muscle.tension.tension_law import Ideal
+from fascicle.muscle.tension import Ideal
 from fascicle.plot.curves import draw_free_strain, split_at_reversal
 from fascicle.plot.theme import BLACK, GRAY, SINGLE, new_figure, styled
 from fascicle.results.labelled import Variable

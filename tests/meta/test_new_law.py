@@ -17,7 +17,7 @@ from typing import ClassVar
 from ...core.parameters import POSITIVE, Constant, symmetric_scale
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
+from . import AbstractTension, Offset, Pull, solved_free_strain
 
 
 class Toy2026(AbstractTension):
@@ -78,7 +78,7 @@ from typing import ClassVar
 from ...core.parameters import POSITIVE, Constant
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .collapse_law import FACTOR, AbstractCollapse
+from . import FACTOR, AbstractCollapse
 
 
 class ToyFold(AbstractCollapse):

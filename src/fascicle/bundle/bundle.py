@@ -47,7 +47,7 @@ from ..core.validation import (
 )
 from ..muscle import Muscle
 from ..muscle.muscle import BACKENDS, batch_shape
-from ..muscle.validation import check_strain, lowest_strain, strain_domain
+from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
 from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
 from .inverse import recruit
@@ -269,7 +269,7 @@ class Bundle(Module):
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
             return check_plate_strain(strain, self.plate_distance, muscles)
-        lowest = [lowest_strain(*strain_domain(muscle)) for muscle in muscles]
+        lowest = [lowest_strain(muscle.law) for muscle in muscles]
         return check_strain(strain, reduce(np.maximum, lowest))
 
     def _check_pressures(self, pressures: Values) -> PerUnit:

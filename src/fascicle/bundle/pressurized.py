@@ -31,7 +31,7 @@ from ..core.validation import (
 from ..muscle import Muscle
 from ..muscle.muscle import batch_shape, tuning_tables
 from ..muscle.piecewise import PressurizedMuscle
-from ..muscle.validation import check_strain, lowest_strain, strain_domain
+from ..muscle.validation import check_strain, lowest_strain
 
 
 class PressurizedBundle(Module):
@@ -200,7 +200,7 @@ def check_plate_strain(strain: Values, length: Batch, muscles: Sequence[Muscle])
     if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return traced_floats(strain)
     ratios = [np.asarray(length / muscle.length) for muscle in muscles]
-    straight = [lowest_strain(*strain_domain(muscle)) for muscle in muscles]
+    straight = [lowest_strain(muscle.law) for muscle in muscles]
     low = reduce(np.maximum, map(plate_strain, ratios, straight))
     high = reduce(np.minimum, [plate_strain(ratio, LARGEST_STRAIN) for ratio in ratios])
     return check_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")

@@ -15,7 +15,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, minimum, stack, where
 from ..core.types import Numbers
 from ..muscle import Muscle
-from ..muscle.buckling.buckling_law import ROUNDING
+from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise, PressurizedMuscle
 from .designs import Sizes
 from .outcome import Demand, ForceTable

@@ -21,7 +21,7 @@ from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy_at_rest, contraction_work
-from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface, lookup
+from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface
 
 
 class MuscleVolumes(NamedTuple):
@@ -105,7 +105,7 @@ class MuscleTables(AbstractMuscles):
         """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-], (V3).
         """
-        return lookup(self.table, pressure, strain, self.indices)
+        return self.table.lookup_at(pressure, strain, self.indices)
 
     @property
     def columns(self) -> int:

@@ -10,7 +10,7 @@ from ..calibrate.data import assign_levels
 from ..core.errors import MissingExtraError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
-from ..muscle.validation import extension_message, lowest_strain, strain_domain
+from ..muscle.validation import extension_message, lowest_strain
 from ..records import loads
 from ..records.columns import MissingMetadataError
 from ..records.formats import table_texts, unpacked_size
@@ -145,7 +145,7 @@ def mismatch_reason(muscle: Muscle, record: Record) -> str:
     """Reason why a `record` doesn't suit this `muscle`: it stretches it, has no pressure, or pulls
     far past its free strain; else empty.
     """
-    if stretched := extension_message(record.strain, lowest_strain(*strain_domain(muscle))):
+    if stretched := extension_message(record.strain, lowest_strain(muscle.law)):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:

@@ -13,7 +13,6 @@ from ..muscle.validation import (
     lowest_strain,
     proportions_message,
     published_range_message,
-    strain_domain,
 )
 from .muscle_curves import is_tuned
 from .state import View
@@ -108,7 +107,7 @@ def validity_warnings(view: View, tab: str) -> list[str]:
         ]
         if not single and view.distance is not None:
             strain = muscle_strain(view.distance / muscle.length, 0.0)
-            lines.append(extension_message(strain, lowest_strain(*strain_domain(muscle))))
+            lines.append(extension_message(strain, lowest_strain(muscle.law)))
     if tab == "muscle":
         keys = (key.partition(":") for key in view.alternatives)
         laws = (TENSION_LAWS.get(name) for kind, _, name in keys if kind == "tension")

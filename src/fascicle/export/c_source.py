@@ -18,7 +18,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
-from ..muscle.validation import lowest_strain, strain_domain
+from ..muscle.validation import lowest_strain
 from .c_files import (
     as_bundle,
     c_array,
@@ -61,7 +61,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     laws, work = _law_values([muscles[i] for i in terms], name)
     ratios = length_ratios(bundle)
     lowest = max(
-        1 - (1 - float(lowest_strain(*strain_domain(muscle)))) / ratio
+        1 - (1 - float(lowest_strain(muscle.law))) / ratio
         for muscle, ratio in zip(muscles, ratios, strict=True)
     )
     largest = min(1 - (1 - LARGEST_STRAIN) / ratio for ratio in ratios)

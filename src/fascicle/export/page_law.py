@@ -22,7 +22,7 @@ from ..muscle.bladder import Bladder
 from ..muscle.buckling import BucklingColumn
 from ..muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
 from ..muscle.post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
-from ..muscle.tension.tension_law import LEAST_PRESSURE
+from ..muscle.tension import LEAST_PRESSURE
 
 
 FOLDER = Path(__file__).with_name("page")

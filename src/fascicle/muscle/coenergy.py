@@ -24,20 +24,10 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 
 from typing import Any
 
-import numpy as np
-
-from ..core.array_namespace import (
-    array_namespace,
-    maximum,
-    minimum,
-    node_axis,
-    stack,
-    sum_nodes,
-    where,
-)
+from ..core.array_namespace import array_namespace, maximum, minimum, stack, sum_nodes, where
 from ..core.errors import require
 from ..core.types import Batch, BatchLike, Numbers
-from .ends.ends_law import quadrature
+from .ends import integrate_pieces
 from .piecewise import PressurizedMuscle
 
 
@@ -56,12 +46,7 @@ def contraction_work(
     # at a kink slopes are those of smaller strains, of which a minimum would take half
     stops = [where(kink >= high, high, where(kink > low, kink, low)) for kink in kinks]
     ends = stack([low, *stops, high] if resistance else [low, *stops])
-    # all stretches as one row of nodes: one evaluation of the law
-    middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
-    node, weight = (node_axis(x, low + 0.0 * muscle.collapse_strain) for x in quadrature())
-    shape = (-1, *ends.shape[1:])
-    strains = (middle[:, None] + half[:, None] * node).reshape(shape)
-    work = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(strains)[0])
+    work = sum_nodes(integrate_pieces(muscle.pulling_force, ends[:-1], ends[1:]))
     return muscle.column.rest_length * where(back, -work, work)
 
 
@@ -79,13 +64,10 @@ def integrate_force(
     ends = xp.concatenate([xp.broadcast_to(stops, (len(stops), *kinks.shape[1:])), kinks])
     order = xp.argsort(ends, axis=0)
     ends = xp.take_along_axis(ends, order, axis=0)
-    middle, half = (ends[1:] + ends[:-1]) / 2, (ends[1:] - ends[:-1]) / 2
-    node, weight = (node_axis(x, middle) for x in np.polynomial.legendre.leggauss(points))
-    strain = middle + half * node
-    force = muscle.force(strain)[0]
-    if not resistance:
-        force = where(strain <= muscle.column.free_strain, force, 0.0)
-    pieces = half * sum_nodes(weight * force)
+    start, end = ends[:-1], ends[1:]
+    pieces = integrate_pieces(muscle.pulling_force, start, end, points)
+    if not resistance:  # free strain is an end of pieces
+        pieces = where(start < muscle.column.free_strain, pieces, 0.0)
     sums = xp.concatenate([0.0 * ends[:1], xp.cumsum(pieces, axis=0)])
     # each stop is exactly an end, so nothing is interpolated
     return xp.take_along_axis(sums, xp.argsort(order, axis=0)[: len(stops)], axis=0)

@@ -6,7 +6,6 @@ or an entry point of the group `fascicle.laws` in another installed package.
 """
 
 import importlib
-import importlib.util
 import pkgutil
 import sys
 import warnings
@@ -63,18 +62,18 @@ class LawRegistry(Mapping[str, type[Law]]):
     else the entry point of its name. Listing imports all of them, and warns of those that fail.
     """
 
-    def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
-        """`package`, `path`: name and path of the folder. `kind`: base class of the laws, whose
-        module may have laws, too. `default`: name of a new muscle's law.
+    def __init__(self, kind: type[Law], default: str) -> None:
+        """`kind`: base class of the laws, in the package that is their folder and may have laws,
+        too. `default`: name of a new muscle's law.
         """
-        self._package, self._path, self._kind, self._default = package, path, kind, default
+        self._kind, self._default, self._package = kind, default, kind.__module__
         self._laws: dict[str, type[Law]] = {}
         self._installed: dict[str, type[Law]] = {}  # of other packages
-        self._add(importlib.import_module(kind.__module__))
+        self._add(sys.modules[self._package])
         self._complete = self._listed = False
 
     def __getitem__(self, name: str) -> type[Law]:
-        if name not in self._laws and isinstance(name, str) and name in self._modules():
+        if name not in self._laws and name in self._modules():
             self._add(importlib.import_module(f"{self._package}.{name}"))
         if name not in self._laws and name not in self._installed:
             self._load_all()
@@ -84,8 +83,7 @@ class LawRegistry(Mapping[str, type[Law]]):
 
     def __iter__(self) -> Iterator[str]:
         self._load_all_installed()
-        names = {*self.shipped, *self._installed}
-        return iter(sorted(names, key=lambda name: (name != self._default, name)))
+        return iter(self._in_order({*self.shipped, *self._installed}))
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -94,8 +92,7 @@ class LawRegistry(Mapping[str, type[Law]]):
     def shipped(self) -> Mapping[str, type[Law]]:
         """Laws of fascicle itself, in the same order: no other package is imported."""
         self._load_all()
-        names = sorted(self._laws, key=lambda name: (name != self._default, name))
-        return MappingProxyType({name: self._laws[name] for name in names})
+        return MappingProxyType({name: self._laws[name] for name in self._in_order(self._laws)})
 
     @property
     def default(self) -> type[Law]:
@@ -114,7 +111,6 @@ class LawRegistry(Mapping[str, type[Law]]):
             raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
 
         def list_attributes() -> list[str]:
-            """The package's own names and the classes of its laws."""
             classes = {law.__name__ for law in self.shipped.values()}
             return sorted({*vars(sys.modules[self._package]), *classes})
 
@@ -131,9 +127,13 @@ class LawRegistry(Mapping[str, type[Law]]):
         rule = f"must be one of {', '.join(sorted(self))} or an object of {self._kind.__name__}"
         raise InvalidInputError(self._argument, rule, value)
 
+    def _in_order(self, names: Iterable[str]) -> list[str]:
+        return sorted(names, key=lambda name: (name != self._default, name))
+
     def _modules(self) -> list[str]:
         """Names of the modules in the registry's package, sorted."""
-        return sorted(module.name for module in pkgutil.iter_modules(self._path))
+        path = sys.modules[self._package].__path__
+        return sorted(module.name for module in pkgutil.iter_modules(path))
 
     def _load_all(self) -> None:
         if not self._complete:
@@ -195,14 +195,13 @@ class LawRegistry(Mapping[str, type[Law]]):
     def _add(self, module: ModuleType) -> None:
         """Add the final laws that are written in a module."""
         for law in vars(module).values():
-            if not (isinstance(law, type) and issubclass(law, self._kind)):
+            if not (isinstance(law, type) and issubclass(law, self._kind) and hasattr(law, "name")):
                 continue
-            name = getattr(law, "name", None)
-            if law.__module__ != module.__name__ or not isinstance(name, str):
+            if law.__module__ != module.__name__:
                 continue
-            if self._laws.setdefault(name, law) is not law:
+            if self._laws.setdefault(law.name, law) is not law:
                 rule = f"names two laws of {self._package}"
-                raise InvalidInputError(name, rule, None, "rename one of them")
+                raise InvalidInputError(law.name, rule, None, "rename one of them")
 
 
 def package_of(law: type[AbstractLaw]) -> str:

@@ -12,6 +12,7 @@ forces and shapes at any strain are closed forms from there.
 
 from collections.abc import Callable
 from functools import cached_property, partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,6 @@ from .validation import (
     check_wall_thickness,
     choose_material,
     choose_tuning,
-    strain_domain,
     validate_braid_angle,
     validate_point,
     validate_pressure,
@@ -57,8 +57,8 @@ BACKENDS = ("jax", "casadi")  # of a compiled force: the libraries that `compile
 
 
 class AtPressure(Module):
-    """A muscle at a gauge `pressure` [Pa], from `muscle.at(pressure)`; `state`: its laws at this
-    pressure for library code, elementwise in strain, without checks.
+    """A muscle at a gauge `pressure` [Pa], from `muscle.at(pressure)`; `state`: its laws there,
+    without checks, for library code.
     """
 
     pressure: Batch
@@ -81,15 +81,11 @@ class AtPressure(Module):
         return self._match_type(self.state.collapse_strain)
 
     def force(self, strain: Values) -> Batch:
-        """Pulling force $F$ [N] at `strain` [-], equation (27), negative where the muscle pushes.
-        All methods raise `ValueError` for concrete strains off the domain.
-        """
+        """Pulling force $F$ [N] at `strain` [-], (27); `ValueError` off the domain, as of all."""
         return self._evaluate("pulling_force", strain)
 
     def stiffness(self, strain: Values) -> Batch:
-        """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]; at a kink,
-        that of smaller strains.
-        """
+        """Stiffness $\\partial F/\\partial L$ [N/m] at `strain` [-]; at a kink, of smaller ones."""
         return self._evaluate("stiffness", strain)
 
     def response(self, strain: Values) -> Response:
@@ -109,11 +105,9 @@ class AtPressure(Module):
         return self._evaluate("shape", strain, check_centerline_points(points))
 
     def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
-        tension = self.state.law.tension
-        eps = validate_strain(strain, tension.bladder.braid.angle, tension.strain_ratio)
-        eps = self._match_type(eps)
+        eps = self._match_type(validate_strain(strain, self.state.law))
         check_broadcast(self.pressure, eps)
-        return evaluate(_state_quantity, self, eps, static=(quantity, *static))
+        return evaluate(_call_method, self, eps, static=(f"state.{quantity}", *static))
 
     def _match_type(self, values: Batch) -> Batch:
         """The `values` in the array library of the pressure."""
@@ -184,13 +178,14 @@ class Muscle(Module):
 
         **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
         """
-        sizes = (length, outer_radius, wall_thickness, braid_angle, material)
-        laws = (tension, buckling, collapse, post_collapse)
-        return cls(*sizes, *laws, transition_rate, tuning, ends)
+        return cls(
+            length, outer_radius, wall_thickness, braid_angle, material,
+            tension, buckling, collapse, post_collapse, transition_rate, tuning, ends,
+        )  # fmt: skip
 
     def replace(self, **changes: Any) -> "Muscle":
-        """A copy with some arguments changed, such as `wall_thickness=1e-3` [m]; `ValueError`
-        for unknown names and for sizes that can't exist.
+        """A copy with `changes` of arguments, such as `wall_thickness=1e-3` [m]; `ValueError` for
+        unknown names and sizes that can't exist.
         """
         return replace_muscle(self, changes)
 
@@ -238,9 +233,8 @@ class Muscle(Module):
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
         """Stiffness $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]
-        along the axis at `pressure` [Pa] and `strain` [-], which broadcast: positive where the pull
-        falls as the muscle contracts, so that it holds a load by itself. At free strain, onset and
-        collapse, where it jumps, that of smaller strains.
+        at `pressure` [Pa] and `strain` [-], which broadcast: positive where a muscle holds a load
+        by itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
         """
         return self._evaluate_at("stiffness", pressure, strain)
 
@@ -249,7 +243,7 @@ class Muscle(Module):
         which are solved for once, and methods of strain.
         """
         pressure = validate_pressure(pressure, self.tuning)
-        state = evaluate(_law_quantity, self, pressure, static=("at",))
+        state = evaluate(_call_method, self, pressure, static=("law.at",))
         return AtPressure(pressure, state, is_jax_array(pressure))
 
     def free_strain(self, pressure: Values) -> Batch:
@@ -265,16 +259,14 @@ class Muscle(Module):
         return self._evaluate_law("collapse_strain", pressure)
 
     def collapse_moment(self, pressure: Values) -> Batch:
-        """Moment $M_{collapse}$ [N·m] at which the bladder collapses, with the tuning's factors, at
-        `pressure` [Pa], 0 to 1 MPa.
-        """
+        """Collapse moment $M_{collapse}$ [N·m], tuned, at `pressure` [Pa], 0 to 1 MPa."""
         return self._evaluate_law("collapse_moment", pressure)
 
     def volume(self, strain: Values) -> Batch:
         """Volume $\\pi r^2 L - V_b$ [m³] of the fluid inside, without the bladder's own [R17], at
         `strain` [-]; with compliant ends, unloaded.
         """
-        return self._evaluate(_volume, validate_strain(strain, *strain_domain(self)))
+        return self._evaluate(_volume, validate_strain(strain, self.law))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
         """Volume $V^*$ [m³] that conserves energy with the force, (V2), at `pressure` [Pa] and
@@ -290,7 +282,7 @@ class Muscle(Module):
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius $r$ [m] of the straight muscle at `strain` [-]."""
-        return self._evaluate(_radius, validate_strain(strain, *strain_domain(self)))
+        return self._evaluate(_radius, validate_strain(strain, self.law))
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """Deflection of the axis in the middle $y_{max}$ [m] at `pressure` [Pa] and `strain` [-];
@@ -305,16 +297,13 @@ class Muscle(Module):
         return self._evaluate_at("moment", pressure, strain)
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
-        """Centerline [m] at `pressure` [Pa] and `strain` [-]: `.z` and `.y` with `points`, at least
-        3, on the last axis.
-        """
+        """Centerline [m] of at least 3 `points` at `pressure` [Pa] and `strain` [-]."""
         return self._evaluate_at("shape", pressure, strain, check_centerline_points(points))
 
     def plot(
         self, pressures: Values = None, strains: Values = None, components: bool = False
     ) -> Any:
-        """Plot the force over contraction: a curve for each pressure, or with `components` a panel
-        for each.
+        """Plot the force over contraction, a curve or a panel for each pressure.
 
         **Arguments:**
 
@@ -347,7 +336,7 @@ class Muscle(Module):
 
     def _evaluate_law(self, quantity: str, pressure: Values) -> Batch:
         pressure = validate_pressure(pressure, self.tuning)
-        return self._evaluate(_law_quantity, pressure, static=(quantity,))
+        return self._evaluate(_call_method, pressure, static=(f"law.{quantity}",))
 
     def _evaluate_at(self, quantity: str, pressure: Values, strain: Values, *static: Any) -> Any:
         arrays = validate_point(self, pressure, strain)
@@ -357,7 +346,7 @@ class Muscle(Module):
         single = self.is_single
         if not single or max(map(np.ndim, arrays)):
             check_broadcast(*arrays, batch=() if single else batch_shape(self))
-        # rows of muscles, functions of one argument and centerlines are too few points for chunks
+        # rows of muscles, functions of one argument and centerlines are too few for chunks
         chunks = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
         if chunks and max(map(np.size, arrays)) > 1:
             return map_in_chunks(partial(evaluate, law, self, static=static), *arrays)
@@ -401,13 +390,9 @@ def _quantity(muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *st
     return getattr(muscle.law.at(pressure), quantity)(strain, *static)
 
 
-def _state_quantity(at: AtPressure, strain: Batch, quantity: str, *static: Any) -> Any:
-    return getattr(at.state, quantity)(strain, *static)
-
-
-def _law_quantity(muscle: Muscle, pressure: Batch, quantity: str) -> Any:
-    """Method `quantity` of the muscle's law, of pressure alone."""
-    return getattr(muscle.law, quantity)(pressure)
+def _call_method(module: Module, values: Batch, path: str, *static: Any) -> Any:
+    """Method at a `path` of a muscle's attributes, of `values` [SI] and `static` arguments."""
+    return attrgetter(path)(module)(values, *static)
 
 
 def _volume(muscle: Muscle, strain: Batch) -> Batch:

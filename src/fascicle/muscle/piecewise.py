@@ -41,9 +41,9 @@ from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch
 from ..repr_table import ReprTable, format_number, title_with_shape, with_table_repr
-from .buckling.buckling_law import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
-from .collapse.collapse_law import AbstractCollapse
-from .post_collapse.post_collapse_law import AbstractPostCollapse, hinge_moment
+from .buckling import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
+from .collapse import AbstractCollapse
+from .post_collapse import AbstractPostCollapse, hinge_moment
 from .tuning import TunedTension
 
 

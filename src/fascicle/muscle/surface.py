@@ -33,7 +33,7 @@ from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force
 from .muscle import Muscle
 from .piecewise import PressurizedMuscle
-from .validation import lowest_strain, strain_domain
+from .validation import lowest_strain
 
 
 # share of the strain of straight fibers, near which the bladder stiffens beyond any grid
@@ -115,11 +115,49 @@ class UnitSurface(Module):
         """The table's end [Pa]."""
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
-    def lookup_at(self, pressure: Batch, strain: Batch) -> Surface:
+    def lookup_at(self, pressure: Batch, strain: Batch, index: Any = None) -> Surface:
         """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
-        elementwise, without checks.
+        elementwise, without checks; `index`: of the muscle in a table of several.
         """
-        return lookup(self, pressure, strain)
+        xp = array_namespace(pressure, strain, self.coefficients)
+        lines, columns = self.coefficients.shape[-4:-2]
+        h, (low, high) = self.root_step, self.strains
+        step = (high - low) / columns
+
+        pressure, strain = xp.asarray(pressure), xp.asarray(strain)
+        P = minimum(maximum(pressure, 0.0), self.highest_pressure)
+        # a root has no slope at zero, where the first cell doesn't ask for it
+        s = sqrt(where(h**2 < P, P, h**2))
+        i = minimum(xp.floor(s / h), lines - 1.0)
+        i = xp.where(h**2 < P, i, 0.0).astype(int)
+        first = i == 0
+        u = where(first, P / h**2, s / h - i)
+        u_P = where(first, 1 / h**2, 1 / (2 * s * h))
+        u_PP = where(first, 0.0, -1 / (4 * s**3 * h))
+
+        eps = minimum(maximum(strain, low), high)
+        j = minimum(xp.floor((eps - low) / step), columns - 1.0).astype(int)
+        w = (eps - low) / step - j
+
+        cell = (i, j) if index is None else (index, i, j)
+        c = xp.asarray(self.coefficients)[cell]  # [..., power of u, power of w]
+        value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
+        p, p_u, p_uu = _cubic(value, u)
+        p_w, p_wu, _ = _cubic(slope, u)
+        p_ww, _, _ = _cubic(bend, u)
+
+        P_past, eps_past = pressure - P, strain - eps  # linear past the table's ends
+        inside_P = absolute(P_past) <= PRESSURE_ROUNDING
+        V, V_w = p_u * u_P, p_wu * u_P
+        L0 = self.rest_length
+        return Surface(
+            coenergy=p + V * P_past + (p_w + V_w * P_past) * eps_past / step,
+            force=(p_w + V_w * P_past) / (step * L0),
+            volume=V + V_w * eps_past / step,
+            force_by_strain=where(eps_past == 0, p_ww / (step**2 * L0), 0.0),
+            force_by_pressure=V_w / (step * L0),
+            volume_by_pressure=where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0),
+        )
 
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force of one muscle $F$ [N], from the table, (V3), at `pressure` [Pa], from
@@ -141,51 +179,6 @@ class UnitSurface(Module):
         remedy = "tabulate the muscle up to there"
         P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, remedy)
         return P, check_interval(strain, low, high, "strain", "-", why, closed, remedy)
-
-
-def lookup(table: UnitSurface, pressure: Batch, strain: Batch, index: Any = None) -> Surface:
-    """Co-energy [J], force [N], volume [m³] and slopes of a `table` at `pressure` [Pa] and
-    `strain` [-], elementwise; `index`: of the muscle in a table of several [-].
-    """
-    xp = array_namespace(pressure, strain, table.coefficients)
-    lines, columns = table.coefficients.shape[-4:-2]
-    h, (low, high) = table.root_step, table.strains
-    step = (high - low) / columns
-
-    pressure, strain = xp.asarray(pressure), xp.asarray(strain)
-    P = minimum(maximum(pressure, 0.0), table.highest_pressure)
-    # a root has no slope at zero, where the first cell doesn't ask for it
-    s = sqrt(where(h**2 < P, P, h**2))
-    i = minimum(xp.floor(s / h), lines - 1.0)
-    i = xp.where(h**2 < P, i, 0.0).astype(int)
-    first = i == 0
-    u = where(first, P / h**2, s / h - i)
-    u_P = where(first, 1 / h**2, 1 / (2 * s * h))
-    u_PP = where(first, 0.0, -1 / (4 * s**3 * h))
-
-    eps = minimum(maximum(strain, low), high)
-    j = minimum(xp.floor((eps - low) / step), columns - 1.0).astype(int)
-    w = (eps - low) / step - j
-
-    cell = (i, j) if index is None else (index, i, j)
-    c = xp.asarray(table.coefficients)[cell]  # [..., power of u, power of w]
-    value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
-    p, p_u, p_uu = _cubic(value, u)
-    p_w, p_wu, _ = _cubic(slope, u)
-    p_ww, _, _ = _cubic(bend, u)
-
-    P_past, eps_past = pressure - P, strain - eps  # linear past the table's ends
-    inside_P = absolute(P_past) <= PRESSURE_ROUNDING
-    V, V_w = p_u * u_P, p_wu * u_P
-    L0 = table.rest_length
-    return Surface(
-        coenergy=p + V * P_past + (p_w + V_w * P_past) * eps_past / step,
-        force=(p_w + V_w * P_past) / (step * L0),
-        volume=V + V_w * eps_past / step,
-        force_by_strain=where(eps_past == 0, p_ww / (step**2 * L0), 0.0),
-        force_by_pressure=V_w / (step * L0),
-        volume_by_pressure=where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0),
-    )
 
 
 def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
@@ -219,7 +212,7 @@ def _build_surface(
         table = partial(UnitSurface, coefficients, np.float64(roots[1]), ends, muscle.length)
         P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
         eps = (strain[1:] + strain[:-1])[None] / 2
-        force = lookup(table((0.0, 0.0, 0.0)), P, eps).force
+        force = table((0.0, 0.0, 0.0)).lookup_at(P, eps).force
         errors = np.abs(force - muscle.law.at(P).force(eps)[0])
     return table(tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
 
@@ -294,7 +287,7 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     between = slice(1, None, 2)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         law = _evaluate_nodes(muscle, P, eps)
-        surface = lookup(table, P[:, None], eps[between])
+        surface = table.lookup_at(P[:, None], eps[between])
     force = law.by_strain[:, between] / float(muscle.length)
     return np.abs(surface.force - force), np.abs(surface.volume - law.by_pressure[:, between])
 
@@ -308,7 +301,7 @@ def default_strains(muscle: Muscle) -> tuple[float, float]:
 
 def _strain_nodes(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Evenly spaced strains [-] from end to end, zero among them."""
-    straight = float(lowest_strain(*strain_domain(muscle)))
+    straight = float(lowest_strain(muscle.law))
     if ends is None:
         low, high = default_strains(muscle)
     else:

@@ -41,8 +41,8 @@ from ..core.validation import (
     warn_user,
 )
 from .bladder import Bladder
-from .ends.ends_law import AbstractEnds, Rigid
-from .tension.tension_law import AbstractTension, Pull
+from .ends import AbstractEnds, Rigid
+from .tension import AbstractTension, Pull
 
 
 Rows = Float[AnyArray, "*#muscles row"]

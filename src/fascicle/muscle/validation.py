@@ -28,9 +28,9 @@ from ..core.validation import (
     warn_user,
 )
 from ..units import pretty
-from .ends.ends_law import AbstractEnds
+from .ends import AbstractEnds
 from .materials import MATERIALS, AbstractMaterial
-from .tension.tension_law import AbstractTension
+from .tension import AbstractTension
 from .tuning import Tuning
 
 
@@ -66,19 +66,15 @@ def choose_tuning(value: Tuning | None) -> Tuning:
     return Tuning() if value is None else value
 
 
-def lowest_strain(braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
-    """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
-    traced one. `strain_ratio`: of the bladder's strain to the muscle's [-].
+def lowest_strain(law: Any) -> Batch:
+    """Strain [-] that straightens the fibers of a muscle with a force `law`, and a margin; -inf for
+    a traced one.
     """
-    if not is_concrete(braid_angle, strain_ratio):
+    angle, ratio = law.tension.bladder.braid.angle, law.tension.strain_ratio
+    if not is_concrete(angle, ratio):
         return -np.inf
     # fibers that are straight within rounding have no radius, and no finite force
-    return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(strain_ratio) + _STRAIGHT_MARGIN
-
-
-def strain_domain(muscle: Any) -> tuple[Batch, Batch]:
-    """Arguments of `lowest_strain` for a `muscle`: braid angle [rad] and strain ratio [-]."""
-    return muscle.braid_angle, muscle.ends.strain_ratio(muscle.length)
+    return (1 - 1 / np.cos(np.asarray(angle))) / np.asarray(ratio) + _STRAIGHT_MARGIN
 
 
 def check_active_length(ends: AbstractEnds, length: Batch) -> None:
@@ -102,7 +98,7 @@ def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch
         if measured and plausible and 0.0 <= strain <= LARGEST_STRAIN:
             return np.float64(pressure), np.float64(strain)
     pressure = validate_pressure(pressure, muscle.tuning)
-    return pressure, validate_strain(strain, *strain_domain(muscle))
+    return pressure, validate_strain(strain, muscle.law)
 
 
 def check_broadcast(*arrays: Batch, batch: tuple[int, ...] = ()) -> None:
@@ -121,9 +117,9 @@ def validate_pressure(value: Values, tuning: Tuning) -> Batch:
     return pressure
 
 
-def validate_strain(value: Values, braid_angle: Batch, strain_ratio: Batch = 1.0) -> Batch:
-    """Return a strain [-] if it is in the domain of `lowest_strain`; warn of an extension."""
-    return check_strain(value, lowest_strain(braid_angle, strain_ratio))
+def validate_strain(value: Values, law: Any) -> Batch:
+    """Return a strain [-] if a muscle's force `law` is valid there; warn of an extension."""
+    return check_strain(value, lowest_strain(law))
 
 
 def check_strain(

@@ -9,8 +9,7 @@ from scipy.integrate import quad
 
 import fascicle as fs
 from fascicle.muscle.collapse import COLLAPSE_LAWS
-from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
-from fascicle.muscle.post_collapse.post_collapse_law import hinge_moment
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS, hinge_moment
 
 
 L0, R0, T0, NU = 0.127, 6.35e-3, 1.6e-3, 0.5

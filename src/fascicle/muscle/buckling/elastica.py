@@ -53,16 +53,8 @@ from ...core.array_namespace import expand_nodes, logical_and, node_axis, where
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
-from ..tension.tension_law import Pull
-from .buckling_law import (
-    BRAID_SHARE,
-    ROUNDING,
-    SHEAR,
-    AbstractBuckling,
-    BucklingColumn,
-    Centerline,
-    Push,
-)
+from ..tension import Pull
+from . import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Centerline, Push
 from .elliptic import elliptic, jacobi
 
 
@@ -97,14 +89,7 @@ class Elastica(AbstractBuckling):
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
         slope = (pull.slope - T * state.chord_slope / chord) / chord
         slope = slope / guarded(state.strain_slope != 0, state.strain_slope)
-        return Push(
-            mesh=pull.mesh,
-            bladder=pull.bladder + 0.0 * T,
-            bending=where(bent, T / chord - T, 0.0),
-            slope=where(bent, slope, pull.slope),
-            arc_strain=arc,
-            straight=xp.logical_not(bent),
-        )
+        return Push.of_arc(pull, arc, bent, T / chord, slope)
 
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection $\\ell k/K$ [m] and bending moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
@@ -112,10 +97,6 @@ class Elastica(AbstractBuckling):
         k, K = _modulus(bent, _state_at_arc(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
         return column.rest_length * (1 - arc) * k / K, moment
-
-    def onset(self, column: BucklingColumn) -> Batch:
-        """First strain [-] at which the straight muscle buckles; inf where it never does."""
-        return column.branch.onset
 
     def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """One-entry tuple: strain [-] of the fold past the onset, where force jumps, or inf."""

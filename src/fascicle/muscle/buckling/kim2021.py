@@ -56,8 +56,8 @@ from numpy.polynomial.chebyshev import chebval
 from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
-from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, Push
+from ..tension import Pull
+from . import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken

@@ -26,8 +26,8 @@ from ...core.array_namespace import logical_and, sqrt, where
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
-from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Push
+from ..tension import Pull
+from . import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
@@ -66,18 +66,11 @@ class Kim2021Series(AbstractBuckling):
         series: the components are the tension law's at the arc's strain, and `bending` is zero.
         """
         state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
-        T = state.pull.force
         by_arc = state.pull.slope - 8 * np.pi**2 * EI * L0 / state.chord**3
         by_strain = 8 * np.pi**2 * EI * L0 * (3 * state.arc - state.chord) / state.chord**4
         arc_slope = -by_strain / guarded(by_arc != 0, by_arc)
-        return Push(
-            mesh=state.pull.mesh,
-            bladder=state.pull.bladder + 0.0 * T,
-            bending=0.0 * T,
-            slope=where(state.bent, state.pull.slope * arc_slope, state.pull.slope),
-            arc_strain=state.arc_strain,
-            straight=xp.logical_not(state.bent),
-        )
+        slope = state.pull.slope * arc_slope
+        return Push.of_arc(state.pull, state.arc_strain, state.bent, state.pull.force, slope)
 
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""

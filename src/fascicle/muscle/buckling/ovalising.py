@@ -40,8 +40,8 @@ from ...core.array_namespace import expand_nodes, logical_and, node_axis, sqrt, 
 from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
-from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, BucklingColumn, Centerline, Push
+from ..tension import Pull
+from . import BRAID_SHARE, ROUNDING, AbstractBuckling, BucklingColumn, Centerline, Push
 from .oval_column import (
     STEP,
     ColumnStates,
@@ -123,14 +123,7 @@ class Ovalising(AbstractBuckling):
         arc_slope = (arc * w_slope - 1) / chord
         F = -n * unit / arc
         slope = -unit * n_slope * w_slope / arc - F * arc_slope / arc
-        return Push(
-            mesh=pull.mesh,
-            bladder=pull.bladder + 0.0 * F,
-            bending=where(bent, F - T, 0.0),
-            slope=where(bent, slope, pull.slope),
-            arc_strain=1 - arc,
-            straight=xp.logical_not(bent),
-        )
+        return Push.of_arc(pull, 1 - arc, bent, F, slope)
 
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and largest bending moment [N·m], at the ends or in the middle."""
@@ -142,10 +135,6 @@ class Ovalising(AbstractBuckling):
         moment = xp.maximum(bend, n * bow - bend) * state.root_w
         length = column.rest_length * state.arc
         return length * bow * state.root_w, moment * column.bending_stiffness / column.free_length
-
-    def onset(self, column: BucklingColumn) -> Batch:
-        """Strain [-] at which the straight muscle buckles; inf where it never does."""
-        return column.branch.onset
 
     def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """One-entry tuple: strain [-] of the first fold, past the onset, rounded to a node of the

@@ -32,7 +32,7 @@ from ...core.types import Batch, BatchLike, Values
 from ...core.validation import check_positive, is_concrete
 from ..bladder import Bladder
 from ..braid import Braid
-from .tension_law import AbstractTension, Ideal, Offset, Pull
+from . import AbstractTension, Ideal, Offset, Pull
 
 
 class TonduLopez(AbstractTension):

@@ -42,7 +42,7 @@ from ...core.validation import check_positive
 from ..bladder import Bladder
 from ..braid import Braid
 from ..materials import Slopes
-from .tension_law import SIZES, AbstractTension, Pull
+from . import SIZES, AbstractTension, Pull
 
 
 @with_former_names

@@ -54,7 +54,7 @@ from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .tension_law import AbstractTension, Offset, Pull, force_residual
+from . import AbstractTension, Offset, Pull, force_residual
 
 
 class AbstractEmpirical(AbstractTension):

@@ -31,7 +31,7 @@ from ...core.parameters import Switch
 from ...core.roots import guarded
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from .tension_law import SIZES, AbstractTension, Pull
+from . import SIZES, AbstractTension, Pull
 
 
 class Kothera2009(AbstractTension):
