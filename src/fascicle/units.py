@@ -208,6 +208,55 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     return values
 
 
+# dimensions by SI unit, the first of several with one unit
+_BY_UNIT = {kind.si: name for name, kind in reversed(list(DIMENSIONS.items())) if not kind.unitless}
+_NUMBERS = frozenset({float, int})
+
+
+def to_si(value: Any, name: str, unit: str) -> Any:
+    """Convert a value with units, text such as `"34.5 kPa"`, a pint quantity, or lists and arrays
+    of them, to numbers in the SI `unit` of bare numbers; other values are returned as they are.
+    """
+    if isinstance(value, float | int):
+        return value
+    dimension = "strain" if name == "strain" else _BY_UNIT.get(unit.translate(_SPELLINGS))
+    if dimension is None or not has_units(value):
+        return value
+    return _convert(value, name, dimension)
+
+
+def has_units(value: Any) -> bool:
+    """True for text or a pint quantity, and for lists and arrays of them."""
+    import numpy as np  # not at the top: the command line's help needs none
+
+    if isinstance(value, list | tuple):
+        # types first: a long list of numbers takes no time
+        return not {type(entry) for entry in value} <= _NUMBERS and any(map(has_units, value))
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind in "UO" and any(map(has_units, value.flat))
+    return isinstance(value, str) or hasattr(value, "m_as")
+
+
+def _convert(value: Any, name: str, dimension: str) -> Any:
+    """Number [SI] of text or a pint quantity, and of lists and arrays of them."""
+    import numpy as np
+
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, str):
+        return parse(value, dimension, name)
+    if isinstance(value, list | tuple):
+        return [_convert(entry, name, dimension) for entry in value]
+    if not hasattr(value, "m_as"):
+        return value
+    kind = DIMENSIONS[dimension]
+    try:
+        return value.m_as(kind.si or "dimensionless")
+    except (TypeError, ValueError, AttributeError):  # pint's own is a TypeError
+        rule = f"must be {kind.article}, such as {quantity_example(dimension)}"
+        raise InvalidInputError(name, rule, value, shown=f"{value}") from None
+
+
 def exact(value: float, dimension: str) -> str:
     """Text of a finite `value` [SI] that `parse` reads as the same float, in a handy unit if it
     can: `"6.35 mm"`, or `"0.1234567890123456 m"`.

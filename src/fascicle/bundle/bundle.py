@@ -27,15 +27,7 @@ from ..core.array_namespace import array_namespace, is_numpy, jax_backend, where
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late, late_method
 from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
-from ..core.types import (
-    Batch,
-    Int,
-    IntBatch,
-    Numbers,
-    PerUnit,
-    Values,
-    Whole,
-)
+from ..core.types import Batch, Int, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
     LARGEST_STRAIN,
     broadcast_shape,
@@ -51,18 +43,8 @@ from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
 from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
 from .inverse import recruit
-from .pressurized import (
-    check_plate_strain,
-    plate_distance,
-    pressurize,
-    stack_muscles,
-)
-from .printing import (
-    bundle_line,
-    bundle_table,
-    unit_line,
-    unit_table,
-)
+from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
+from .printing import bundle_line, bundle_table, unit_line, unit_table
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -223,17 +205,10 @@ class Bundle(Module):
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
     ) -> Any:
-        """Figure of the workspace of each state, or of the force at `pressures`.
-
-        **Arguments:**
-
-        - `pressures`: one for each motor unit [Pa]; by default, the workspace up to the supply's.
-        - `strains`: contractions [-], rising; by default, to the largest free strain or past it.
-        - `resistance`: units past their own free strain push back.
-
-        **Returns:** a figure of matplotlib's.
-
-        **Raises:** `ValueError` for neither pressures nor a supply's.
+        """Figure (matplotlib's) of the force at `pressures` [Pa], one for each motor unit, or by
+        default of the workspace; `strains`: rising contractions [-], by default to the largest
+        free strain or past it; `resistance` as of `force`. `ValueError` for neither pressures nor a
+        supply's.
         """
         return import_late("plot.curves.bundle_force_strain")(self, pressures, strains, resistance)
 

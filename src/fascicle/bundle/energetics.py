@@ -171,14 +171,8 @@ def constant_cross_section(
     $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor
     unit (SEMU) that a bundle is compared with.
 
-    **Arguments:**
-
-    - `muscle`: the single equivalent motor unit's, of radius $R$.
-    - `units`: $N$, at least 1.
-    - `supply_pressure`: the bundle's [Pa], if known.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object.
-
-    **Returns:** a bundle of $N$ units.
+    **Arguments:** `muscle`: the SEMU's, of radius $R$; `units`: $N$; `supply_pressure` [Pa] and
+    `scheme`: as of a `Bundle`.
 
     **Raises:** `ValueError` for less than one unit.
     """
@@ -222,15 +216,12 @@ def efficiency_map(
 ) -> EfficiencyMap:
     """Efficiency over forces and strains that the bundle reaches.
 
-    **Arguments:**
+    **Arguments:** `supply_pressure` [Pa], by default the bundle's own; `resistance` and `scheme` as
+    of `recruit`;
 
-    - `bundle`: the bundle.
-    - `supply_pressure`: $P_s$ [Pa]; by default the bundle's own.
     - `path`: "isobaric" or "isotonic".
     - `force`: forces [N]; by default 80 even ones up to the blocked force of all units.
     - `strain`: positive strains [-]; by default multiples of 1/375 to the free strain.
-    - `resistance`: units past their own free strain push back.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
     **Returns:** an `EfficiencyMap`: efficiencies [-] over forces [N] and strains [-].
 

@@ -182,7 +182,7 @@ def _best_solution(
     roots = find_roots(curves, force, strain)
     cost = np.zeros(len(roots.demand))  # they are in order of their energy already
     if present is not None:
-        pressures = states.pressures(roots.state, roots.level, curves.supply)
+        pressures = states.pressures(roots.state, roots.level * curves.supply, curves.supply)
         cost = np.sum((pressures - present[roots.demand]) ** 2, axis=-1)
     elif volume is not None:
         fluid = np.maximum(volume, 0.0) @ states.pressurized.T.astype(float)
@@ -198,7 +198,7 @@ def _best_solution(
         table[roots.demand[roots.exact], slot[roots.exact]] = column[roots.exact]
     state = roots.state[best]
     return RecruitmentResult(
-        pressures=states.pressures(state, roots.level[best], curves.supply),
+        pressures=states.pressures(state, roots.level[best] * curves.supply, curves.supply),
         state=state + 1,
         force=roots.force[best],
         status=_demand_status(roots.exact[best], roots.force[best], force),

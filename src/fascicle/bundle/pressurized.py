@@ -22,12 +22,7 @@ from ..core.array_namespace import add_table_axis, array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, tree_leaves, tree_map, tree_replace, tree_structure
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
-from ..core.validation import (
-    LARGEST_STRAIN,
-    check_size,
-    is_concrete,
-    traced_floats,
-)
+from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
 from ..muscle import Muscle
 from ..muscle.muscle import batch_shape, tuning_tables
 from ..muscle.piecewise import PressurizedMuscle

@@ -6,14 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..muscle.laws import LAWS, is_written_out
-from ..muscle.printing import (
-    SIZES,
-    law_text,
-    material_text,
-    muscle_table,
-    range_text,
-    tuning_text,
-)
+from ..muscle.printing import SIZES, law_text, material_text, muscle_table, range_text, tuning_text
 from ..repr_table import ReprTable, format_number, format_range, title_with_shape
 from ..units import exact, pretty
 

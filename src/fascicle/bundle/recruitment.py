@@ -55,7 +55,7 @@ def pressures_of(
     units: int,
     scheme: AbstractScheme | str = "orderly",
 ) -> Float[np.ndarray, "*levels unit"]:
-    """Pressures of all units in a recruitment state.
+    """Pressures of all units [Pa] in a recruitment state, units on a new last axis.
 
     **Arguments:**
 
@@ -66,17 +66,14 @@ def pressures_of(
     - `units`: number of motor units.
     - `scheme`: one of `fascicle.schemes`, by name or as an object.
 
-    **Returns:** pressures [Pa], units on a new last axis.
-
     **Raises:** `ValueError` for a state that doesn't exist or an unknown scheme.
     """
     states = states_of(scheme_of(scheme), units)
     if not 1 <= state <= states.size:
         raise InvalidInputError("state", f"must lie in [1, {states.size}]", state)
-    throttled, full = states.throttled[state - 1], states.full[state - 1]
-    level = np.asarray(to_si(level, "level", "Pa"), dtype=float)[..., None]
+    throttled = np.asarray(to_si(level, "level", "Pa"), dtype=float)
     supply = float(to_si(supply_pressure, "supply_pressure", "Pa"))
-    return np.where(throttled, level, np.where(full, supply, 0.0))
+    return states.pressures(state - 1, throttled, supply)
 
 
 @with_table_repr(workspace_table)
@@ -143,15 +140,12 @@ def workspace(
 ) -> Workspace:
     """Region of forces and strains that every recruitment state reaches.
 
-    **Arguments:**
+    **Arguments:** `supply_pressure` [Pa], by default the bundle's own; `resistance` and `scheme` as
+    of `recruit`;
 
-    - `bundle`: the bundle.
-    - `supply_pressure`: [Pa]; by default the bundle's own.
     - `levels`: throttled pressures of the curves [Pa], or their number, evenly from zero to
       the supply's.
     - `strain`: rising strains [-]; by default 201 from zero to the largest free strain.
-    - `resistance`: units past their own free strain push back.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
     **Returns:** a `Workspace`: forces [N], strains [-], pressures [Pa].
 
@@ -176,11 +170,8 @@ def workspace(
 
 
 def overlap(workspace: Workspace) -> Overlap:
-    """Overlaps of the regions of two states, at forces of zero and above.
-
-    **Arguments:** `workspace`: that of a bundle.
-
-    **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
+    """Overlaps of the regions of two states of a `workspace`, at forces of zero and above: forces
+    [N] and areas [N], a row for each pair of states.
     """
     pairs = tuple(combinations(range(1, len(workspace.low) + 1), 2))
     first, second = np.array(pairs, int).reshape(-1, 2).T - 1

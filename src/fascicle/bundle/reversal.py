@@ -67,12 +67,8 @@ def reversal(
 ) -> Reversal:
     """Turn of the free strain as a unit's pressure rises from zero to the supply's.
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `unit`: the unit whose pressure rises, counted from 1.
-    - `supply_pressure`: of the units before it [Pa]; by default the bundle's own.
-    - `resistance`: units past their own free strain push back.
+    **Arguments:** `unit`: the unit whose pressure rises, counted from 1; `supply_pressure`: of the
+    units before it [Pa], by default the bundle's own; `resistance`: units push back.
 
     **Returns:** a `Reversal`: pressure [Pa], strains and depth [-]; a depth of zero if the free
     strain never falls.
@@ -100,14 +96,8 @@ def onset_pressure(
 ) -> float:
     """Pressure [Pa] above which, at one strain, a unit only adds force; 0 if always, inf if never.
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `strain`: the bundle's contraction [-].
-    - `unit`: the unit, counted from 1.
-    - `supply_pressure`: the largest pressure to consider [Pa]; by default the bundle's own.
-
-    **Returns:** pressure [Pa]: zero if any pressure helps, inf if none up to the supply's does.
+    **Arguments:** `strain`: the bundle's contraction [-]; `unit`: counted from 1;
+    `supply_pressure`: the largest pressure to consider [Pa], by default the bundle's own.
 
     **Raises:** `ValueError` for a unit that doesn't exist or a strain off the domain.
     """

@@ -54,11 +54,9 @@ class AbstractScheme(ABC):
         return hash(self.name)
 
     def __str__(self) -> str:
-        """Name of the scheme."""
         return self.name
 
     def __repr__(self) -> str:
-        """Python expression of the scheme."""
         arguments = ", ".join(f"{key}={value!r}" for key, value in vars(self).items())
         return f"{type(self).__name__}({arguments})"
 

@@ -102,39 +102,29 @@ class States(NamedTuple):
         new = np.array([row not in endpoints[:i] for i, row in enumerate(endpoints)])
         return new[::2], new[1::2]
 
-    def pressures(self, state: Int[np.ndarray, "*any"], level: Numbers, supply: Numbers) -> Numbers:
-        """Pressures of all units [Pa], on a new last axis: `supply` where full, `level` of it where
-        throttled, zero where vented.
-
-        **Arguments:** `state`: index of the state, from 0; `level`: the throttled pressure over the
-        supply's [-]; `supply`: $P_s$ [Pa].
-
-        **Returns:** pressures [Pa].
+    def pressures(
+        self, state: int | Int[np.ndarray, "*any"], throttled: Numbers, supply: Numbers
+    ) -> Numbers:
+        """Pressures of all units [Pa], on a new last axis: `supply` [Pa] where full, `throttled`
+        [Pa] where a state throttles them, else zero; `state`: index of the state, from 0.
         """
-        xp = array_namespace(state, level, supply)
-        full, throttled = (xp.asarray(x)[state] for x in (self.full, self.throttled))
-        return where(full, supply, where(throttled, xp.asarray(level * supply)[..., None], 0.0))
+        xp = array_namespace(state, throttled, supply)
+        full, mask = (xp.asarray(x)[state] for x in (self.full, self.throttled))
+        return where(full, supply, where(mask, xp.asarray(throttled)[..., None], 0.0))
 
     def sums(self, throttled: Numbers, vented: Numbers, full: Numbers) -> Numbers:
-        """Sum over units in every state, (B10); independent units of a state have one level.
+        """Sum over units in every state, (B10) [SI], states on a new first axis; independent units
+        of a state have one level.
 
-        **Arguments:**
-
-        - `throttled`: of each unit at every level, levels first, units last [SI].
-        - `vented`: of each unit at no pressure [SI].
-        - `full`: of each unit at supply pressure [SI].
-
-        **Returns:** sums [SI], states on a new first axis.
+        **Arguments:** values of each unit, units last [SI]: `throttled` at every level, levels
+        first; `vented` at no pressure; `full` at supply pressure.
         """
         total = self._throttled_sum(throttled) + self._fixed_sum(vented, full)
         return array_namespace(total).moveaxis(total, -1, 0)
 
     def edges(self, throttled: Numbers, vented: Numbers, full: Numbers) -> tuple[Numbers, Numbers]:
-        """Least and largest sum of every state over levels, states on a new first axis.
-
-        **Arguments:** `throttled`, `vented` and `full`: as of `sums` [SI].
-
-        **Returns:** both [SI], without an axis of levels.
+        """Least and largest sum [SI] of every state over levels, states on a new first axis;
+        arguments are those of `sums` [SI].
         """
         xp, fixed = array_namespace(throttled, vented, full), self._fixed_sum(vented, full)
         edges = []
@@ -152,14 +142,11 @@ class States(NamedTuple):
         """Sets of pressurized units, which differ in their fluid energy (29): those of the states,
         and if units are independent every choice of them, few units before many.
 
-        **Arguments:**
-
-        - `kinds`: index of each unit's kind; of equal units the first are pressurized.
-        - `max_sets`: largest number of sets.
+        **Arguments:** `kinds`: index of each unit's kind; of equal units the first are pressurized.
 
         **Returns:** a state for each set, and the index of the state that each set belongs to.
 
-        **Raises:** `ValueError` for too many sets.
+        **Raises:** `ValueError` for more than `max_sets` sets.
         """
         if not self.independent:
             return self, np.arange(self.size)

@@ -69,36 +69,26 @@ MODULES: Mapping[str, Mapping[str, str]] = {
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "AbstractBolen": {"largest_force": "blocked_force"},
     "AbstractChamber": {
-        "balance": "state_residual",
-        "guess": "static_pressure",
-        "heat": "heat_flow",
-        "start": "state_at",
-        "stored": "stored_energy",
+        "balance": "state_residual", "guess": "static_pressure", "heat": "heat_flow",
+        "start": "state_at", "stored": "stored_energy",
     },
     "AbstractEnds": {"stretch": "strain_ratio"},
     "AbstractPostCollapse": {"halves": "bending_force"},
     "AbstractSpool": {"commands": "command_count", "states": "state_count"},
     "AbstractSupply": {
-        "spent": "drive_energies",
-        "start": "initial_state",
-        "stored": "stored_energy",
+        "spent": "drive_energies", "start": "initial_state", "stored": "stored_energy",
         "switched": "update_switch",
     },
     "Balance": {
-        "closes_within": "tolerance",
-        "into": "inputs",
-        "left": "residual",
-        "share": "relative_residual",
-        "went": "outputs",
+        "closes_within": "tolerance", "into": "inputs", "left": "residual",
+        "share": "relative_residual", "went": "outputs",
     },
     "Crossing": {"found": "exists", "needed": "deadline", "time": "fill_time"},
     "Designs": {"alike": "uniform"},
     "ElasticBraid": {"stretch": "fiber_strain"},
     "Event": {"moments": "samples", "words": "message"},
     "FrequencyResponse": {
-        "drawn": "supply_flow",
-        "reached": "reachable_share",
-        "top": "highest_pressure",
+        "drawn": "supply_flow", "reached": "reachable_share", "top": "highest_pressure",
         "trusted": "is_valid",
     },
     "Fluid": {"known": "inside"},
@@ -110,17 +100,15 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "Scenario": {"controlled": "control", "taking": "with_policy"},
     "Trajectory": {"account": "ledger", "seen": "outputs"},
     "UnitSurface": {"at": "lookup_at", "inside": "validate_point"},
-}
+}  # fmt: skip
 
 _Class = TypeVar("_Class", bound=type)
 
 
-def warn_renamed(old: str, new: str, verb: str = "is now", level: int = 3) -> None:
-    """Warn that a name is another one now; `level`: of the line that is shown, as `stacklevel` of
-    `warnings.warn`.
-    """
+def warn_renamed(old: str, new: str, verb: str = "is now") -> None:
+    """Warn, at the line that uses it, that a name is another one now."""
     message = f"`{old}` {verb} `{new}`. The former name goes with fascicle {REMOVAL}."
-    warnings.warn(message, DeprecationWarning, stacklevel=level)
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
 
 
 def with_former_names(owner: _Class) -> _Class:

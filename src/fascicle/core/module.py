@@ -30,24 +30,26 @@ from .lazy import call_on_import
 from .validation import check_choice, is_concrete
 
 
-def tree_leaves(tree: Any, leaves: list[Any] | None = None) -> list[Any]:
-    """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order, after `leaves`."""
-    leaves = [] if leaves is None else leaves
+def _children(tree: Any) -> list[Any] | None:
+    """Children of a node of a `tree`, in JAX's order; `None` for a leaf."""
+    if hasattr(tree, "leaf_names"):
+        return list(map(vars(tree).__getitem__, tree.leaf_names))
     if isinstance(tree, dict):
-        children = dict(sorted(tree.items())).values()
-    elif hasattr(tree, "leaf_names"):
-        children = map(vars(tree).__getitem__, tree.leaf_names)
-    elif isinstance(tree, tuple | list):
-        children = tree
-    else:
-        if tree is not None:
-            leaves.append(tree)
-        return leaves
-    for child in children:
-        if type(child) in NUMPY_TYPES:
-            leaves.append(child)
+        return [tree[key] for key in sorted(tree)]
+    if isinstance(tree, tuple | list):
+        return list(tree)
+    return [] if tree is None else None
+
+
+def tree_leaves(tree: Any) -> list[Any]:
+    """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
+    leaves, nodes = [], [tree]
+    while nodes:
+        node = nodes.pop()
+        if type(node) in NUMPY_TYPES or (children := _children(node)) is None:
+            leaves.append(node)
         else:
-            tree_leaves(child, leaves)
+            nodes += reversed(children)
     return leaves
 
 
@@ -55,23 +57,18 @@ def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     """Tree of the results of a `function` of the leaves of a `tree` [any unit] of modules, tuples,
     lists and dictionaries, and of other `trees` of its structure [any unit].
     """
+    if (children := _children(tree)) is None:
+        return function(tree, *trees)
+    nodes = zip(children, *map(_children, trees), strict=True)
+    results = [tree_map(function, *node) for node in nodes]
+    if hasattr(tree, "leaf_names"):
+        fields = {name: vars(tree)[name] for name in tree.static_names}
+        return _rebuild(type(tree), fields | dict(zip(tree.leaf_names, results, strict=True)))
+    if isinstance(tree, dict):
+        return dict(zip(sorted(tree), results, strict=True))
     if tree is None:
         return None
-    if isinstance(tree, dict):
-        return {
-            key: tree_map(function, value, *(other_tree[key] for other_tree in trees))
-            for key, value in sorted(tree.items())
-        }
-    if isinstance(tree, tuple | list):
-        entries = [tree_map(function, *entry) for entry in zip(tree, *trees, strict=True)]
-        return type(tree)(*entries) if hasattr(tree, "_fields") else type(tree)(entries)
-    if not hasattr(tree, "leaf_names"):
-        return function(tree, *trees)
-    values = {
-        name: tree_map(function, *(getattr(module, name) for module in (tree, *trees)))
-        for name in tree.leaf_names
-    }
-    return _rebuild(type(tree), values | {name: getattr(tree, name) for name in tree.static_names})
+    return type(tree)(*results) if hasattr(tree, "_fields") else type(tree)(results)
 
 
 def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
@@ -81,16 +78,13 @@ def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
 
 
 def tree_structure(tree: Any) -> Any:
-    """Structure of a tree, hashable: types and static fields."""
-    if isinstance(tree, dict):
-        return dict, tuple((key, tree_structure(value)) for key, value in sorted(tree.items()))
-    if isinstance(tree, tuple | list):
-        return type(tree), tuple(map(tree_structure, tree))
-    if not hasattr(tree, "leaf_names"):
+    """Structure of a `tree`, hashable: types, keys and static fields."""
+    if tree is None or (children := _children(tree)) is None:
         return tree is None
-    static_values = tuple(getattr(tree, name) for name in tree.static_names)
-    children = tuple(tree_structure(getattr(tree, name)) for name in tree.leaf_names)
-    return type(tree), static_values, children
+    if isinstance(tree, dict):
+        return dict, tuple(sorted(tree)), tuple(map(tree_structure, children))
+    fixed = tuple(vars(tree)[name] for name in getattr(tree, "static_names", ()))
+    return type(tree), fixed, tuple(map(tree_structure, children))
 
 
 def _rebuild(kind: Any, values: dict[str, Any]) -> Any:
@@ -189,13 +183,8 @@ class Module(ABC):
         """Fields, which are copied and pickled; caches aren't."""
         return {name: vars(self)[name] for name in _field_names(self)}
 
-    def __setstate__(self, state: dict) -> None:
-        vars(self).update(state)
-
     def __eq__(self, other_module: object) -> bool:
-        """True for equal structures and numbers, NumPy's or JAX's; a traced module equals only
-        itself.
-        """
+        """True for equal structures and numbers; a traced module equals only itself."""
         if self is other_module:
             return True
         return tree_structure(self) == tree_structure(other_module) and all(
@@ -212,7 +201,6 @@ class Module(ABC):
         return hash((tree_structure(self), *leaves))
 
     def __repr__(self) -> str:
-        """Fields with their numbers; traced ones have none."""
         return repr_fields(self)
 
     @cached_property

@@ -31,8 +31,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..units import DIMENSIONS, parse, quantity_example
-from .array_namespace import FLOATS, NUMPY_SCALARS, as_jax, imported_jax, is_jax_array
+from ..units import has_units, to_si
+from .array_namespace import FLOATS, as_jax, imported_jax, is_jax_array
 from .errors import InvalidInputError
 from .types import Batch, IntBatch, Values
 
@@ -126,22 +126,13 @@ def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     """
     if not any(shapes.values()):
         return ()
-    try:
-        return np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        for pair in itertools.combinations(shapes, 2):
-            try:
-                np.broadcast_shapes(*(shapes[name] for name in pair))
-            except ValueError:
-                first, second = pair
-                raise InvalidInputError(
-                    second,
-                    f"must broadcast against `{first}`",
-                    None,
-                    "to combine each with each add an axis to one, x[:, None]",
-                    shown=f"the shapes {shapes[second]} and {shapes[first]}",
-                ) from None
-        raise
+    for (first, one), (second, two) in itertools.combinations(shapes.items(), 2):
+        if any(m != n and 1 not in (m, n) for m, n in zip(one[::-1], two[::-1], strict=False)):
+            rule = f"must broadcast against `{first}`"
+            remedy = "to combine each with each add an axis to one, x[:, None]"
+            text = f"the shapes {two} and {one}"
+            raise InvalidInputError(second, rule, None, remedy, shown=text)
+    return np.broadcast_shapes(*shapes.values())
 
 
 def _number_text(value: float) -> str:
@@ -163,53 +154,6 @@ def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
     except (TypeError, ValueError):
         rule = "takes dimensionless numbers" if unit == "-" else f"takes numbers in {unit}"
         raise InvalidInputError(name, rule, value, shown=repr(value)) from None
-
-
-_SYMBOLS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
-# the first of several with one unit
-_DIMENSIONS = {
-    kind.si: name for name, kind in reversed(list(DIMENSIONS.items())) if not kind.unitless
-}  # fmt: skip
-
-
-def to_si(value: Any, name: str, unit: str) -> Any:
-    """Convert a value with units, text such as `"34.5 kPa"`, a pint quantity, or lists and arrays
-    of them, to numbers in the SI `unit` of bare numbers; other values are returned as they are.
-    """
-    if type(value) in NUMPY_SCALARS:
-        return value
-    dimension = "strain" if name == "strain" else _DIMENSIONS.get(unit.translate(_SYMBOLS))
-    if dimension is None or not has_units(value):
-        return value
-    return _convert(value, name, dimension)
-
-
-def has_units(value: Any) -> bool:
-    """True for text or a pint quantity, and for lists and arrays of them."""
-    if isinstance(value, list | tuple):
-        # types first: a long list of numbers takes no time
-        return not {type(entry) for entry in value} <= NUMPY_SCALARS and any(map(has_units, value))
-    if isinstance(value, np.ndarray):
-        return value.dtype.kind in "UO" and any(map(has_units, value.flat))
-    return isinstance(value, str) or hasattr(value, "m_as")
-
-
-def _convert(value: Any, name: str, dimension: str) -> Any:
-    """Number [SI] of text or a pint quantity, and of lists and arrays of them."""
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, str):
-        return parse(value, dimension, name)
-    if isinstance(value, list | tuple):
-        return [_convert(entry, name, dimension) for entry in value]
-    if not hasattr(value, "m_as"):
-        return value
-    kind = DIMENSIONS[dimension]
-    try:
-        return value.m_as(kind.si or "dimensionless")
-    except (TypeError, ValueError, AttributeError):  # pint's own is a TypeError
-        rule = f"must be {kind.article}, such as {quantity_example(dimension)}"
-        raise InvalidInputError(name, rule, value, shown=f"{value}") from None
 
 
 class Range(NamedTuple):

@@ -128,14 +128,14 @@ def recruitments(
         P, reachable = np.asarray(result.pressures), not result.status
         return [row(int(result.state), P, reachable, bool(result.stable))], remark
     rows = [
-        row(int(state), states.pressures(state - 1, level / supply, supply), True, bool(stable))
+        row(int(state), states.pressures(state - 1, level, supply), True, bool(stable))
         for level, state, stable in zip(*map(np.asarray, result.solutions), strict=True)
         if state > 0
     ]
     space = bundle.workspace(levels=_LOAD_LEVELS, strain=[strain], resistance=resistance)
     for state in {*range(1, states.size + 1)} - {row.state for row in rows}:
         nearest = space.level[np.abs(space.force[state - 1, :, 0] - load).argmin()]
-        P = states.pressures(np.array(state - 1), nearest / supply, supply)
+        P = states.pressures(state - 1, nearest, supply)
         rows.append(row(state, P, False, False))
     rows.sort(key=lambda row: (
         not row.reached, 0.0 if row.reached else abs(row.force - load), np.nan_to_num(row.fluid),
