@@ -167,14 +167,10 @@ def constant_cross_section(
 ) -> Bundle:
     r"""A bundle that splits a muscle's section evenly into motor units of one muscle each.
 
-    $N$ units of radius $r = R/\sqrt N$ take the section of one muscle of radius $R$, with
+    $N$ `units` of radius $r = R/\sqrt N$ take the section of one `muscle` of radius $R$, with
     $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor
-    unit (SEMU) that a bundle is compared with.
-
-    **Arguments:** `muscle`: the SEMU's, of radius $R$; `units`: $N$; `supply_pressure` [Pa] and
-    `scheme`: as of a `Bundle`.
-
-    **Raises:** `ValueError` for less than one unit.
+    unit (SEMU) that a bundle is compared with. `supply_pressure` [Pa] and `scheme` are the
+    bundle's. `ValueError` for less than one unit.
     """
     if units < 1:
         raise InvalidInputError("units", "must be at least 1", units)
@@ -214,18 +210,12 @@ def efficiency_map(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> EfficiencyMap:
-    """Efficiency over forces and strains that the bundle reaches.
+    """Efficiency [-] over forces and strains that a `bundle` reaches.
 
-    **Arguments:** `supply_pressure` [Pa], by default the bundle's own; `resistance` and `scheme` as
-    of `recruit`;
-
-    - `path`: "isobaric" or "isotonic".
-    - `force`: forces [N]; by default 80 even ones up to the blocked force of all units.
-    - `strain`: positive strains [-]; by default multiples of 1/375 to the free strain.
-
-    **Returns:** an `EfficiencyMap`: efficiencies [-] over forces [N] and strains [-].
-
-    **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
+    `path`: "isobaric" or "isotonic"; `force`: forces [N], by default 80 even ones up to the blocked
+    force of all units; `strain`: positive strains [-], by default multiples of 1/375 to the free
+    strain. `supply_pressure` [Pa], `resistance` and `scheme` as of `Bundle.recruit`. `ValueError`
+    for an unknown path or scheme and values off the domain.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     scheme = resolve_scheme(bundle, scheme)

@@ -138,18 +138,12 @@ def workspace(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> Workspace:
-    """Region of forces and strains that every recruitment state reaches.
+    """Region of forces [N] and strains [-] that every recruitment state of a `bundle` reaches, and
+    curves at the throttled pressures `levels` [Pa], or at so many from zero to the supply's.
 
-    **Arguments:** `supply_pressure` [Pa], by default the bundle's own; `resistance` and `scheme` as
-    of `recruit`;
-
-    - `levels`: throttled pressures of the curves [Pa], or their number, evenly from zero to
-      the supply's.
-    - `strain`: rising strains [-]; by default 201 from zero to the largest free strain.
-
-    **Returns:** a `Workspace`: forces [N], strains [-], pressures [Pa].
-
-    **Raises:** `ValueError` for no supply pressure and values off the domain.
+    `strain`: rising strains [-]; by default 201 from zero to the largest free strain.
+    `supply_pressure` [Pa], `resistance` and `scheme` as of `Bundle.recruit`. `ValueError` for no
+    supply pressure and values off the domain.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     scheme = resolve_scheme(bundle, scheme)

@@ -65,15 +65,12 @@ def free_strain_curve(
 def reversal(
     bundle: Bundle, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
 ) -> Reversal:
-    """Turn of the free strain as a unit's pressure rises from zero to the supply's.
+    """Turn of the free strain [-] as the pressure [Pa] of a `unit` of a `bundle`, counted from 1,
+    rises from zero to the supply's, with earlier units at `supply_pressure` [Pa], by default the
+    bundle's own; without `resistance` units past their own free strain don't push back.
 
-    **Arguments:** `unit`: the unit whose pressure rises, counted from 1; `supply_pressure`: of the
-    units before it [Pa], by default the bundle's own; `resistance`: units push back.
-
-    **Returns:** a `Reversal`: pressure [Pa], strains and depth [-]; a depth of zero if the free
-    strain never falls.
-
-    **Raises:** `ValueError` for a unit that doesn't exist or a pressure off the domain.
+    A depth of zero if the free strain never falls. `ValueError` for a unit that doesn't exist or a
+    pressure off the domain.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     pressures = np.linspace(0.0, supply, _GRID)
@@ -94,12 +91,9 @@ def reversal(
 def onset_pressure(
     bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> float:
-    """Pressure [Pa] above which, at one strain, a unit only adds force; 0 if always, inf if never.
-
-    **Arguments:** `strain`: the bundle's contraction [-]; `unit`: counted from 1;
-    `supply_pressure`: the largest pressure to consider [Pa], by default the bundle's own.
-
-    **Raises:** `ValueError` for a unit that doesn't exist or a strain off the domain.
+    """Pressure [Pa] above which, at a `strain` [-] of a `bundle`, a `unit`, counted from 1, only
+    adds force: 0 if always, inf if never up to `supply_pressure` [Pa], by default the bundle's own.
+    `ValueError` for a unit that doesn't exist or a strain off the domain.
     """
     supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
     muscle = bundle.motor_units[unit - 1].muscle

@@ -114,10 +114,8 @@ class States(NamedTuple):
 
     def sums(self, throttled: Numbers, vented: Numbers, full: Numbers) -> Numbers:
         """Sum over units in every state, (B10) [SI], states on a new first axis; independent units
-        of a state have one level.
-
-        **Arguments:** values of each unit, units last [SI]: `throttled` at every level, levels
-        first; `vented` at no pressure; `full` at supply pressure.
+        of a state have one level. Of each unit, units last: `throttled` [SI] at every level, levels
+        first, `vented` [SI] at no pressure, `full` [SI] at supply pressure.
         """
         total = self._throttled_sum(throttled) + self._fixed_sum(vented, full)
         return array_namespace(total).moveaxis(total, -1, 0)
