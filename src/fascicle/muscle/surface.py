@@ -294,7 +294,7 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
 
 def default_strains(muscle: Muscle) -> tuple[float, float]:
     """Ends of a `muscle`'s table [-], if none are given."""
-    straight = float(lowest_strain(*strain_domain(muscle)))
+    straight = float(lowest_strain(muscle.law))
     high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
     return _LOWEST_SHARE * straight, high
 
