@@ -9,18 +9,19 @@ import io
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..core.errors import require
-from .headers import MissingMetadataError
+from .headers import ROLES, MissingMetadataError
 from .tables import has_readings
 
 
 if TYPE_CHECKING:
     import pandas as pd
+    from openpyxl.cell import Cell, MergedCell
 
 # first bytes of files that can't be read, and what to do
 _REMEDIES = {
@@ -109,8 +110,16 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
     require("openpyxl")
     from openpyxl import load_workbook
 
-    def cell_text(value: Any) -> str:
-        return "" if value is None else " ".join(str(value).split()).replace('"', "")
+    def texts(column: Sequence["Cell | MergedCell"]) -> list[str]:
+        """Texts of a column's cells; of numbers that Excel shows in %, below a %, what it shows."""
+        words, cells = "", []
+        for cell in column:
+            value = cell.value
+            words += value if isinstance(value, str) else ""
+            if isinstance(value, int | float) and "%" in cell.number_format and "%" in words:
+                value *= 100
+            cells.append("" if value is None else " ".join(str(value).split()).replace('"', ""))
+        return cells
 
     try:
         book = load_workbook(io.BytesIO(raw), data_only=True)
@@ -123,7 +132,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
             raise ValueError(f"{source}: sheet `{sheet.title}` has {size}: {remedy}.")
     return {
         sheet.title: "".join(
-            "\t".join(map(cell_text, row)) + "\n" for row in sheet.iter_rows(values_only=True)
+            "\t".join(row) + "\n" for row in zip(*map(texts, sheet.iter_cols()), strict=True)
         ).encode()
         for sheet in book.worksheets
     }
@@ -139,17 +148,21 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
         file = TdmsFile.read(io.BytesIO(raw))
     except Exception as error:  # noqa: BLE001 of the library's own kinds
         raise ValueError(f"{source}: can't be read as .tdms: {_message_line(error)}") from None
-    tables = {}
+    tables: dict[str, dict[str, pd.Series]] = {}
     for group in file.groups():
-        columns = {}
+        steps = {channel.properties.get("wf_increment") for channel in group.channels()}
+        is_one = len(steps - {None}) <= 1
         for channel in group.channels():
-            step = channel.properties.get("wf_increment")
-            if step and len(channel) and "time [s]" not in columns:
-                columns["time [s]"] = pd.Series(channel.time_track())
+            step, offset = map(channel.properties.get, ("wf_increment", "wf_start_offset"))
+            # rows of channels at several rates are of different times
+            name = group.name if is_one or not step else f"{group.name}, every {step:g} s"
+            columns = tables.setdefault(name, {})
+            if step and len(channel):
+                times = (offset or 0) + step * np.arange(len(channel))
+                columns.setdefault("time [s]", pd.Series(times))
             unit = channel.properties.get("unit_string") or channel.properties.get("Unit")
             columns[_header(channel.name, unit)] = pd.Series(channel[:])
-        tables[group.name] = _tabbed_text(pd.DataFrame(columns))
-    return tables
+    return {name: _tabbed_text(pd.DataFrame(columns)) for name, columns in tables.items()}
 
 
 def _structures(raw: bytes, source: str) -> dict[str, bytes]:
@@ -164,17 +177,25 @@ def _structures(raw: bytes, source: str) -> dict[str, bytes]:
             f"{source}: can't be read as .mat: {_message_line(error)}: {remedy}."
         ) from None
     tables: dict[str, bytes] = {}
-    _visit({k: v for k, v in content.items() if not k.startswith("__")}, "variables", tables)
+    _visit({k: v for k, v in content.items() if not k.startswith("__")}, ("variables",), tables)
     return tables
 
 
 def _visit(
-    content: Mapping[str, Any], name: str, tables: dict[str, bytes], units: Mapping[str, Any] = {}
+    content: Mapping[str, Any],
+    path: tuple[str, ...],
+    tables: dict[str, bytes],
+    units: Mapping[str, Any] = {},
 ) -> None:
-    """Add the tables of a structure, and of those in it, to the `tables`; `units`: by name, of the
-    structure around it.
+    """Add the tables of a structure, and of those in it, to the `tables`; `path`: names of the
+    structures around it and of itself, `units`: by name, of the one around it.
     """
     import pandas as pd
+
+    def add(frame: pd.DataFrame, *label: str, header: bool = True) -> None:
+        names = (*path, *label)
+        name = ".".join(names[1:]) if names[-1] in tables else names[-1]
+        tables[name] = _tabbed_text(frame, header=header)
 
     by_name = {key.lower(): value for key, value in content.items()}
     units = next((by_name[k] for k in ("units", "unit") if isinstance(by_name.get(k), dict)), units)
@@ -186,7 +207,7 @@ def _visit(
             channel = {key.lower(): value for key, value in entry.items()}
             data = next((channel[key] for key in _CHANNEL_DATA if key in channel), 0)
             if np.ndim(data) != 1 or np.asarray(data).dtype.kind not in "fiu":
-                _visit(entry, label, tables, units)
+                _visit(entry, (*path, label), tables, units)
                 continue
             unit = channel.get("unit", channel.get("units", unit))
         values = np.asarray(data)
@@ -196,13 +217,15 @@ def _visit(
             columns[_header(label, unit)] = values
         elif values.ndim == 2 and is_number:
             has_labels = labels is not None and np.shape(labels) == values.shape[1:]
+            if not has_labels and values.shape[0] <= len(ROLES) < values.shape[1]:
+                values = values.T  # a row of each quantity
             frame = pd.DataFrame(values, columns=labels if has_labels else None)
-            tables[label] = _tabbed_text(frame, header=has_labels)
+            add(frame, label, header=has_labels)
     sizes = [values.size for values in columns.values() if values.ndim]
     if sizes:
         size = max(set(sizes), key=lambda n: (sizes.count(n), n))
         # a number beside columns holds for each of their rows
-        tables[name] = _tabbed_text(pd.DataFrame({
+        add(pd.DataFrame({
             key: np.broadcast_to(values, size)
             for key, values in columns.items()
             if values.ndim == 0 or values.size == size

@@ -280,11 +280,15 @@ def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...
     table = readings.table
     entries = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
     is_time = set(entries.get("X_Dimension", ["Time"])) == {"Time"}
+    used = {column.index for column in readings.columns.values()}
     starts, steps = (
-        {table.numbers.value(cell) for cell in entries.get(key, [])} - {None}
+        {table.numbers.value(cell) for i, cell in enumerate(entries.get(key, []), 1) if i in used}
         for key in ("X0", "Delta_X")
     )
-    is_one = is_time and len(starts) == len(steps) == 1  # not of channels at several rates
+    if is_time and len(steps) > 1 and None not in steps:
+        rule = "the channels have several Delta_X: resample them to one rate"
+        raise ValueError(f"{table.where}: {rule}.")
+    is_one = is_time and len(starts) == len(steps) == 1 and None not in starts | steps
     if not is_one or table.origins or any("End_of_Header" in x for x in table.body):
         return None, ()
     start, step = starts.pop() or 0.0, steps.pop() or 0.0

@@ -21,6 +21,7 @@ from .formats import table_texts
 from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
 from .joint import read_arm_table
 from .lines import CLOCK_NAME
+from .number_formats import read_seconds
 from .published import from_json
 from .quantities import (
     BRANCHES,
@@ -357,8 +358,11 @@ def _read_cells(
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
     rows, misread = None if info.rows is None else _row_range(info.rows), []
     time = columns.get("time")
-    cells = table.read(numbers, texts, None if time is None else time.index, rows)
-    if time is not None and time.index not in cells.numbers:
+    others = [] if time is None else _other_times(table, time.index, numbers)
+    cells = table.read(numbers, [*texts, *others], None if time is None else time.index, rows)
+    if time is not None and time.index in cells.numbers:
+        _check_times(table, time, cells.numbers[time.index], [cells.texts[i] for i in others])
+    elif time is not None:
         if "time" in named:  # the error of its first bad cell
             cells = table.read([*numbers, time.index], texts, None, rows)
         else:
@@ -367,6 +371,28 @@ def _read_cells(
         is_branch = {text.lower() for text in cells.texts[branch.index]} <= set(BRANCHES)
         misread += [] if is_branch else [branch]
     return cells, misread
+
+
+def _other_times(table: Table, time: int, columns: Sequence[int]) -> list[int]:
+    """Indices of the columns of the name of the `time` that stand before the `columns`, each of
+    which has the last one before it.
+    """
+    times = [i for i, name in enumerate(table.header) if name == table.header[time]]
+    return sorted({max([time, *(i for i in times if i < column)]) for column in columns} - {time})
+
+
+def _check_times(
+    table: Table, column: Column, time: np.ndarray, others: Sequence[Sequence[str]]
+) -> None:
+    """Refuse channels at different rates: rows whose times differ by more than half a step."""
+    step = float(np.median(np.abs(np.diff(time)))) if time.size > 1 else 0.0
+    for other in filter(lambda seconds: seconds is not None, map(read_seconds, others)):
+        apart = float(np.max(np.abs(other - time)))
+        if apart > step / 2:
+            raise ValueError(
+                f"{table.where}: the columns `{column.header}` hold different times, up to"
+                f" {apart:.3g} {column.unit} apart: resample the channels to one rate."
+            )
 
 
 def _row_range(text: str) -> tuple[int, int]:

@@ -557,11 +557,33 @@ def test_specimens_of_one_file_are_not_mixed():
     check(loads(named, rest_length=REST), time=False)
 
 
-def test_two_rates_of_channels_give_no_time():
-    text = LVM_NO.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2")
-    assert loads(text, rest_length=REST).time is None
-    record = loads(LVM_NO, rest_length=REST, rows="2:3")
-    assert_allclose(record.time, TIME[1:3])
+def test_channels_at_two_rates_are_refused(tmp_path):
+    check(loads(LVM_NO.replace("mm\t\nX_D", "mm\tV\t\nX_D"), rest_length=REST))
+    assert_allclose(loads(LVM_NO, rest_length=REST, rows="2:3").time, TIME[1:3])
+    half = [2 * t for t in TIME]
+    names = "X_Value\tPressure [kPa]\tX_Value\tForce [N]\tX_Value\tLength [mm]\tX_Value\tT [degC]\n"
+    columns = [TIME, PRESSURE, TIME, FORCE, TIME, LENGTH, half, FORCE]
+    check(loads(names + table("\t", columns), rest_length=REST))  # the slow one isn't needed
+    late = [t + 0.04 for t in TIME]
+    check(loads(names + table("\t", [*columns[:2], late, *columns[3:]]), rest_length=REST))
+    for text in (
+        LVM_NO.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2"),
+        names + table("\t", [*columns[:2], half, *columns[3:]]),
+    ):
+        with pytest.raises(ValueError, match="resample"):
+            loads(text, rest_length=REST)
+
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(tmp_path / "m.tdms") as writer:
+        writer.write_segment([
+            nptdms.ChannelObject("Log", name, np.array(values), {"wf_increment": step})
+            for name, values, step in (
+                ("p_kPa", PRESSURE, 0.1), ("F_N", FORCE, 0.1), ("L_mm", LENGTH, 0.1),
+                ("T_degC", FORCE, 0.2), ("x_V", FORCE, 0.2))
+        ])  # fmt: skip
+    with pytest.raises(MissingMetadataError, match="several tables") as error:
+        load(tmp_path / "m.tdms", rest_length=REST)
+    check(load(tmp_path / "m.tdms", rest_length=REST, table=error.value.value))
 
 
 @pytest.mark.parametrize("name", ["rec", "flat", "channels", "matrix"])
@@ -621,6 +643,40 @@ def test_a_structure_for_each_reading_is_a_table(tmp_path):
     check(load(tmp_path / "m.mat", rest_length=REST))
 
 
+def test_structures_and_matrices_of_one_name_are_several_tables(tmp_path):
+    from scipy.io import savemat
+
+    path, columns = tmp_path / "m.mat", "pressure[kPa],force[N],length[mm]"
+    for first, second in (
+        ({"p_kPa": PRESSURE, "F_N": F, "L_mm": LENGTH} for F in (FORCE, FORCE[::-1])),
+        (np.array([PRESSURE, F, LENGTH]).T for F in (FORCE, FORCE[::-1])),
+    ):
+        savemat(path, {"run1": {"data": first}, "run2": {"data": second}})
+        with pytest.raises(MissingMetadataError, match=r"`data`, `run2\.data`"):
+            load(path, rest_length=REST)
+        record = load(path, rest_length=REST, table="*", columns=columns)
+        assert_allclose(record.force, [*FORCE, *FORCE[::-1]])
+    # quantities in rows
+    savemat(path, {"log": np.tile([PRESSURE, FORCE, LENGTH], 3)})
+    assert_allclose(load(path, rest_length=REST, columns=columns).force, FORCE * 3)
+
+
+def test_cells_that_excel_shows_in_percent(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    strain = np.array(CONTRACTION) / 180
+    for header, factor, form in (
+        ("strain [%]", 1, "0.0%"), ("strain", 1, "0.0%"), ("strain [%]", 100, "General")
+    ):  # fmt: skip
+        book = openpyxl.Workbook()
+        rows = [[header, "p [kPa]", "F [N]"], *zip(strain * factor, PRESSURE, FORCE, strict=True)]
+        for row in rows:
+            book.active.append(list(row))
+        for cell in book.active["A"]:
+            cell.number_format = form
+        book.save(tmp_path / "m.xlsx")
+        check(load(tmp_path / "m.xlsx"), time=False)
+
+
 def test_titles_and_merged_names_of_a_sheet(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
@@ -662,7 +718,7 @@ def test_tdms_files(tmp_path):
     channels = [
         nptdms.ChannelObject("Log", name, np.array(values), {"unit_string": unit} | more)
         for name, values, unit, more in (
-            ("Pressure", PRESSURE, "kPa", {"wf_increment": 0.1, "wf_start_offset": 0.0}),
+            ("Pressure", PRESSURE, "kPa", {"wf_increment": 0.1}),
             ("Force", FORCE, "N", {}), ("Length", LENGTH, "mm", {}),
         )
     ]  # fmt: skip
