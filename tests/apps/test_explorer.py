@@ -662,6 +662,14 @@ def test_nothing_leaves_a_phones_page_or_overlaps(phone):
         assert (tab, untidy(phone, 390)) == (tab, [])
 
 
+@pytest.mark.parametrize("width", [900, 1010, 1265])  # the last: 1280 beside a scroll bar
+def test_nothing_leaves_a_page_of_another_width(visit, width):
+    page = visit("?muscle=kim2021_bundle_1_4&strain=0.1", width=width)
+    source(page, "solid")
+    wait_for_layout(page)
+    assert untidy(page, width) == []
+
+
 def test_a_finger_on_a_figure_scrolls_a_phones_page(phone):
     source(phone, "curve")
     wait_for_layout(phone)
@@ -1030,10 +1038,10 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
     page.get_by_role("button", name="❚❚ Pause").wait_for()
     # the files
     with page.expect_download() as download:
-        page.get_by_text("Save CSV").click()
+        page.get_by_text("Save table (CSV)").click()
     assert Path(download.value.path()).read_text() == done.stdout
     with page.expect_download() as download:
-        page.get_by_text("Save SVG").click()
+        page.get_by_text("Save charts (SVG)").click()
     assert ET.parse(download.value.path()).getroot().tag.endswith("svg")  # noqa: S314 ours
 
 

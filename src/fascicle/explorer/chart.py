@@ -63,7 +63,7 @@ def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> Non
 
 def _figure_colors(colors: Colors) -> tuple[str, ...]:
     """Colors of a page that figures have, each once."""
-    return (colors.ink, colors.soft, colors.line, colors.raised, colors.paper, *colors.curves)
+    return (colors.ink, colors.soft, colors.line, colors.paper, *colors.curves)
 
 
 def screen_height(margin: int) -> str:
@@ -94,9 +94,9 @@ class Chart:
         self.describe(f"{y} over {x}" if x else "Drawing")
         fig.toolbar.update(logo=None, autohide=True)
         fig.js_on_change("inner_width", CustomJS(args={"toolbar": fig.toolbar}, code=_NO_PAN))
-        fig.update(
-            background_fill_color=colors.paper, border_fill_color=colors.paper,
-            outline_line_color=None, min_border_right=18 if x else 0,
+        fig.update(  # on the page's own ground
+            background_fill_color=None, border_fill_color=None, outline_line_color=None,
+            min_border_right=18 if x else 0,
         )  # fmt: skip
         for axis, label in zip(fig.axis, (x, y), strict=False):
             axis.update(

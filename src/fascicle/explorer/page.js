@@ -84,7 +84,7 @@ window.fascicleStory = (running, ifLost = false) => setTimeout(() => {
 }, 50);  // ms: the button is laid out by then
 // a new scene's figure is in view: on a narrow page the tab's content is right below the story; its
 // text, which comes some moments after the press, may change the story's height
-const narrow = matchMedia("(max-width: 860px)");
+const narrow = matchMedia("(max-width: 1000px)");
 let pressTime = -Infinity;
 const showFigure = () => {
   const tabs = find(".bk-header");

@@ -76,7 +76,7 @@ class Header:
         self._theme_in_link = theme_in_link or theme == "dark"
         groups = {"Examples": shipped_names("examples"),
                   "Measured muscles": shipped_names("measured"), "Your own": [_CUSTOM]}  # fmt: skip
-        self._example = widget(pn.widgets.Select, "Example", groups=groups, width=208)
+        self._example = widget(pn.widgets.Select, "Example", groups=groups, width=200)
         self._example.param.watch(self._choose_example, "value")
         self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=216)
         # an empty file changes nothing but the name
@@ -97,7 +97,7 @@ class Header:
         self.reset = button("Reset", session.reset, width=62, **style)
         copy = button("Copy link", None, width=84, **style)
         copy.js_on_click(code=_COPY)
-        self.theme_switch = button("", self._switch_theme, width=112, **style)
+        self.theme_switch = button("", self._switch_theme, width=104, **style)
         self._name_theme_switch()
         inputs = row(self._example, self.file, self.save, *self._units.values(), self.undo,
                      self.reset, copy, self.theme_switch, kind="header", margin=(0, 8))  # fmt: skip

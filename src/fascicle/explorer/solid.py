@@ -39,7 +39,7 @@ _SHOW, _TURN = (
     Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("solid.js", "camera.js")
 )
 _PROJECT = PROJECTION + _SHOW
-_FRAME = ":host { border-radius: var(--round); overflow: hidden; cursor: grab; }"
+_FRAME = ":host { border-radius: var(--round); background: var(--raised); cursor: grab; }"
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,6 @@ class Scene:
         )
         figure = chart.figure
         figure.stylesheets = [*figure.stylesheets, _FRAME]
-        figure.background_fill_color = figure.border_fill_color = colors.raised
         camera = chart.new_source("azimuth elevation")
         camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
         self.points = chart.new_source("x y z", name)

@@ -1,6 +1,7 @@
-"""Film of a run: its drawing and its charts with a cursor, as a GIF; runs in a worker process.
+"""Pictures of a run: its charts, and a film of its drawing and charts with a cursor, as a GIF.
 
-There is no video: matplotlib writes one with a program that is no dependency of fascicle.
+The film runs in a worker process. There is no video: matplotlib writes one with a program that is
+no dependency of fascicle.
 """
 
 import io
@@ -8,15 +9,17 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from PIL import Image
 
-from ..plot.theme import FIGURES, LIGHT, new_figure, styled
+from ..plot.theme import DOUBLE, FIGURES, LIGHT, new_figure, styled
 from .time_drawing import ALPHAS, HATCHED, STATES, Drawing, rigid_colors
 
 
 MOST_FRAMES = 90  # of a film: some megabytes, and ten seconds to draw
 _FASTEST = 25.0  # frames a second: browsers show few GIFs faster
+_CHART_HEIGHT = 1.3  # inches, of a picture of charts
 _SIZE, _DPI = (7.6, 4.8), 100  # inches, and pixels of each
 _COLORS = 96  # of a frame: smooth edges, and a file of a megabyte
 _LETTERS = 7.5  # points, of labels
@@ -46,6 +49,17 @@ class ChartCurves(NamedTuple):
 
 
 @styled
+def charts_figure(time: np.ndarray, charts: Sequence[ChartCurves]) -> Figure:
+    """Figure of `charts` over `time` [s], one below the other."""
+    figure, axes = new_figure(len(charts), 1, DOUBLE, _CHART_HEIGHT * len(charts), sharex=True)
+    for ax, chart in zip(axes[:, 0], charts, strict=True):
+        _draw_chart(ax, time, chart)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))  # beside the curves
+    axes[-1, 0].set_xlabel("Time t [s]")
+    return figure
+
+
+@styled
 def film(
     progress: Callable[[str], None],
     title: str,
@@ -64,7 +78,9 @@ def film(
     for ax in axes[:, 0]:
         ax.remove()
     scene = figure.add_subplot(grid[:, 0])
-    cursors = [_draw_chart(ax, time, chart) for ax, chart in zip(axes[:, 1], charts, strict=True)]
+    for ax, chart in zip(axes[:, 1], charts, strict=True):
+        _draw_chart(ax, time, chart)
+    cursors = [ax.axvline(time[0], color=LIGHT.ink, linewidth=0.9) for ax in axes[:, 1]]
     axes[-1, 1].set_xlabel("Time t [s]")
     left, right, low, high = drawing.extent
     scene.set(xlim=(left, right), ylim=(low, high), aspect="equal")
@@ -127,8 +143,8 @@ def film(
     return out.getvalue()
 
 
-def _draw_chart(ax: Any, time: np.ndarray, chart: ChartCurves) -> Any:
-    """Draw the curves of a chart; returns its cursor."""
+def _draw_chart(ax: Any, time: np.ndarray, chart: ChartCurves) -> None:
+    """Draw the curves of a chart."""
     for curve in chart.curves:
         ax.plot(time, curve.values, color=curve.color, linestyle=_DASHES[curve.dash],
                 linewidth=curve.width * 0.6, label=curve.label)  # fmt: skip
@@ -136,4 +152,3 @@ def _draw_chart(ax: Any, time: np.ndarray, chart: ChartCurves) -> Any:
     ax.set_ylabel(f"[{chart.unit}]")
     ax.set_xlim(time[0], time[-1])
     ax.legend(loc="upper left")  # "best" takes long among so many points
-    return ax.axvline(time[0], color=LIGHT.ink, linewidth=0.9)

@@ -88,34 +88,6 @@ def run_policies(
     return SimulationResult(name, quantity, rotary, results, heads, table_rows, remarks)
 
 
-def run_figure(
-    progress: Progress, text: str, name: str, policies: Sequence[str], kind: str
-) -> bytes:
-    """Figure of `fascicle simulate`, or of its `--compare` for several `policies`, as a file of a
-    `kind` "png" or "svg".
-    """
-    from ..control import pareto_front
-    from ..plot.theme import to_bytes
-    from ..plot.trajectory import PolicyCosts, traces
-    from ..plot.trajectory import policies as draw_policies
-    from ..reports import simulation as reports
-
-    study, _ = _read_limited_scenario(progress, text, name)
-    runs = {}
-    for variant, label in _variants(progress, study, policies):
-        run = variant.run()
-        runs[label] = variant, run, reports.run_demand(variant, run)
-    progress("drawing")
-    if len(runs) == 1:
-        ((variant, run, tracking),) = runs.values()
-        return to_bytes(traces(variant.plant, run, tracking), kind)
-    metrics = [reports.run_metrics(variant.control, run) for variant, run, _ in runs.values()]
-    drawdowns, energies = zip(*((x.drawdown, x.supply_energy) for x in metrics), strict=True)
-    costs = PolicyCosts(drawdowns, energies, pareto_front(drawdowns, energies).tolist())
-    pairs = {label: (run, tracking) for label, (_, run, tracking) in runs.items()}
-    return to_bytes(draw_policies(study.plant, pairs, costs), kind)
-
-
 def _read_limited_scenario(
     progress: Progress, text: str, name: str
 ) -> tuple["Scenario", list[str]]:

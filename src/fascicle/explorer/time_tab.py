@@ -6,7 +6,6 @@ The run goes to the browser once; there `time_page.js` plays it, without a messa
 import asyncio
 import html
 import io
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -18,7 +17,7 @@ from bokeh.models import Button, CustomJS, Div, Select, Slider, Span
 
 from ..core.errors import MissingExtraError, require
 from ..files.shipped_files import scenarios
-from ..plot.theme import LIGHT, Colors
+from ..plot.theme import LIGHT, Colors, to_bytes
 from ..results import Table
 from .chart import Chart, cycle_colors
 from .exports import download_button, output_stem
@@ -28,8 +27,8 @@ from .state import Session, View
 from .tab import LatestResult, Progress, Tab, session_document
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, pane, row, side_column
 from .time_drawing import ALPHAS, HATCHED, STATES, rigid_colors
-from .time_film import ChartCurves, Curve, film
-from .time_run import PolicyResult, SimulationResult, run_figure, run_policies
+from .time_film import ChartCurves, Curve, charts_figure, film
+from .time_run import PolicyResult, SimulationResult, run_policies
 from .widgets import (
     Field,
     button,
@@ -69,8 +68,9 @@ _EMPTY = (
 )
 _LEGEND = (  # of the drawing
     "Filled: the muscle pulls. Pale: it has buckled. Hatched: it has collapsed. ▼ the valve is open"
-    " to the supply, ▲ to the room, – shut. Red line: where the load should be."
+    " to the supply, ▲ to the room, – shut."
 )
+_DEMAND_LEGEND = " Red line: where the load should be."
 _DRAWDOWN = "Drawdown: how far force or position falls back while its demand does not."
 _DIP = (
     " D: how far the force falls while a motor unit fills and the others hold their pressures."
@@ -125,20 +125,21 @@ class TimeView(Tab):
         self.drawn = dropdown("Policy that is drawn", [], visible=False)
         self.drawn.param.watch(self._choose_drawn, "value")
         self.saves = [
-            self._job_button("Save PNG", "png", lambda: self._picture_job("png")),
-            self._job_button("Save SVG", "svg", lambda: self._picture_job("svg")),
-            self._job_button("Save GIF", "gif", self._film_job),
-            download_button("Save CSV", "csv", self._csv, disabled=True, width=118),
-        ]
+            *(download_button(f"Save charts ({kind.upper()})", kind,
+                              lambda kind=kind: self._picture(kind), disabled=True)
+              for kind in ("png", "svg")),
+            self._film_button(),
+            download_button("Save table (CSV)", "csv", self._csv, disabled=True),
+        ]  # fmt: skip
         self.save_scenario = download_button(
             "Save scenario", "toml", self._scenario_file, width=118
         )
 
-    def _job_button(self, label: str, suffix: str, make_job: Callable[[], Job]) -> Any:
-        """Button that downloads the bytes that a job makes."""
+    def _film_button(self) -> Any:
+        """Button that downloads the film, which a job draws."""
 
         async def make_file() -> io.BytesIO:
-            loop, job = asyncio.get_running_loop(), make_job()
+            loop, job = asyncio.get_running_loop(), self._film_job()
             self._begin(job)
             try:
                 raw = await loop.run_in_executor(WAITING, job)
@@ -146,12 +147,12 @@ class TimeView(Tab):
                 self._fail_job(error)
                 raise asyncio.CancelledError from None  # nothing to send
             self._end_job()
-            result.filename = f"{self._stem()}.{suffix}"
+            result.filename = f"{self._stem()}.gif"
             return io.BytesIO(raw)
 
         result = widget(
-            pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=make_file,
-            width=118, margin=(2, 4), disabled=True,
+            pn.widgets.FileDownload, "Save film (GIF)", filename="fascicle.gif",
+            callback=make_file, width=146, margin=(2, 4), disabled=True,
         )  # fmt: skip
         return result
 
@@ -243,9 +244,9 @@ class TimeView(Tab):
                           else None)
             for model in self._player
         )  # fmt: skip
-        legend = pane(status_line(_LEGEND), sizing_mode="stretch_width")
+        self._drawing_legend = pane(sizing_mode="stretch_width")
         drawing = column(
-            self.drawn, self._scene.new_pane(), legend, self._table,
+            self.drawn, self._scene.new_pane(), self._drawing_legend, self._table,
             row(*self.saves, kind="wrapped", sizing_mode=None, margin=(4, 4)),
             kind="equal", styles={"flex": "2 1 0"},
         )  # fmt: skip
@@ -517,12 +518,13 @@ class TimeView(Tab):
         pressures.append(Curve(supply, "supply", colors.ink, "dashed", 1.5))
         valves = [Curve(self._openings(run)[:, i], *style) for i, style in enumerate(by_unit)]
         energies = _energies(run.table, run.rows, colors)
+        of_run = f", {run.policy}" if len(result.runs) > 1 else ""
         return [
             ChartCurves(f"{'Moment' if rotary else 'Force'} on the load", force_unit, forces),
             ChartCurves("Angle" if rotary else "Contraction", length_unit, positions),
-            ChartCurves("Pressures, gauge", pressure_unit, pressures),
-            ChartCurves("Valves: + to the supply, − to the room", "–", valves),
-            ChartCurves("Energies since the start", "J", energies),
+            ChartCurves(f"Pressures, gauge{of_run}", pressure_unit, pressures),
+            ChartCurves(f"Valves{of_run}: + to the supply, − to the room", "–", valves),
+            ChartCurves(f"Energies since the start{of_run}", "J", energies),
         ]
 
     def _openings(self, run: PolicyResult) -> np.ndarray:
@@ -548,6 +550,8 @@ class TimeView(Tab):
             if "demand" in curve_by_label:
                 columns["demand"] = curve_by_label["demand"].values
                 numbers.append(("demand", "demand", unit))
+        has_line = "demand" in drawing.rigid_kinds
+        self._drawing_legend.object = status_line(_LEGEND + _DEMAND_LEGEND * has_line)
         top = drawing.extent[3]
         self._frames.tags = [{
             "muscles": drawing.muscles,
@@ -591,9 +595,9 @@ class TimeView(Tab):
     def _csv(self) -> tuple[str, bytes]:
         return self._stem(), self.drawn_run.table.to_csv().encode()
 
-    def _picture_job(self, kind: str) -> Job:
-        setup = self._setup
-        return Job(run_figure, setup.text(), setup.name, setup.policies, kind)
+    def _picture(self, kind: str) -> tuple[str, bytes]:
+        figure = charts_figure(self._samples("time"), self._chart_curves(LIGHT))
+        return self._stem(), to_bytes(figure, kind)
 
     def _film_job(self) -> Job:
         run, (force, contraction, pressures, *_) = self.drawn_run, self._chart_curves(LIGHT)

@@ -16,7 +16,7 @@ import fascicle as fs
 from fascicle import control
 from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics.audit import TABULATED
-from fascicle.explorer import time_film, time_run
+from fascicle.explorer import time_film, time_run, time_tab
 from fascicle.explorer.link import from_query, to_query
 from fascicle.explorer.scenario_setup import POLICIES, Setup, open_setup
 from fascicle.explorer.state import Session, view_of
@@ -196,6 +196,35 @@ def test_the_film_lasts_as_long_as_the_run(tab, monkeypatch):
         frames.append((image.info["duration"], np.asarray(image.convert("RGB"))))
     assert sum(duration for duration, _ in frames) == 4000  # ms
     assert all(np.any(a != b) for (_, a), (_, b) in itertools.pairwise(frames))
+
+
+@pytest.mark.parametrize("kind", ["png", "svg"])
+def test_the_saved_charts_are_those_of_the_page(tab, kind, monkeypatch):
+    figures = []
+    monkeypatch.setattr(time_tab, "to_bytes", lambda figure, _: figures.append(figure) or b"")
+    tab.session.change(display_units={**tab.session.view.display_units, "pressure": "psi"})
+    stem, _ = tab._picture(kind)
+    assert stem == f"{NAME}_threshold"  # the policy that is drawn
+    axes = figures[0].axes
+    assert len(axes) == len(tab.charts)
+    assert axes[2].get_title("left") == "Pressures, gauge, threshold"
+    for ax, curves, chart in zip(axes, tab._curves, tab.charts, strict=True):
+        assert ax.get_ylabel() == chart.figure.yaxis[0].axis_label
+        shown = [line.get_ydata() for line in ax.get_lines()]
+        np.testing.assert_array_equal(shown, curves.data["ys"])
+    monkeypatch.undo()
+    raw = tab._picture(kind)[1]
+    assert raw.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
+
+
+def test_the_red_line_is_explained_where_there_is_one(tab, result):
+    assert "Red line" in tab._drawing_legend.object
+    run = result.runs[0]
+    kinds = [kind for kind in run.drawing.rigid_kinds if kind != "demand"]
+    rigid = run.drawing.rigid[:, : len(kinds)]
+    run = run._replace(drawing=run.drawing._replace(rigid_kinds=kinds, rigid=rigid))
+    tab._show_result((CHANGED, result._replace(runs=[run])))
+    assert "Red line" not in tab._drawing_legend.object
 
 
 # jobs
