@@ -247,15 +247,15 @@ class Bundle(Module):
         lowest = [lowest_strain(muscle.law) for muscle in muscles]
         return check_strain(strain, reduce(np.maximum, lowest))
 
-    def _check_pressures(self, pressures: Values) -> PerUnit:
+    def _check_pressures(self, pressures: Values, name: str = "pressures") -> PerUnit:
         """The `pressures` [Pa] as floats, refused unless there is one for each unit, 0 to 1 MPa;
-        warns of those above a unit's tuning.
+        warns of those above a unit's tuning. `name`: name of the argument that an error reports.
         """
-        P, units = check_gauge_pressure(pressures, "pressures"), len(self.motor_units)
+        P, units = check_gauge_pressure(pressures, name), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != units:
             rule = f"must hold one pressure for each of the {units} motor units on the last axis"
             count, text = (P.shape[-1], None) if P.ndim else (1, "a single pressure")
-            raise InvalidInputError("pressures", rule, count, shown=text)
+            raise InvalidInputError(name, rule, count, shown=text)
         for i, unit in enumerate(self.motor_units):
             unit.muscle.tuning.warn_extrapolation(P[..., i])
         return P

@@ -38,7 +38,13 @@ from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import evaluate, with_fields
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
-from ..core.validation import check_choice, check_finite, is_concrete, to_si
+from ..core.validation import (
+    check_choice,
+    check_finite,
+    check_gauge_pressure,
+    check_whole_number,
+    is_concrete,
+)
 from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import PressurizedMuscle
@@ -133,8 +139,11 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
     length to `strain` [-], (29); `active`: 1 for pressurized units [-], 0 for others, units last.
     """
     volumes = unit_volume_change(bundle, strain)
-    supply_pressure = to_si(supply_pressure, "supply_pressure", "Pa")
-    xp = array_namespace(volumes, supply_pressure)
+    supply_pressure = check_gauge_pressure(supply_pressure, "supply_pressure")
+    xp, units = array_namespace(volumes, supply_pressure), len(bundle.motor_units)
+    if np.shape(active)[-1:] != (units,):
+        rule = f"must hold one number for each of the {units} motor units on the last axis"
+        raise InvalidInputError("active", rule, active)
     return supply_pressure * xp.sum(xp.asarray(active) * volumes, axis=-1)
 
 
@@ -172,8 +181,7 @@ def constant_cross_section(
     unit (SEMU) that a bundle is compared with. `supply_pressure` [Pa] and `scheme` are the
     bundle's. `ValueError` for less than one unit.
     """
-    if units < 1:
-        raise InvalidInputError("units", "must be at least 1", units)
+    units = check_whole_number(units, "units", 1)
     scale = np.sqrt(units)
     radius, thickness = muscle.outer_radius / scale, muscle.wall_thickness / scale
     thin = with_fields(muscle, outer_radius=radius, wall_thickness=thickness)

@@ -131,7 +131,7 @@ def recruit(
             remedy = f"pass a pressure for each of the {units} motor units"
             rule = "must be given in Pa with `prefer` 'nearest'"
             raise InvalidInputError("present", rule, None, remedy)
-        arrays.append(bundle._check_pressures(present))
+        arrays.append(bundle._check_pressures(present, "present"))
         shapes["present"] = np.shape(arrays[-1])[:-1]
     shape, solve, xp = broadcast_shape(**shapes), _solve_demands, np
     if not (bundle.is_numpy and is_numpy(supply, *arrays)):

@@ -21,7 +21,14 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.lazy import attach_lazy
 from ..core.types import Float, Values
-from ..core.validation import check_interval, has_units, to_si
+from ..core.validation import (
+    check_gauge_pressure,
+    check_interval,
+    check_scalar,
+    check_whole_number,
+    has_units,
+    to_si,
+)
 from ..repr_table import with_table_repr
 from .bundle import Bundle, distinct_units
 from .inverse import RecruitmentResult, Solutions, recruit
@@ -71,9 +78,9 @@ def pressures_of(
     states = states_of(scheme_of(scheme), units)
     if not 1 <= state <= states.size:
         raise InvalidInputError("state", f"must lie in [1, {states.size}]", state)
-    throttled = np.asarray(to_si(level, "level", "Pa"), dtype=float)
-    supply = float(to_si(supply_pressure, "supply_pressure", "Pa"))
-    return states.pressures(state - 1, throttled, supply)
+    level, name = check_gauge_pressure(level, "level"), "supply_pressure"
+    supply = check_scalar(check_gauge_pressure(supply_pressure, name), name)
+    return states.pressures(state - 1, level, supply)
 
 
 @with_table_repr(workspace_table)
@@ -150,7 +157,7 @@ def workspace(
     if has_units(levels):
         levels = np.atleast_1d(to_si(levels, "levels", "Pa"))
     if np.ndim(levels) == 0:
-        levels = np.linspace(0.0, supply, int(levels))
+        levels = np.linspace(0.0, supply, check_whole_number(levels, "levels", 1))
     levels = np.asarray(check_interval(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
     if strain is None:
         full = np.full(len(bundle.motor_units), supply)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float, Values
-from ..core.validation import check_interval
+from ..core.validation import check_gauge_pressure, check_interval, check_scalar
 from ..repr_table import with_table_repr
 from .bundle import Bundle
 from .pressurized import muscle_strain
@@ -58,6 +58,7 @@ def free_strain_curve(
     earlier units at `supply_pressure` [Pa]; other arguments and errors are those of `reversal`.
     """
     supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
+    pressures = check_gauge_pressure(pressures, "pressures")
     all_pressures = pressures_of(unit, pressures, supply, len(bundle.motor_units))
     return np.asarray(bundle.free_strain(all_pressures, resistance))
 
@@ -97,7 +98,7 @@ def onset_pressure(
     """
     supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
     muscle = bundle.motor_units[unit - 1].muscle
-    eps = float(check_interval(strain, -np.inf, np.inf, "strain", "-"))
+    eps = check_scalar(check_interval(strain, -np.inf, np.inf, "strain", "-"), "strain")
     if bundle.ratios is not None:
         eps = float(muscle_strain(bundle.ratios[..., unit - 1], bundle._check_strain(eps)))
     low, high = 0.0, supply
@@ -115,7 +116,7 @@ def onset_pressure(
 def _check_unit(bundle: Bundle, unit: int) -> int:
     """The `unit`, counted from 1, refused unless the `bundle` has it."""
     units = len(bundle.motor_units)
-    if not isinstance(unit, int | np.integer):
+    if not isinstance(unit, int | np.integer) or isinstance(unit, bool):
         rule = "must be a whole number, counted from 1"
         raise InvalidInputError("unit", rule, unit, shown=repr(unit))
     if not 1 <= unit <= units:

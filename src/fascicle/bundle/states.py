@@ -21,7 +21,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Int, Numbers, Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible
+from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible, check_scalar
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -247,7 +247,7 @@ def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> floa
     if supply is None:
         raise InvalidInputError(name, "must be given in Pa", None, remedy)
     P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
-    return float(check_plausible(P, name))
+    return check_scalar(check_plausible(P, name), name)
 
 
 def check_single(bundle: Any) -> None:

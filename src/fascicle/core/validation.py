@@ -264,6 +264,25 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     return value
 
 
+def check_whole_number(value: Any, name: str, least: int) -> int:
+    """Return a `value` that is one whole number of at least `least`; `InvalidInputError` for
+    others.
+    """
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not whole or value < least:
+        rule = f"must be at least {least}" if whole else "must be a whole number"
+        raise InvalidInputError(name, rule, value, shown=reprlib.repr(value))
+    return int(value)
+
+
+def check_scalar(value: Any, name: str) -> float:
+    """Return the number in a checked `value` [any unit]; `InvalidInputError` for several."""
+    if np.ndim(value):
+        text = f"an array of shape {np.shape(value)}"
+        raise InvalidInputError(name, "must be a single number", value, shown=text)
+    return float(value)
+
+
 def check_count(value: Values, name: str) -> IntBatch:
     """Return a `value` of this `name` as integers, refused unless they are whole numbers of 1 or
     more, and not too many.

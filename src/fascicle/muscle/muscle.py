@@ -22,7 +22,7 @@ from ..core.errors import require
 from ..core.lazy import import_late
 from ..core.module import Module, evaluate, record, static
 from ..core.types import Batch, Values
-from ..core.validation import check_choice, check_size
+from ..core.validation import check_choice, check_size, check_whole_number
 from ..repr_table import with_table_repr
 from .bladder import Bladder
 from .braid import Braid
@@ -40,7 +40,6 @@ from .tuning import TunedTension, Tuning
 from .validation import (
     check_active_length,
     check_broadcast,
-    check_centerline_points,
     check_wall_thickness,
     choose_material,
     choose_tuning,
@@ -102,7 +101,7 @@ class AtPressure(Module):
 
     def shape(self, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` between the clamped ends, at `strain` [-]."""
-        return self._evaluate("shape", strain, check_centerline_points(points))
+        return self._evaluate("shape", strain, check_whole_number(points, "points", 3))
 
     def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
         eps = self._match_type(validate_strain(strain, self.state.law))
@@ -298,7 +297,7 @@ class Muscle(Module):
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` at `pressure` [Pa] and `strain` [-]."""
-        return self._evaluate_at("shape", pressure, strain, check_centerline_points(points))
+        return self._evaluate_at("shape", pressure, strain, check_whole_number(points, "points", 3))
 
     def plot(
         self, pressures: Values = None, strains: Values = None, components: bool = False

@@ -157,13 +157,6 @@ def extension_message(strain: Batch, straight: Batch) -> str:
     )
 
 
-def check_centerline_points(value: int) -> int:
-    """Return the number of points of a centerline, if it is at least 3."""
-    if value < 3:
-        raise InvalidInputError("points", "must be at least 3", value)
-    return int(value)
-
-
 def validate_braid_angle(value: Values) -> Batch:
     """Return a braid angle [rad] of a muscle that contracts."""
     value = to_si(value, "braid_angle", "rad")

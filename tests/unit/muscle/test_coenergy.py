@@ -24,6 +24,13 @@ def round_trip(muscle, volume, top, end):
     return fluid, ends * muscle.length
 
 
+@pytest.mark.parametrize("buckling", ["kim2021", "elastica"])
+def test_empty_arrays(buckling):
+    muscle = SIX.replace(buckling=buckling)
+    assert muscle.conjugate_volume(np.zeros(0), 0.1).shape == (0,)
+    assert muscle.conjugate_volume(np.zeros((3, 1)), np.zeros(0)).shape == (3, 0)
+
+
 def test_it_is_the_braid_s_up_to_the_free_strain():
     P = np.array([34.5e3, 137.9e3, 413.7e3])[:, None]
     eps = SIX.free_strain(P) * np.linspace(-0.5, 1, 7)
