@@ -315,14 +315,23 @@ def summarize(
     elif catalog.energy is not None:
         work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
         cost = float(catalog.energy * work * fluid)
-    sizing = None
-    if cycle is not None:
-        pressurized, margin = load_cases.content != 0, load_cases.relative
-        margin = np.where(load_cases.reached, np.maximum(margin, 0.0), -1.0)
-        sizing = size_valves(design, 0, task, cycle, pressurized, load_cases.fluid, margin)
+    sizing = None if cycle is None else size_for_cases(design, load_cases, cycle)
     return Summary(
         design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter,
         2 * float(packed_radius(radius, counts)), product, bladders, mass,
         None if np.isnan(price) else price, None if np.isnan(muscle_price) else muscle_price,
         cost, sizing,
     )  # fmt: skip
+
+
+def size_for_cases(
+    design: Designs, load_cases: Cases, cycle: Cycle, time: float | None = None
+) -> ValveSizing | None:
+    """Valves of a single `design` for its load cases and a `cycle`, as of `size_valves`; `time`: in
+    which they do it without the load's inertia [s].
+    """
+    pressurized, margin = load_cases.content != 0, load_cases.relative
+    margin = np.where(load_cases.reached, np.maximum(margin, 0.0), -1.0)
+    return size_valves(
+        design, 0, load_cases.task, cycle, pressurized, load_cases.fluid, margin, time
+    )

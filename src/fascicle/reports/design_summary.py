@@ -9,13 +9,13 @@ import numpy as np
 
 from ..core.errors import missing_extra
 from ..design.catalog import describe_cheapest
-from ..design.cycle import WIDEST_BORE, CycleRun, ValveSizing, run_cycle
+from ..design.cycle import WIDEST_BORE, CycleRun, ValveSizing, fit_valves, run_cycle
 from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction, other_limits
 from ..design.remedies import Remedy, remedies
 from ..design.scatter import Safety
-from ..design.summary import STANDARD_GRAVITY, Summary, summarize_result
+from ..design.summary import STANDARD_GRAVITY, Summary, size_for_cases, summarize_result
 from ..units import DIMENSIONS, format_digits, pretty
 
 
@@ -323,6 +323,8 @@ def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
         f"{units if len(values) > 1 else ''} at b = {cycle.b:g} {demand}: at case {sizing.case + 1}"
         f" fills in {pretty(sizing.fill, 'time', 3)}, vents in {pretty(sizing.vent, 'time', 3)}"
     )
+    if sizing.time < cycle.time:
+        text += " without inertia, as the load swings"
     if sizing.bore is not None:
         text += f"; hoses of {hose} at least {1e3 * sizing.bore:g} mm wide"
     names = dict.fromkeys(
@@ -338,18 +340,23 @@ def _valves_text(summary: Summary, sizing: ValveSizing) -> str:
 
 def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
     """The `summary` of the recommended design of a `result`, with its run in time if it has valves
-    for a cycle; without JAX, with what to install.
+    for a cycle, enlarged until the run passes; without JAX, with what to install.
     """
     sizing, index = summary.sizing, result.cheapest
     if sizing is None or not sizing.feasible or index is None:
         return summary
-    task, length = summary.cases.task, summary.cases.length
-    force, stroke = float(task.force[sizing.case]), float(task.stroke_of(length)[sizing.case])
-    if not force * stroke > 0:
-        return replace(summary, run=f"run over time: left out, case {sizing.case + 1} does no work")
-    design = result.all_designs(np.array([index]))
+    cases, case = summary.cases, sizing.run_case
+    if case is None:
+        return replace(summary, run="run over time: left out, no load case does work")
+    task, design = cases.task, result.all_designs(np.array([index]))
+    force, stroke = float(task.force[case]), float(task.stroke_of(cases.length)[case])
+    bundle = design.bundle(0, task)
     try:
-        run = run_cycle(design.bundle(0, task), force, stroke, sizing)
+        fitted, run = fit_valves(
+            sizing,
+            lambda time: size_for_cases(design, cases, sizing.cycle, time),
+            lambda candidate: run_cycle(bundle, force, stroke, candidate),
+        )
     except ModuleNotFoundError as error:  # of JAX
         missing = missing_extra(error)
         if missing is None:
@@ -357,9 +364,12 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
         return replace(summary, run=f"run over time: left out, {missing}")
     passes, text = run.passes(sizing.cycle.time), _run_text(run, sizing)
     verdict = "passes" if passes else "FAILS"
+    if case != sizing.case:
+        verdict = f"{verdict} at case {case + 1}"
     return replace(
-        summary, run=f"run over time: {verdict}, {text}", run_failure="" if passes else text
-    )
+        summary, sizing=fitted, run=f"run over time: {verdict}, {text}",
+        run_failure="" if passes else text,
+    )  # fmt: skip
 
 
 def _run_text(run: CycleRun, sizing: ValveSizing) -> str:

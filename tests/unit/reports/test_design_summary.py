@@ -10,7 +10,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.design import Catalog, Limit, Product, Space, Task, search
-from fascicle.design.cycle import Cycle
+from fascicle.design.cycle import Cycle, run_cycle
 from fascicle.reports.design import report
 from fascicle.reports.design_summary import (
     MISSED,
@@ -77,6 +77,30 @@ def test_valves_and_the_run_are_a_line():
     assert bore == pytest.approx(1e3 * summary.sizing.bore)
     assert rate == pytest.approx(6e4 * summary.flow, rel=5e-3)
     assert "valves: each needs" in unescape(report(result, "2026-05-04", [], answer=ran))
+
+
+def test_valves_are_enlarged_until_the_run_passes():
+    result = search(SPACE, Task.of([200.0, 60.0], [0.08, 0.12], 400e3), SENSES)
+    result = replace(result, cycle=Cycle(0.25, 30.0))
+    summary = summarize_search(result)
+    ran = run_cycle_of(result, summary)
+    text = design_facts(result, ran)["valves"]
+    assert "; run over time: passes, " in text and "without inertia, as the load swings" in text
+    assert np.all(ran.sizing.conductance > summary.sizing.conductance) and not ran.run_failure
+    bundle = result.designs.bundle(result.recommended, result.task)
+    stroke = float(result.task.stroke_of(ran.cases.length)[1])
+    runs = (run_cycle(bundle, 60.0, stroke, s.sizing) for s in (summary, ran))
+    assert [run.passes(0.25) for run in runs] == [False, True]
+
+
+def test_a_case_that_does_work_is_run():
+    """The second one needs the largest valve, but has no load."""
+    result = search(SPACE, Task.of([200.0, 0.0], [0.08, 0.12], 400e3), SENSES)
+    result = replace(result, cycle=Cycle(0.4, 30.0))
+    ran = run_cycle_of(result, summarize_search(result))
+    assert (ran.sizing.case, ran.sizing.run_case) == (1, 0)
+    assert ran.run.startswith("run over time: passes at case 1, ")
+    assert ran.sizing.time == 0.4 and "inertia" not in design_facts(result, ran)["valves"]
 
 
 def test_run_is_left_out_without_jax(monkeypatch):
