@@ -122,6 +122,7 @@ def _infer(
     supplied = constants | set(chosen)
     for role, group in zip(("pressure", "force", "length"), _ALTERNATIVES, strict=True):
         if not supplied & set(group):
+            _check_position_units(table, group)
             raise _missing(table, role, used)
     if "force" in supplied:
         chosen.pop("torque", None)
@@ -294,13 +295,41 @@ def _wrong_unit(where: str, role: str, unit: str, dimension: str, error: ValueEr
 def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
-        times = (
-            f"is there {len(names)} times: rename one, name the columns in their order, or write"
-            " above each its pressure, such as `100 kPa`."
-        )
-        return ValueError(f"{table.where}: column `{names[0]}` {times}")
+        before = f"{table.where}: column `{names[0]}` is there {len(names)} times: choose one with "
+        after = ", or write above each its pressure, such as `100 kPa`"
+        first, last = (("columns", "", _columns_in_order(table, i), "") for i in (0, -1))
+        return MissingMetadataError(before, first, (*last[:3], after))
     how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
     return MissingMetadataError(how, ("columns", role, names[0], ""))
+
+
+def _columns_in_order(table: Table, repeat: int) -> str:
+    """Names of columns in order, with that `repeat` of each name that is there several times."""
+    entries, roles = [], set()
+    for i, header in enumerate(table.header):
+        points = {role: score(header, table.units[i], role) for role in ROLES}
+        role = max(points, key=lambda role: points[role])
+        repeats = [k for k, name in enumerate(table.header) if name == header]
+        if points[role] < 2 or role in roles or i != repeats[repeat]:
+            entries.append("-")
+            continue
+        roles.add(role)
+        units = [strip_brackets(table.units[i]), *(unit for _, unit in read_header(header))]
+        units = [unit for unit in units if unit and is_unit(unit, (DIMENSIONS.get(role, role),))]
+        entries.append(f"{role}[{units[0]}]" if units else role)
+    return ",".join(entries).rstrip(",-")
+
+
+def _check_position_units(table: Table, roles: Sequence[str]) -> None:
+    """Refuse a column that has the name of one of the `roles`, and an unknown unit."""
+    for i, header in enumerate(table.header):
+        name, unit = read_header(header)[0]
+        unit = table.units[i] or unit
+        role = next((role for role in roles if name in TERMS[role]), None)
+        if role is not None and unit and not is_unit(unit) and role in POSITIONS:
+            dimension = DIMENSIONS.get(role, role)
+            error = ValueError(f"{unit!r} is no unit of {dimension}")
+            raise _wrong_unit(f"{table.where}, column `{header}`", role, unit, dimension, error)
 
 
 def _missing(table: Table, role: str, used: set[int]) -> ValueError:

@@ -12,7 +12,7 @@ from .units import SPELLINGS, weight_unit
 
 
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")
-_UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N"}
+_UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N|kg|g"}
 
 
 def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
@@ -63,8 +63,9 @@ def suggest_pattern(name: str, role: str) -> str:
     if match is None:
         return ""
     minus, blank, unit = match.groups()
-    usual = SPELLINGS[role][unit.lower()]
-    return f"{minus}{{{role}{'' if unit == usual and not blank else f':{usual}'}}}{blank}{unit}"
+    usual = weight_unit(unit, role) or SPELLINGS[role][unit.lower()]
+    is_clear = (unit == usual or usual in ("gf", "kgf")) and not blank
+    return f"{minus}{{{role}{'' if is_clear else f':{usual}'}}}{blank}{unit}"
 
 
 def pressure_in_name(path: Path, table: str = "") -> float | None:

@@ -23,11 +23,12 @@ TERMS = {
     "torque": ("torque", "moment", "drehmoment", "tau", "τ", "joint torque"),
     "strain": ("strain", "contraction", "contraction ratio", "eps", "epsilon", "ε", "kappa",
                "shortening", "kontraktion", "verkürzung", "elongation", "extension", "dehnung",
-               "length change", "change of length"),
+               "length change", "change of length", "verlängerung"),
     "length": ("length", "l", "len", "länge", "laenge", "longueur"),
     "displacement": ("displacement", "shortening", "stroke", "contraction", "disp", "travel",
                      "extension", "elongation", "position", "crosshead", "x", "weg", "hub",
-                     "verkürzung", "standardweg", "traversenweg", "laser", "lvdt", "dehnung",
+                     "verkürzung", "verlängerung", "kolbenweg", "standardweg", "traversenweg",
+                     "laser", "lvdt", "dehnung",
                      "length change", "change of length"),
     "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
               "position", "joint"),
@@ -39,13 +40,20 @@ TERMS = {
 }  # fmt: skip
 ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "absoluter"}
 MASSES = {"mass", "masse", "weight", "gewicht"}
-LONGER = {"extension", "elongation", "tensile"}  # these grow as the muscle lengthens
+LONGER = {
+    "extension",
+    "elongation",
+    "tensile",
+    "verlängerung",
+}  # these grow as the muscle lengthens
+_SIGNALS = {"v", "mv", "µv", "volt", "volts", "ma", "counts", "adc", "lsb"}  # of a raw gauge
 # qualifiers of a column that holds something else than a quantity's readings
 _QUALIFIERS = {
     "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
     "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
     "work", "arm", "lever", "braid", "fiber", "fibre",
-    "id", "index", "count", "flow", "stress", "spannung", "modulus", "sollwert", "raw", "change",
+    "id", "index", "count", "flow", "stress", "spannung", "sigma", "σ", "modulus", "sollwert",
+    "raw", "change",
     "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
     "umgebungsdruck", "versorgungsdruck",
 }  # fmt: skip
@@ -109,8 +117,10 @@ def score(header: str, unit: str, role: str) -> int:
     dimension, best = DIMENSIONS.get(role, role), 0
     meanings = read_header(header)
     for name, written in meanings:
-        # a remark in brackets may follow a strain; T [degC] is no time
-        stated = written or unit or ("" if role == "strain" else meanings[0][1])
+        # a remark in brackets may follow a strain, or stand above a unit; T [degC] is no time
+        is_remark = not (is_unit(written) or is_absolute(written))
+        stated = (unit if is_remark else written) or written or unit
+        stated = stated or ("" if role == "strain" else meanings[0][1])
         fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, (dimension,))
         if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
@@ -123,8 +133,8 @@ def score(header: str, unit: str, role: str) -> int:
             continue  # without a unit these are strains, and x is anything
         terms = set(name.split())
         if name in TERMS[role]:
-            best = max(best, 4 + fits)
-        elif terms & _QUALIFIERS:
+            best = max(best, 2 if stated.lower() in _SIGNALS else 4 + fits)
+        elif terms & _QUALIFIERS or (role == "length" and terms & {"gauge", "gage"}):
             continue
         elif terms & {term for term in TERMS[role] if len(term) > 1}:
             best = max(best, 2 + fits)

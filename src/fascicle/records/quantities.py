@@ -24,6 +24,9 @@ from .units import (
 )
 
 
+_FIRST_DATE_MS = 1e11  # since 1970
+_DAYS = (3e4, 7e4)  # dates of 1982 to 2091 as Excel counts them
+_FAR = 0.05  # of the rest length: a muscle begins nearer to it
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 _TOP = 0.95  # of the highest pressure: readings above it show how the force follows contraction
 _MIN_READINGS = 5  # there: fewer show no direction
@@ -187,6 +190,7 @@ def read_strain(
     sign = has_direction or column.sign
     if column.role == "strain":
         strain = values * sign
+        _check_fractions(readings)
     elif column.role in ("displacement", "angle"):
         zero = info.displacement_at_rest if column.role == "displacement" else None
         strain = (values - (zero or 0.0)) * sign / rest_length
@@ -194,7 +198,7 @@ def read_strain(
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:
             rule = f"{raw[wrong[0]]:g} is no length of a muscle"
-            if raw[wrong[0]] == 0 and column.index >= 0:
+            if column.index >= 0:
                 before = cell_error(int(wrong[0]), column, f"{rule}: if it counts from rest, give ")
                 choice = ("columns", "displacement", column.header, "")
                 raise MissingMetadataError(str(before), choice)
@@ -212,7 +216,23 @@ def read_strain(
     if longest < _STRETCHED:
         count = int(np.count_nonzero(strain < _STRETCHED))
         notes = (f"{count} readings stretched beyond rest, down to {longest:.3g}",)
+    elif column.role == "displacement" and info.displacement_at_rest is None and longest > _FAR:
+        least = f"{raw[int(np.argmin(strain))]:.6g} {column.unit}"
+        notes = (f"all displacements are beyond {least}: if it is 0 there, give {least} as zero",)
     return strain + 0.0, notes  # without negative zeros
+
+
+def _check_fractions(readings: Readings) -> None:
+    """Refuse strains without a unit that are no fractions."""
+    column, raw = readings.position, readings.raws["strain"]
+    row = int(np.argmax(np.abs(raw)))
+    has_remark = not column.unit and column.header.strip()[-1:] in tuple("])}")
+    if column.factor == 1 and column.index >= 0 and abs(raw[row]) > 1 and not has_remark:
+        rule = f"{raw[row]:.6g} is a contraction of {raw[row]:.4g}: did you mean %? Give "
+        length = ("columns", "displacement", column.header, ", if it is a length")
+        raise MissingMetadataError(
+            str(readings.cell_error(row, column, rule)), ("units", "strain", "%", ""), length
+        )
 
 
 def _check_direction(
@@ -270,9 +290,20 @@ def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
     """Time [s], if there is a column, and notes."""
     if (time := readings.si("time")) is None:
         return _sampled_time(readings)
-    back = np.flatnonzero(np.diff(time) < 0)
+    notes, steps = (), np.diff(time)
+    # s would be a date in 5000 years, and steps of s would be below 0.1 ms
+    is_date = readings.columns["time"].unit == "s" and time.size > 1
+    for unit, seconds, fits in (
+        ("ms", 1e-3, time[0] > _FIRST_DATE_MS),
+        ("days", 86_400.0, _DAYS[0] < time[0] < _DAYS[1] and np.median(np.abs(steps)) < 1e-4),
+    ):
+        if is_date and fits:
+            time, notes = (time - time[0]) * seconds, (f"time is a date in {unit}, not in s",)
+    back = np.flatnonzero(steps < 0)
     lines = readings.cells.lines
-    return time, (f"time goes back in line {lines[back[0] + 1]}",) if back.size else ()
+    if back.size:
+        notes += (f"time goes back in line {lines[back[0] + 1]}",)
+    return time, notes
 
 
 def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:

@@ -154,7 +154,7 @@ def unit_factor(unit: str, dimension: str) -> float:
     `dimension` is "pressure", "force", "length", "angle", "moment", "strain" or "time". Raises a
     `ValueError` of a few words for a unit that isn't of that dimension.
     """
-    text = unit.strip()
+    text = unit.strip().rstrip(".")  # `in.`
     if dimension == "moment":
         text = re.sub(r"[\s·⋅•.*-]+", "*", text)
     if dimension == "pressure":
@@ -266,11 +266,7 @@ def check_strains(
     row = int(np.argmax(np.maximum(low - strain, strain - high)))
     if low <= strain[row] <= high:
         return
-    has_unknown_unit = not column.unit and column.header.strip()[-1:] in tuple("])}")
-    is_fraction = column.role == "strain" and column.factor == 1 and not has_unknown_unit
-    if is_fraction and np.max(np.abs(strain)) > 1:
-        hint = "did you mean %? Write it in the header, such as `strain [%]`."
-    elif column.role == "strain":
+    if column.role == "strain":
         hint = f"it must lie from {low} to {high}, check its unit and sign (--sign strain=…)."
     else:
         side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"

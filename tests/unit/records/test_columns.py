@@ -64,7 +64,9 @@ def test_forces(header, si):
         ("strain (measured)", "strain", 1.0, 1),
         ("contraction [mm]", "displacement", 1e-3, 1), ("stroke/mm", "displacement", 1e-3, 1),
         ("displacement_in", "displacement", 0.0254, 1), ("x [mm]", "displacement", 1e-3, 1),
-        ("extension [mm]", "displacement", 1e-3, -1),
+        ("extension [mm]", "displacement", 1e-3, -1), ("Length (in.)", "length", 0.0254, 1),
+        ("Verlängerung [mm]", "displacement", 1e-3, -1),
+        ("Kolbenweg [mm]", "displacement", 1e-3, 1),
     ],
 )  # fmt: skip
 def test_positions(header, role, si, sign):
@@ -78,6 +80,25 @@ def test_setpoints_and_rates_are_no_readings():
     # named in so many words, they are
     given = chosen("pressure setpoint [kPa],strain,force [N]", {"pressure": "pressure setpoint"})
     assert given["pressure"].index == 0
+
+
+def test_raw_signals_stresses_and_gauge_lengths_are_no_readings():
+    assert chosen("pressure [Pa],F [V],load cell [N],strain")["force"].index == 2
+    with pytest.raises(ValueError, match="no column of pressure found"):
+        chosen("sigma [MPa],force [N],strain")
+    found = chosen("pressure [Pa],force [N],gauge length [mm],extension [mm]")
+    assert found["displacement"].index == 3
+    assert "length" not in found
+
+
+def test_a_remark_beside_a_name_and_a_unit_that_is_unknown():
+    text = "pressure,position (laser),force (load cell)\nkPa,mm,N\n100,5,20\n"
+    columns, _ = choose_columns(open_table(text.encode(), "m.csv"), {}, {})
+    assert {role: column.unit for role, column in columns.items()} == {
+        "pressure": "kPa", "displacement": "mm", "force": "N",
+    }  # fmt: skip
+    with pytest.raises(ValueError, match="'thou' is no unit of length: convert its numbers"):
+        chosen("pressure [Pa],displacement [thou],force [N]")
 
 
 def test_strain_goes_before_length():

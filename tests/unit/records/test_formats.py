@@ -378,6 +378,15 @@ def test_one_pressure_for_files_whose_names_state_several_is_refused(tmp_path):
         assert len(notes) == states
 
 
+@pytest.mark.parametrize(
+    ("name", "pattern"), [("hang_500g", "{force}g"), ("2 kg", "{force:kgf} kg")]
+)
+def test_a_pattern_is_offered_for_a_mass_in_a_name(name, pattern):
+    assert suggest_pattern(name, "force") == pattern
+    weight = {"hang_500g": 0.5, "2 kg": 2}[name] * 9.80665
+    assert read_name(Path(name), pattern)["force"] == pytest.approx(weight)
+
+
 def test_grams_in_a_name_are_a_weight(tmp_path):
     path = tmp_path / "m=500g.csv"
     path.write_text("P [kPa],x [mm]\n" + table(",", [PRESSURE, CONTRACTION]))
@@ -555,6 +564,24 @@ def test_specimens_of_one_file_are_not_mixed():
         f"Sample {i},{p},{f},{x}\n" for i, (_, p, f, x) in enumerate(ROWS)
     )
     check(loads(named, rest_length=REST), time=False)
+
+
+@pytest.mark.parametrize(
+    "names",
+    ['"Time","Extension","Load"', "Time [s],Verlängerung [mm],Load [N]", "Zeit,Extension,Kraft"],
+)
+def test_one_of_two_specimens_side_by_side_is_chosen(names):
+    units = "" if "[" in names else "(s),(mm),(N),(s),(mm),(N)\n"
+    columns = [TIME, [-x for x in CONTRACTION], FORCE]
+    other = [TIME, columns[1], [2 * f for f in FORCE]]
+    text = f"Specimen 1,,,Specimen 2,,\n{names},{names}\n{units}{table(',', [*columns, *other])}"
+    given = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
+    with pytest.raises(MissingMetadataError, match="is there 2 times") as error:
+        loads(text, **given)
+    first, second = (loads(text, columns=choice[2], **given) for choice in error.value.choices)
+    check(first, pressure=False)
+    assert_allclose(second.force, other[2])
+    assert_allclose(second.strain, first.strain)
 
 
 def test_channels_at_two_rates_are_refused(tmp_path):

@@ -161,10 +161,17 @@ def test_lengths_need_the_rest_length():
 
 def test_percent_is_asked_for():
     text = "pressure [kPa],strain,force [N]\n100,{},50\n200,{},80\n"
-    message = refusal(text.format(12, 3))
-    assert "line 2, column `strain`: 12 is a contraction of 12: did you mean %?" in message
+    with pytest.raises(
+        MissingMetadataError, match="12 is a contraction of 12: did you mean %"
+    ) as e:
+        loads(text.format(12, 3), source="m.csv")
+    assert "m.csv, line 2, column `strain`" in str(e.value)
+    percent, length = e.value.choices
+    record = loads(text.format(12, 3), units={percent[1]: percent[2]})
+    assert_array_equal(record.strain, [0.12, 0.03])
+    given = {"columns": {length[1]: length[2]}, "units": {"displacement": "mm"}}
+    assert_array_equal(loads(text.format(12, 3), rest_length=0.1, **given).strain, [0.12, 0.03])
     assert_array_equal(loads(text.format(0.12, 0.03)).strain, [0.12, 0.03])
-    assert_array_equal(loads(text.format(12, 3), units={"strain": "%"}).strain, [0.12, 0.03])
     assert "0.95" in refusal(text.format(0.95, 0))
     assert "-0.25" in refusal(text.format(-0.25, 0))
 
@@ -193,10 +200,33 @@ def test_a_german_bench_with_title_lines_and_decimal_commas(tmp_path):
     assert_array_equal(record.force, [210.5, 120.25])
 
 
-def test_a_length_that_begins_at_zero_may_be_a_displacement():
-    with pytest.raises(ValueError, match="0 is no length of a muscle: if it counts from rest") as e:
-        loads("pressure [kPa],length [mm],force [N]\n100,0,50\n100,5,20\n", rest_length=0.25)
+@pytest.mark.parametrize("first", ["0", "-1"])
+def test_a_length_that_begins_at_zero_or_below_may_be_a_displacement(first):
+    text = f"pressure [kPa],length [mm],force [N]\n100,{first},50\n100,5,20\n"
+    with pytest.raises(ValueError, match=f"{first} is no length of a muscle: if it counts") as e:
+        loads(text, rest_length=0.25)
     assert 'columns {"displacement": "length [mm]"}' in str(e.value)
+
+
+def test_displacements_that_begin_far_from_zero_are_noted():
+    text = "pressure [kPa],x [mm],force [N]\n100,57,50\n100,64,20\n"
+    assert any("beyond 57 mm" in note for note in loads(text, rest_length=0.25).notes)
+    record = loads(text, rest_length=0.25, zeros={"displacement": "57 mm"})
+    assert not any("beyond" in note for note in record.notes)
+
+
+@pytest.mark.parametrize(
+    ("first", "step", "unit"),
+    [(1709633472000, 50, "ms"), (45356.42444444, 0.05 / 86400, "days"), (1709633472, 0.05, "s")],
+)
+def test_dates_that_are_numbers(first, step, unit):
+    times = [first + i * step for i in range(4)]
+    text = "time,p [kPa],strain,F [N]\n" + "".join(f"{t!r},100,0.1,50\n" for t in times)
+    record = loads(text)
+    assert np.diff(record.time) == pytest.approx(0.05, rel=1e-3)
+    assert any(f"date in {unit}" in note for note in record.notes) == (unit != "s")
+    seconds = loads(text.replace("time", "time [s]").replace(repr(first), "0"))
+    assert not any("date" in note for note in seconds.notes)
 
 
 def test_a_transducers_noise_around_zero_is_no_suction():
