@@ -111,7 +111,7 @@ class ForceOverLevel:
             free = free - step
             if np.all(np.abs(step) <= _NEWTON_TOLERANCE):
                 return free
-        return self.law.free_strain(level * self.supply)
+        return self.law.tension.free_strain(level * self.supply)
 
     def kink_residual(self, kink: int, level: Array, plates: Array) -> Array:
         """Strain of a `kink`, by number, less that of the muscle [-] at `level` and the plates'."""

@@ -20,7 +20,7 @@ from ..core.types import Numbers
 from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
-from ..muscle.coenergy import coenergy_at_rest, contraction_work
+from ..muscle.coenergy import coenergy
 from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface
 
 
@@ -185,20 +185,9 @@ class ExactMuscles(AbstractMuscles):
 def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     """Surface of `muscles`, each unit at its `pressure` [Pa] and `strain` [-]."""
     one_pascal = jnp.ones_like(pressure)
-    volume_at_rest = muscles.braid.volume(0.0) - muscles.bladder.volume
-
-    def coenergy(P: Numbers) -> Numbers:
-        """Co-energy of each muscle [J], (V2), at a pressure `P` [Pa] and the given strain."""
-        law = muscles.law.at(P)
-        work = (
-            P * volume_at_rest
-            + muscles.law.tension.rest_coenergy(P)[0]
-            + contraction_work(law, strain)
-        )
-        return work + coenergy_at_rest(law) if muscles.ends.is_compliant else work
 
     def coenergy_and_volume(P: Numbers) -> tuple[Numbers, Numbers]:
-        return jax.jvp(coenergy, (P,), (one_pascal,))
+        return jax.jvp(lambda P: coenergy(muscles.law.at(P), strain), (P,), (one_pascal,))
 
     def force_and_slope(P: Numbers) -> tuple[Numbers, Numbers]:
         return muscles.law.at(P).force(strain)

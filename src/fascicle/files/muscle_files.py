@@ -13,7 +13,7 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import serializable_name
 from ..core.errors import InvalidInputError
-from ..core.validation import check_choice
+from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
@@ -232,7 +232,7 @@ def _set_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> 
     ends = calibration.get("fitted_ends") is True
     ends = ends or not fitted_length.END_PARAMETERS.isdisjoint(names)
     fitted_length.with_fitted_length(muscle, length, ends)
-    fitted_length.warn_fitted_length(muscle)
+    warn_user(fitted_length.fitted_length_mismatch(muscle))
 
 
 def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:

@@ -19,7 +19,7 @@ import numpy as np
 from ..core.module import Module, cached_number
 from ..core.types import Batch, BatchLike
 from .braid import Braid
-from .materials import AbstractMaterial
+from .materials import AbstractMaterial, Slopes
 
 
 class Bladder(Module):
@@ -58,10 +58,12 @@ class Bladder(Module):
         """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4)."""
         return self.pull(strain)[0]
 
-    def pull(self, strain: BatchLike) -> tuple[Batch, Batch]:
-        """Axial force [N] and its slope in strain [N], at `strain` [-]."""
+    def pull(self, strain: BatchLike, slopes: Slopes | None = None) -> tuple[Batch, Batch]:
+        """Axial force [N] and its slope in strain [N], at `strain` [-]; `slopes`: of the material
+        at other hoop stretches, which are held constant.
+        """
         lam, cot2 = 1 - strain, self.braid.cot2
-        W = self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
+        W = slopes or self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
         stress = W.p - cot2 * W.q
         bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
         pull = 2 * self.area

@@ -45,9 +45,7 @@ class Braid(Module):
 
     @cached_number
     def cot2(self) -> Batch:
-        """Squared cotangent of the braid angle, $1/\\tan^2\\alpha_0$ [-]; $1/\\sin^2\\alpha_0$ is
-        one more.
-        """
+        """Squared cotangent of the braid angle [-], one less than $1/\\sin^2\\alpha_0$."""
         return 1 / tan(self.angle) ** 2
 
     @cached_number
@@ -85,9 +83,7 @@ class Braid(Module):
         return pull * (free - strain) * (2 - free - strain), -2 * pull * (1 - strain)
 
     def bending_stiffness(self, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """Moment over curvature $2\\pi r^4 P \\cos^2\\alpha/\\sin^4\\alpha$ [N·m²] of the braid
-        without slip at `pressure` [Pa] and `strain` [-], equation (B1).
-        """
+        """Bending stiffness [N·m²] without slip at `pressure` [Pa] and `strain` [-], (B1)."""
         # r² and sin²α have one factor in strain: r/sin α is constant
         angles = self.cot2 * (1 + self.cot2)
         return 2 * np.pi * self.radius**4 * pressure * angles * (1 - strain) ** 2

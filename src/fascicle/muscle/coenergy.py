@@ -74,10 +74,16 @@ def integrate_force(
 
 
 def coenergy_at_rest(muscle: PressurizedMuscle) -> Batch:
-    """Co-energy [J] besides $P V(0)$ at rest length, where a bladder between compliant ends has
-    contracted.
-    """
-    return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
+    """Co-energy [J] at rest length: $P V(0)$, and that of fibers that stretch, ends that yield."""
+    tension, P = muscle.law.tension, muscle.column.pressure
+    volume = tension.bladder.braid.volume(0.0) - tension.bladder.volume
+    yielding = tension.ends.coenergy_at_rest(tension, P)
+    return P * volume + tension.rest_coenergy(P)[0] + yielding
+
+
+def coenergy(muscle: PressurizedMuscle, strain: BatchLike) -> Batch:
+    """Co-energy $\\Pi^*$ [J] at the muscle's pressure and `strain` [-], (V2)."""
+    return coenergy_at_rest(muscle) + contraction_work(muscle, strain)
 
 
 def conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
@@ -91,12 +97,4 @@ def conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
 def _conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
     from ..core.jax_backend import derivative
 
-    def coenergy(P: Batch) -> Batch:
-        at = muscle.law.at(P)
-        work = contraction_work(at, strain)
-        return work + coenergy_at_rest(at) if muscle.ends.is_compliant else work
-
-    P = pressure + 0.0 * strain
-    _, by_pressure = derivative(coenergy, P)
-    _, rest_volume = muscle.law.tension.rest_coenergy(P)
-    return muscle.braid.volume(0.0) - muscle.bladder.volume + rest_volume + by_pressure
+    return derivative(lambda P: coenergy(muscle.law.at(P), strain), pressure + 0.0 * strain)[1]

@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..core.module import Module, replace_checked
-from ..core.validation import is_concrete, warn_user
+from ..core.module import Module
+from ..core.validation import is_concrete
 from ..units import exact, pretty
 
 
@@ -36,20 +36,11 @@ def copy_fit_info(source: Module, target: MuscleType) -> MuscleType:
     return target
 
 
-def replace_muscle(muscle: MuscleType, changes: dict[str, Any]) -> MuscleType:
-    """A muscle with `changes` of its arguments and its fitted length; warns of another length."""
-    changed = copy_fit_info(muscle, replace_checked(muscle, changes))
-    if "length" in changes:
-        warn_fitted_length(changed)
-    return changed
-
-
 def fit_info_entries(muscle: Any) -> dict[str, Any]:
     """Entries of the `[calibration]` table of a muscle's file; none of a muscle never fitted."""
     length, ends = _fit_info(muscle)
-    if length is None:
-        return {}
-    return {"fitted_length": exact(length, "length"), **({"fitted_ends": True} if ends else {})}
+    entries = {"fitted_length": exact(length, "length")} if length is not None else {}
+    return entries | ({"fitted_ends": True} if ends else {})
 
 
 def fitted_length_mismatch(muscle: Any) -> str:
@@ -73,11 +64,6 @@ def fitted_length_note(muscle: Any) -> str:
     if length is None:
         return ""
     return f"All parameters were fitted at a length of {pretty(length, 'length')}, {_reason(ends)}"
-
-
-def warn_fitted_length(muscle: Any) -> None:
-    """Warn of a muscle that was fitted at another length."""
-    warn_user(fitted_length_mismatch(muscle))
 
 
 def _fit_info(muscle: Any) -> tuple[float | None, bool]:

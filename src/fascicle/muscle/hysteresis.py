@@ -59,9 +59,7 @@ def _field(check: Callable, name: str, unit: str, **default: float) -> Any:
 
 
 class FrictionStep(NamedTuple):
-    """A friction element after a displacement: its `spring_forces` on the last axis [N], the
-    `force` against contraction [N], and the energy that it lost, its `loss` [J].
-    """
+    """Spring forces on the last axis and their `force` [N], and the energy lost, `loss` [J]."""
 
     spring_forces: Numbers
     force: Batch

@@ -63,9 +63,7 @@ class LawRegistry(Mapping[str, type[Law]]):
     """
 
     def __init__(self, kind: type[Law], default: str) -> None:
-        """`kind`: base class of the laws, in the package that is their folder and may have laws,
-        too. `default`: name of a new muscle's law.
-        """
+        """Laws of the package of a `kind`, their base class; `default`: name of a new muscle's."""
         self._kind, self._default, self._package = kind, default, kind.__module__
         self._laws: dict[str, type[Law]] = {}
         self._installed: dict[str, type[Law]] = {}  # of other packages
@@ -142,10 +140,7 @@ class LawRegistry(Mapping[str, type[Law]]):
             self._complete = True
 
     def _load_installed(self, name: str) -> type[Law] | None:
-        """Law of another package by `name`; `None` where no package has one of this kind.
-
-        **Raises:** `InvalidInputError` if two packages have it, or its package is broken.
-        """
+        """Law of another package, refused if two have it; `None` if none has one of this kind."""
         points = _entry_points(name=name)
         if len({point.value for point in points}) > 1:
             packages = " and ".join(map(_package_of, points))

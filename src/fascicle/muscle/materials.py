@@ -61,9 +61,7 @@ _E = Constant(
 
 
 class MooneyRivlin(AbstractMaterial):
-    """Rubber with the energy $W = C_{10}(I_1 - 3) + C_{01}(I_2 - 3)$, (W), and constants of its own
-    for bending.
-    """
+    """Rubber with the energy (W), and constants of its own for bending."""
 
     c10: Batch = Constant(
         "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,

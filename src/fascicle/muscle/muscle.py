@@ -20,9 +20,9 @@ import numpy as np
 from ..core.array_namespace import as_jax, is_jax_array, is_numpy, map_in_chunks
 from ..core.errors import require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, record, static
+from ..core.module import Module, evaluate, record, replace_checked, static
 from ..core.types import Batch, Values
-from ..core.validation import check_choice, check_size, check_whole_number
+from ..core.validation import check_choice, check_size, check_whole_number, warn_user
 from ..repr_table import with_table_repr
 from .bladder import Bladder
 from .braid import Braid
@@ -30,7 +30,7 @@ from .buckling import BUCKLING_LAWS, AbstractBuckling, Centerline
 from .coenergy import conjugate_volume
 from .collapse import COLLAPSE_LAWS, AbstractCollapse
 from .ends import ENDS_LAWS, AbstractEnds
-from .fitted_length import replace_muscle
+from .fitted_length import copy_fit_info, fitted_length_mismatch
 from .materials import LATEX, AbstractMaterial
 from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
@@ -56,9 +56,7 @@ BACKENDS = ("jax", "casadi")  # of a compiled force: the libraries that `compile
 
 
 class AtPressure(Module):
-    """A muscle at a gauge `pressure` [Pa], from `muscle.at(pressure)`; `state`: its laws there,
-    without checks, for library code.
-    """
+    """A muscle at a `pressure` [Pa], from `muscle.at`; `state`: its laws there, unchecked."""
 
     pressure: Batch
     state: PressurizedMuscle
@@ -186,7 +184,10 @@ class Muscle(Module):
         """A copy with `changes` of arguments, such as `wall_thickness=1e-3` [m]; `ValueError` for
         unknown names and sizes that can't exist.
         """
-        return replace_muscle(self, changes)
+        changed = copy_fit_info(self, replace_checked(self, changes))
+        if "length" in changes:
+            warn_user(fitted_length_mismatch(changed))
+        return changed
 
     @cached_property
     def braid(self) -> Braid:
@@ -247,7 +248,7 @@ class Muscle(Module):
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law("free_strain", pressure)
+        return self._evaluate_law("tension.free_strain", pressure)
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force $F(P, 0)$ [N] at rest length and `pressure` [Pa], 0 to 1 MPa."""
@@ -262,9 +263,7 @@ class Muscle(Module):
         return self._evaluate_law("collapse_moment", pressure)
 
     def volume(self, strain: Values) -> Batch:
-        """Volume $\\pi r^2 L - V_b$ [m³] of the fluid inside, without the bladder's own [R17], at
-        `strain` [-]; with compliant ends, unloaded.
-        """
+        """Volume $\\pi r^2 L - V_b$ [m³] of the fluid [R17] at `strain` [-]; its ends unloaded."""
         return self._evaluate(_volume, validate_strain(strain, self.law))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:

@@ -26,16 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import (
-    add_table_axis,
-    array_namespace,
-    exp,
-    logical_and,
-    logical_not,
-    logical_or,
-    stack,
-    where,
-)
+from ..core import array_namespace as xp
+from ..core.array_namespace import add_table_axis, array_namespace, exp, stack, where
 from ..core.deprecations import with_former_names
 from ..core.module import Module
 from ..core.roots import guarded
@@ -106,10 +98,6 @@ class Piecewise(Module):
         moment = self.collapse.moment(self.tension.bladder, self.youngs_modulus, pressure)
         return self.tension.tuning.collapse_moment_factor * moment
 
-    def free_strain(self, pressure: Batch) -> Batch:
-        """Strain [-] of no force at `pressure` [Pa]."""
-        return self.tension.free_strain(pressure)
-
     def blocked_force(self, pressure: Batch) -> Batch:
         """Force [N] at rest length and `pressure` [Pa]."""
         return self.tension.force(pressure, 0.0 * pressure)
@@ -118,39 +106,25 @@ class Piecewise(Module):
         """Strain [-] at which the bladder collapses at `pressure` [Pa]; inf where it never does."""
         return self.at(pressure).collapse_strain
 
-    def at(
-        self,
-        pressure: Batch,
-        free_strain: Batch | None = None,
-        collapse_strain: Batch | None = None,
-    ) -> "PressurizedMuscle":
-        """Laws at `pressure` [Pa]; both strains [-] are computed if they are left out."""
+    def at(self, pressure: Batch, free_strain: Batch | None = None) -> "PressurizedMuscle":
+        """Laws at `pressure` [Pa]; the `free_strain` [-] is computed if it is left out."""
         E, bladder = self.youngs_modulus, self.tension.bladder
         if free_strain is None:
             free_strain = self.tension.free_strain(pressure)
-        column = self.buckling.solve(
-            BucklingColumn(
-                tension=self.tension,
-                pressure=pressure,
-                free_strain=free_strain,
-                bending_stiffness=E * bladder.second_moment,
-                axial_stiffness=E * bladder.area,
-            )
-        )
-        if collapse_strain is None:
-            moment = self.collapse_moment(pressure)
-            collapse_strain = self.buckling.strain_at_moment(column, moment)
+        stiffness = E * bladder.second_moment, E * bladder.area  # in bending, along the axis
+        column = BucklingColumn(self.tension, pressure, free_strain, *stiffness)
+        column = self.buckling.solve(column)
+        collapse = self.buckling.strain_at_moment(column, self.collapse_moment(pressure))
         hinge = self.tension.tuning.hinge_stiffness_at(pressure) * hinge_moment(bladder, E)
-        return PressurizedMuscle(self, column, hinge, collapse_strain)
+        return PressurizedMuscle(self, column, hinge, collapse)
 
 
 @with_former_names
 class PressurizedMuscle(NamedTuple):
     """Force, shape and moment of a muscle at given pressures, as functions of strain, elementwise.
 
-    `law`: of all pressures. `column`: the muscle as a column at these. `hinge_moment`: constant
-    $M_h$ of the wall once it has folded [N·m]. `collapse_strain`: at which it folds [-], inf where
-    it never does.
+    `law`: of all pressures. `column`: the muscle as a column at these. `hinge_moment`: $M_h$ of the
+    folded wall [N·m]. `collapse_strain`: at which it folds [-], inf where it never does.
     """
 
     law: Piecewise
@@ -186,8 +160,8 @@ class PressurizedMuscle(NamedTuple):
         (mesh, bladder, bending), _, (in_tension, collapsed, straight) = self._forces(strain)
         bowed = where(straight, STRAIGHT, POST_BUCKLING)
         region = where(in_tension, TENSION, where(collapsed, POST_COLLAPSE, bowed))
-        buckled = logical_not(logical_or(collapsed, in_tension))
-        several = logical_and(self.law.buckling.several(self.column, strain), buckled)
+        buckled = xp.logical_not(xp.logical_or(collapsed, in_tension))
+        several = xp.logical_and(self.law.buckling.several(self.column, strain), buckled)
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
@@ -225,22 +199,22 @@ class PressurizedMuscle(NamedTuple):
         """Components and slope of the force [N], and masks of tension, collapse, straightness."""
         rate, L0 = self.law.rate, self.column.rest_length
         in_tension, collapsed, buckled_strain = self._regions(strain)
-        xp = array_namespace(in_tension, collapsed)
-        pull = self.column.pull(xp.where(in_tension, strain, self.column.free_strain))
+        library = array_namespace(in_tension, collapsed)
+        pull = self.column.pull(library.where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)
-        past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse_strain, 1.0), 0.0)
-        decay = exp(-rate * past)  # 1 before collapse
+        past = strain - library.where(collapsed, self.collapse_strain, 1.0)
+        decay = exp(-rate * library.where(collapsed, past, 0.0))  # 1 before collapse
         growth = 1 - decay
         x = (self._hinge_strain(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge_moment, x)
 
-        mesh = xp.where(in_tension, pull.mesh, push.mesh * decay)
-        bladder = xp.where(in_tension, pull.bladder, push.bladder * decay)
-        hinge = xp.where(collapsed, F_c, 0.0) * growth
-        bending = xp.where(in_tension, 0.0, push.bending * decay - hinge)
+        mesh = library.where(in_tension, pull.mesh, push.mesh * decay)
+        bladder = library.where(in_tension, pull.bladder, push.bladder * decay)
+        hinge = library.where(collapsed, F_c, 0.0) * growth
+        bending = library.where(in_tension, 0.0, push.bending * decay - hinge)
         force_at_collapse = push.mesh + push.bladder + push.bending
         slope = -rate * decay * (force_at_collapse + F_c) - growth * F_c_slope * L0
-        slope = xp.where(in_tension, pull.slope, xp.where(collapsed, slope, push.slope))
+        slope = library.where(in_tension, pull.slope, library.where(collapsed, slope, push.slope))
         return (mesh, bladder, bending), slope, (in_tension, collapsed, push.straight)
 
     def _regions(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:

@@ -42,15 +42,10 @@ def muscle_table(muscle: Any) -> ReprTable:
         highest = min(last, HIGHEST_PRESSURE)
     P = np.linspace(0.0, highest, _ROWS)
     columns = (muscle.blocked_force(P), muscle.free_strain(P), muscle.collapse_strain(P))
-    rows = [
-        [
-            format_number(p / 1e3),
-            format_number(blocked),
-            f"{free:.4f}",
-            f"{collapse:.4f}" if np.isfinite(collapse) else "never",
-        ]
-        for p, blocked, free, collapse in zip(P, *columns, strict=True)
-    ]
+    rows = []
+    for p, blocked, free, collapse in zip(P, *columns, strict=True):
+        last = f"{collapse:.4f}" if np.isfinite(collapse) else "never"
+        rows.append([format_number(p / 1e3), format_number(blocked), f"{free:.4f}", last])
     heads = ("pressure kPa", "blocked force N", "free strain", "collapse strain")
     return ReprTable("Muscle", facts, heads, rows)
 

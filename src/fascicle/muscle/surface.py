@@ -160,15 +160,13 @@ class UnitSurface(Module):
         )
 
     def force(self, pressure: Values, strain: Values) -> Batch:
-        """Pulling force of one muscle $F$ [N], from the table, (V3), at `pressure` [Pa], from
-        -101325 Pa, and `strain` [-], which broadcast; `ValueError` for concrete values outside it.
+        """Pulling force of one muscle $F$ [N], (V3), at `pressure` [Pa], from -101325 Pa, and
+        `strain` [-], which broadcast; `ValueError` for concrete values outside the table.
         """
         return self.lookup_at(*self.validate_point(pressure, strain)).force
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume $V^*$ [m³], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
-        broadcast; `ValueError` for concrete values outside the table.
-        """
+        """Volume $V^*$ [m³], (V3), at `pressure` [Pa] and `strain` [-], as `force`."""
         return self.lookup_at(*self.validate_point(pressure, strain)).volume
 
     def validate_point(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
@@ -188,17 +186,6 @@ def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     return value, (3 * c3 * x + 2 * c2) * x + c1, 6 * c3 * x + 2 * c2
 
 
-class _Nodes(NamedTuple):
-    """At each node, rows by pressure: co-energy [J], and its slope by strain [J]; in some rows
-    their slopes by pressure [m³].
-    """
-
-    coenergy: np.ndarray
-    by_strain: np.ndarray
-    by_pressure: np.ndarray
-    by_both: np.ndarray
-
-
 @lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have equal muscles
 def _build_surface(
     muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
@@ -207,7 +194,8 @@ def _build_surface(
     roots, strain = np.array(root_pressures), np.array(strains)
     ends = (np.float64(strain[0]), np.float64(strain[-1]))
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        nodes = _evaluate_nodes(muscle, roots**2, strain, [0, 1, -1])  # of which a spline asks
+        ends_of_spline = [0, 1, -1]
+        nodes = _evaluate_nodes(muscle, roots**2, strain, ends_of_spline)
         coefficients = _coefficients(nodes, roots, strain)
         table = partial(UnitSurface, coefficients, np.float64(roots[1]), ends, muscle.length)
         P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
@@ -219,33 +207,33 @@ def _build_surface(
 
 def _evaluate_nodes(
     muscle: Muscle, pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
-) -> _Nodes:
-    """The law at the grid's nodes, with slopes by pressure in some `rows`."""
+) -> list[np.ndarray]:
+    """Co-energy and its slope by strain [J] at the grid's nodes, rows by pressure, and slopes of
+    both by pressure [m³] in some `rows`.
+    """
     values = _coenergy_and_slope(muscle, pressure, strain)
     # at a kink, slopes are those of higher pressures, as a law's are
     ahead = pressure[rows] + _PRESSURE_STEP * np.arange(len(_FORWARD))[:, None]
     slopes = np.tensordot(_FORWARD, [_coenergy_and_slope(muscle, P, strain) for P in ahead], 1)
-    return _Nodes(*values, *slopes)
+    return [*values, *slopes]
 
 
 def _coenergy_and_slope(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """Co-energy [J] and its slope by strain [J], rows by pressure: the force, integrated from node
-    to node and kink to kink.
-    """
+    """Co-energy [J] and its slope by strain [J], rows by pressure, by the force's integral."""
     at: PressurizedMuscle = muscle.law.at(pressure)
     grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
     work = integrate_force(at, grid, _POINTS)
     work = work - work[np.argmin(np.abs(strain))]
-    coenergy, _ = muscle.law.tension.rest_coenergy(pressure)
-    coenergy = coenergy + coenergy_at_rest(at) + pressure * muscle.volume(0.0)
-    return np.stack([(coenergy + muscle.length * work).T, muscle.length * at.force(grid)[0].T])
+    coenergy = coenergy_at_rest(at) + muscle.length * work
+    return np.stack([coenergy.T, muscle.length * at.force(grid)[0].T])
 
 
-def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
+def _coefficients(nodes: list[np.ndarray], roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Coefficients of each cell [J]: [line, column, power of u, power of w]."""
+    coenergy, by_strain, by_pressure, by_both = nodes
     step, h = strain[1] - strain[0], roots[1]
-    by_pressure = _pressure_slopes(roots, nodes.coenergy, nodes.by_pressure)
-    by_both = _pressure_slopes(roots, nodes.by_strain, nodes.by_both)
+    by_pressure = _pressure_slopes(roots, coenergy, by_pressure)
+    by_both = _pressure_slopes(roots, by_strain, by_both)
     # dP/du at both ends of each cell: of P itself in the first one
     dP_du = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
     dP_du[:, 0] = h**2
@@ -254,8 +242,8 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
         rows, du = slice(a, len(roots) - 1 + a), dP_du[a][:, None]
         for b in (0, 1):
             cells = rows, slice(b, len(strain) - 1 + b)
-            corners[..., a, b] = nodes.coenergy[cells]
-            corners[..., a, 2 + b] = nodes.by_strain[cells] * step
+            corners[..., a, b] = coenergy[cells]
+            corners[..., a, 2 + b] = by_strain[cells] * step
             corners[..., 2 + a, b] = by_pressure[cells] * du
             corners[..., 2 + a, 2 + b] = by_both[cells] * du * step
     return _HERMITE @ corners @ _HERMITE.T
@@ -286,10 +274,10 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     eps = np.linspace(low, high, 4 * columns + 1)
     between = slice(1, None, 2)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        law = _evaluate_nodes(muscle, P, eps)
+        _, by_strain, by_pressure, _ = _evaluate_nodes(muscle, P, eps)
         surface = table.lookup_at(P[:, None], eps[between])
-    force = law.by_strain[:, between] / float(muscle.length)
-    return np.abs(surface.force - force), np.abs(surface.volume - law.by_pressure[:, between])
+    force = by_strain[:, between] / float(muscle.length)
+    return np.abs(surface.force - force), np.abs(surface.volume - by_pressure[:, between])
 
 
 def default_strains(muscle: Muscle) -> tuple[float, float]:

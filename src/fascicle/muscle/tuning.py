@@ -141,9 +141,7 @@ class Tuning(Module):
         return self._interpolate(pressure, self.c2)
 
     def _interpolate(self, pressure: BatchLike, rows: Rows) -> Batch:
-        """The table's `rows` at effective `pressure` [Pa], linear between its pressures, constant
-        above; a single row counts at every pressure.
-        """
+        """The table's `rows` at effective `pressure` [Pa], constant above; one holds everywhere."""
         if rows.shape[-1] == 1:
             return rows[..., 0] + 0.0 * pressure  # nothing was measured
         P, start = add_table_axis(pressure), self.pressures[..., :-1]
@@ -186,25 +184,19 @@ class TunedTension(Module):
         return self.pull(pressure, strain).force
 
     def rest_coenergy(self, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
-        pressure, both at rest length and `pressure` [Pa].
-        """
+        """Co-energy less $P V(0)$ [J] at rest and `pressure` [Pa], and volume of swelling [m³]."""
         P_e = self.tuning.effective_pressure(pressure)
         coenergy, volume = self.law.rest_coenergy(self.bladder, P_e)
         return coenergy / self.strain_ratio, volume / self.strain_ratio
 
     def free_strain(self, pressure: BatchLike) -> Batch:
-        """Strain $\\varepsilon_f$ [-] at which the tuned tension law's force vanishes at
-        `pressure` [Pa], solved with the offset $C_1$.
-        """
+        """Strain $\\varepsilon_f$ [-] at which the tuned force vanishes at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
         return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at) / self.strain_ratio
 
     @property
     def strain_ratio(self) -> Batch:
-        """Ratio of the bladder's strain to the muscle's [-] without a force: 1 unless the ends
-        are compliant, which take part of the length.
-        """
+        """Ratio of the bladder's strain to the muscle's [-] without a force."""
         return self.ends.strain_ratio(self.bladder.braid.length) if self.ends.is_compliant else 1.0
 
 

@@ -67,9 +67,7 @@ def choose_tuning(value: Tuning | None) -> Tuning:
 
 
 def lowest_strain(law: Any) -> Batch:
-    """Strain [-] that straightens the fibers of a muscle with a force `law`, and a margin; -inf for
-    a traced one.
-    """
+    """Strain [-] of straight fibers by a force `law`, and a margin; -inf for a traced one."""
     angle, ratio = law.tension.bladder.braid.angle, law.tension.strain_ratio
     if not is_concrete(angle, ratio):
         return -np.inf
@@ -140,9 +138,7 @@ def check_strain(
 
 
 def extension_message(strain: Batch, straight: Batch) -> str:
-    """Warning if the lowest `strain` [-] extends the muscle by more than 2 %, else an empty text;
-    `straight`: strain at which fibers are straight [-], which broadcasts.
-    """
+    """Warning of a `strain` [-] below -2 %, else an empty text; `straight`: its limit [-]."""
     if not is_concrete(strain) or not np.size(strain):
         return ""
     strains, limits = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
@@ -190,9 +186,7 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
 
 
 def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a muscle, by `length` and `outer_radius` [m], shorter than it is wide, and, once, of
-    one too short for beam theory.
-    """
+    """Warn of a `length` [m] below the diameter, and once of one too short for beam theory."""
     if message := proportions_message(length, outer_radius):
         if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
             warn_user(message)
@@ -201,9 +195,7 @@ def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
-    """Warning of a muscle whose `length` [m] is too short for its `outer_radius` [m], else an empty
-    text.
-    """
+    """Warning of a `length` [m] too short for its `outer_radius` [m], else an empty text."""
     if not is_concrete(length, outer_radius):
         return ""
     lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))

@@ -99,9 +99,7 @@ class Push(NamedTuple):
     def of_arc(
         cls, pull: Pull, arc_strain: Batch, bent: BoolBatch, force: Batch, slope: Batch
     ) -> "Push":
-        """Push of an arc with a `pull` at its `arc_strain` [-] which is straight, or `bent` by a
-        `force` of the ends with a `slope` in strain [N].
-        """
+        """Push of an arc by its `pull`, where it is `bent` by the ends' `force` and `slope` [N]."""
         return cls(
             mesh=pull.mesh,
             bladder=pull.bladder + 0.0 * force,

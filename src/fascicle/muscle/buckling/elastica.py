@@ -126,10 +126,8 @@ class Elastica(AbstractBuckling):
             curve, *(expand_nodes(points.load, fixed) <= fixed for points in curve[1:])
         )
         arc = root(_load_residual, (column, load), bracket.stop, bracket.start, bracket.middle)
-        strain = 1 - (1 - arc) * _chord(load)[0]
-        return where(
-            reachable, xp.maximum(strain, xp.maximum(onset, bracket.largest_strain)), np.inf
-        )
+        strain = xp.maximum(1 - (1 - arc) * _chord(load)[0], onset)
+        return where(reachable, xp.maximum(strain, bracket.largest_strain), np.inf)
 
     def shape(self, column: BucklingColumn, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
@@ -160,9 +158,7 @@ class Elastica(AbstractBuckling):
 
 
 class _BentState(NamedTuple):
-    """Bent state at an arc's strain: load $G$, chord over arc $c$ and the ends' strain [-], with
-    slopes in the arc's strain.
-    """
+    """Bent state at an arc's strain: load, chord over arc and strain [-], with slopes in it."""
 
     pull: Pull
     load: Batch
@@ -174,9 +170,7 @@ class _BentState(NamedTuple):
 
 
 def _state_at_arc(column: BucklingColumn, arc: Batch) -> _BentState:
-    """Load, chord and ends' strain, with slopes, of the elastica (E6) whose arc has the strain
-    `arc` [-]; where its load $G$ is above $\\pi^2/4$ it can't bend, and the chord is the arc.
-    """
+    """State (E6) at an arc's strain [-]; straight where the load $G$ is above $\\pi^2/4$."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)
@@ -256,9 +250,7 @@ def _onset(column: BucklingColumn) -> Batch:
 
 
 def _curve(column: BucklingColumn, onset: Batch, bottom: BatchLike) -> _Curve:
-    """Load and strain along the bent branch, (E6), in cells from the arc strain `onset` [-], or the
-    end of the domain without one, to `bottom` [-], each cut where the strain of the ends turns.
-    """
+    """Curve (E6) in cells from the arc strain `onset` [-], or the domain's end, to `bottom` [-]."""
     top = guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
     low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
@@ -268,9 +260,7 @@ def _curve(column: BucklingColumn, onset: Batch, bottom: BatchLike) -> _Curve:
 def _cut_cells(
     column: BucklingColumn, low: Batch, high: Batch, slope: Callable[[_BentState], Batch]
 ) -> _Curve:
-    """Cut each cell, from arc strain `low` to `high` [-], once: where `slope` vanishes if its sign
-    changes, else in the middle.
-    """
+    """Cut each cell of arc strains [-] once: where `slope` changes sign, else in the middle."""
     # the error of the extremum is the square of the cut's
     start, end = _state_at_arc(column, low), _state_at_arc(column, high)
     a, b = (low, slope(start)), (high, slope(end))
@@ -322,9 +312,7 @@ def _bent_arc(column: BucklingColumn, strain: BatchLike) -> tuple[BoolBatch, Bat
 
 
 class _Fits(NamedTuple):
-    """Polynomials of the elastica in one variable, by rising powers of it scaled to [-1, 1]: chord
-    over arc, its slope and $m$ over the load, the load over the square of the bend.
-    """
+    """Polynomials scaled to [-1, 1]: chord, slope and $m$ of the load, load of the squared bend."""
 
     chord: np.ndarray
     chord_slope: np.ndarray
@@ -335,9 +323,7 @@ class _Fits(NamedTuple):
 
 @cache  # fitted at the first use
 def _fit_polynomials() -> _Fits:
-    """The elastica's polynomials (chord, parameter, load), fitted at points computed from $K$ and
-    $E$.
-    """
+    """The elastica's polynomials, fitted at points computed from $K$ and $E$."""
     low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
     # many more points than the degree needs, so that nothing is aliased
     m = 0.5 * (low + high) + 0.5 * (high - low) * chebyshev.chebpts1(200)
@@ -353,9 +339,7 @@ def _fit_polynomials() -> _Fits:
 
 
 def _chord(load: Batch) -> tuple[Batch, Batch]:
-    """Chord over arc $c$ [-] of a bent elastica, and its slope by the arc's load $G$ [-]; 1 and 0
-    above Euler's $\\pi^2/4$, where no bent state exists.
-    """
+    """Chord over arc [-] and its slope by the load $G$; 1 and 0 where no bent state exists."""
     bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
     inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
     x = inside * (2 / _EULER) - 1

@@ -190,9 +190,7 @@ def bow_residual(
 
 
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
-    """First compression $\\xi$ [-] whose reduced moment is `target` [-] at slenderness `c` [-], and
-    whether it exists; where it doesn't, almost none.
-    """
+    """First compression [-] of a reduced moment `target` [-] at slenderness `c` [-], if any."""
     fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
     xp = array_namespace(c, target)
     root_c = sqrt(fixed_c)
@@ -209,9 +207,7 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
 
 
 def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """Right side of (16c) less its left at `tau` [-], and its slope, both times the root there to
-    save divisions; `theta`: $c$ and $\\kappa$.
-    """
+    """Right side of (16c) less its left, and its slope, both times the root: no division."""
     c, kappa = theta
     xi = kappa * tau
     free, inverse = 1 - xi, 1 / (2 - xi)
@@ -227,9 +223,7 @@ def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
 
 
 def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """Approximate compression $\\xi$ [-] with a reduced moment `m`: that of small moments, then two
-    Newton steps. `c`: slenderness; `peak`: the compression with the largest moment, never passed.
-    """
+    """Approximate compression [-] of a reduced moment `m` [-], at most that of the `peak` [-]."""
     # of (16a) times its denominators, with h of the previous b; near the peak they are short
     xp = array_namespace(c, m, peak)
     g = m**2
@@ -250,9 +244,7 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
 
 
 def _peak_coordinate(c: BatchLike) -> Batch:
-    """Variable $z = 1/(1 + c^{1/4})$ [-] in which `_PEAK_SERIES` gives the compression of the
-    largest moment; `c`: slenderness [-].
-    """
+    """Variable $1/(1 + c^{1/4})$ [-] of `_PEAK_SERIES` at slenderness `c` [-]."""
     return 1 / (1 + c**0.25)
 
 

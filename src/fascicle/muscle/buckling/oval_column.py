@@ -52,9 +52,7 @@ class Oval(NamedTuple):
 
 
 class ColumnStates(NamedTuple):
-    """Column at each node of $w$, nodes first [-]: its load $n$; over $\\sqrt w$ its
-    deflection in the middle, its curvature at the end, and its sines.
-    """
+    """Load at the nodes of $w$ [-]; over $\\sqrt w$ deflection, end's curvature and sines [-]."""
 
     load: Batch
     bow: Batch

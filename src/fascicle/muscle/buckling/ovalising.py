@@ -57,9 +57,7 @@ _FARTHEST_STRAIN = 0.95  # of the search for an arc: past the domain of strains
 
 
 class _OvalBranch(NamedTuple):
-    """State at a pressure: the `onset` [-], the column's states over $w$ with their slopes,
-    and the `strain` of the ends at them [-], nodes first.
-    """
+    """Onset [-]; states over $w$, their slopes, and the ends' `strain` [-], nodes first."""
 
     onset: Batch
     states: ColumnStates
@@ -68,8 +66,8 @@ class _OvalBranch(NamedTuple):
 
 
 class _OvalState(NamedTuple):
-    """Mask of the bent muscle; shortening $w$ of its arc [-] and the spline's cell in $w$ [-]; the
-    arc's $1 - \\varepsilon_a$ [-], and its pull by the tension law.
+    """Mask of the bent muscle, its cell and shortening $w$, the arc's $1 - \\varepsilon_a$, its
+    pull by the tension law.
     """
 
     bent: BoolBatch
@@ -137,9 +135,7 @@ class Ovalising(AbstractBuckling):
         return length * bow * state.root_w, moment * column.bending_stiffness / column.free_length
 
     def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
-        """One-entry tuple: strain [-] of the first fold, past the onset, rounded to a node of the
-        branch; inf without one.
-        """
+        """Strain [-] of the first fold past the onset, rounded to a node; inf without one."""
         start, end = column.branch.strain[:-1], column.branch.strain[1:]
         rank = node_axis(np.arange(float(end.shape[0])), end[0])
         first = xp.min_nodes(where(end < start, rank, np.inf))

@@ -78,22 +78,16 @@ class AbstractEnds(AbstractLaw):
         return 0.0
 
     def strain_ratio(self, length: BatchLike) -> Batch:
-        """Bladder strain over muscle strain [-] with unloaded ends: 1, or more where fittings hold
-        part of the `length` $L_0$ [m].
-        """
+        """Bladder's over muscle's strain [-], unloaded; `length` $L_0$ [m]."""
         del length
         return 1.0
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force [N] of the `tension` law and its slope at `pressure` [Pa] and the muscle's `strain`
-        [-], which by default is the bladder's.
-        """
+        """Force and slope [N] at `pressure` [Pa] and `strain` [-], by default the bladder's."""
         return tension.bladder_pull(pressure, strain)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
-        """Co-energy [J] at muscle strain 0 and `pressure` [Pa] beyond $P V(0)$: zero for rigid
-        ends, else that of a bladder which contracts as its ends yield.
-        """
+        """Co-energy [J] beyond $P V(0)$ at rest and `pressure` [Pa]; zero unless ends yield."""
         del tension
         return 0.0 * pressure
 
@@ -134,9 +128,7 @@ class Compliant(AbstractEnds):
     def bladder_strain(
         self, tension: TunedTension, pressure: BatchLike, strain: BatchLike
     ) -> Batch:
-        """Strain of the bladder [-], (E8), with a `tension` law at `pressure` [Pa] and the muscle's
-        `strain` [-].
-        """
+        """Strain of the bladder [-], (E8), at `pressure` [Pa] and the muscle's `strain` [-]."""
         L0, braid = tension.bladder.braid.length, tension.bladder.braid
         s = self.strain_ratio(L0)
         unloaded, rise = s * strain, s * self.end_compliance / L0
@@ -154,9 +146,7 @@ class Compliant(AbstractEnds):
         return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force [N] of the `tension` law and its slope at `pressure` [Pa] and the muscle's `strain`
-        [-]: (E8) is solved for the bladder's strain, at which the law is evaluated.
-        """
+        """Force and slope [N] at `pressure` [Pa] and the muscle's `strain` [-], by (E8)."""
         L0 = tension.bladder.braid.length
         pull = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
         s = self.strain_ratio(L0)

@@ -96,16 +96,14 @@ class AbstractTension(AbstractLaw):
         return solved_free_strain(self, bladder, pressure, offset)
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
-        pressure, both at rest length and `pressure` [Pa]: zero unless the braid `stretches`.
+        """Co-energy less $P V(0)$ [J] at rest length and `pressure` [Pa], and its slope there, the
+        volume by which the braid swells [m³]: zero unless it `stretches`.
         """
         zero = 0.0 * pressure * bladder.braid.length
         return zero, zero
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Highest pressure [Pa] at which the law is valid for a muscle with this `bladder`: that of
-        the domain, unless the law has a limit of its own.
-        """
+        """Highest pressure [Pa] at which the law is valid with a `bladder`, by default 1 MPa."""
         return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
 
     def components(
@@ -174,9 +172,7 @@ def solved_free_strain(
 
 
 def force_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """Force [N] beyond $C_1$ at `strain` [-], and its slope [N]; `theta`: law, bladder, pressure
-    [Pa] and $C_1$ [N].
-    """
+    """Force [N] beyond $C_1$ at `strain` [-], and its slope [N]."""
     law, bladder, pressure, c1 = theta
     mesh, wall, mesh_slope, wall_slope = law.pull(bladder, pressure, strain)
     return mesh + wall - c1, mesh_slope + wall_slope

@@ -102,21 +102,17 @@ class ElasticBraid(AbstractTension):
         u_slope = where(limited, 0.0, c * (1 + u) * by_strain / by_u)
 
         mesh, mesh_slope = braid.mesh(pressure, strain)
-        pull = np.pi * braid.radius**2 * pressure
-        stress = W.p - cot2 * W.q
-        bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
-        wall, by_stretch = 2 * bladder.area, (W.pq - cot2 * W.qq) * q_slope * u_slope
+        wall, wall_slope = bladder.pull(strain, W)
+        pull, q_change = np.pi * braid.radius**2 * pressure, q_slope * u_slope
         return Pull(
             mesh=mesh - pull * (1 + cot2) * u * (2 + u),
-            bladder=wall * lam * stress,
-            mesh_slope=mesh_slope - pull * q_slope * u_slope,
-            bladder_slope=-wall * (stress + 2 * lam**2 * bend) + wall * lam * by_stretch,
+            bladder=wall,
+            mesh_slope=mesh_slope - pull * q_change,
+            bladder_slope=wall_slope + 2 * bladder.area * lam * (W.pq - cot2 * W.qq) * q_change,
         )
 
     def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J], and volume by which the braid swells [m³], its slope in
-        pressure, both at rest length and `pressure` [Pa].
-        """
+        """Co-energy less $P V(0)$ [J] at rest and `pressure` [Pa], and swept volume [m³]."""
         braid, zero = bladder.braid, 0.0 * pressure
         u = self.fiber_strain(bladder, pressure, zero)
         volume = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)

@@ -43,7 +43,7 @@ University (functions f_festo and maxBPAforce for (BF), whose comparison calls t
 from the papers.
 """
 
-import abc
+from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import numpy as np
@@ -58,10 +58,16 @@ from . import AbstractTension, Offset, Pull, force_residual
 
 
 class AbstractEmpirical(AbstractTension):
-    """A law whose constants are `published` for one muscle, in the source's order and units."""
+    """A law whose constants are `published` for one muscle, in the order and units of its `rows`.
+
+    A row: name, symbol, dimension, unit [SI], bounds, meaning. Two bounds instead of four are
+    ratios to the published number, of a constant of either sign.
+    """
 
     conservative: ClassVar[bool] = False
     linear_in_pressure: ClassVar[bool] = True
+    rows: ClassVar[tuple[tuple, ...]]
+    rows_source: ClassVar[str]
     published: ClassVar[tuple[float, ...]]
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -72,9 +78,18 @@ class AbstractEmpirical(AbstractTension):
         super().__init_subclass__(**options)
 
     @classmethod
-    @abc.abstractmethod
-    def published_constants(cls) -> list[Constant]:
+    def published_constants(cls) -> Iterator[Constant]:
         """Declarations of the law's constants, with the published values [SI] as defaults."""
+        for row, number in zip(cls.rows, cls.published, strict=True):
+            name, symbol, dimension, unit, limits, about = row
+            value, bounds, scale = number * unit, limits, POSITIVE
+            if len(limits) == 2:
+                usual, possible = (ratio * abs(value) for ratio in limits)
+                bounds, scale = (-possible, -usual, usual, possible), symmetric_scale(abs(value))
+            elif limits[0] <= 0:
+                scale = symmetric_scale(limits[3] / 10) if limits[0] else log1p_scale(5e-3)
+            source = cls.rows_source
+            yield Constant(name, symbol, dimension, bounds, scale, value, about, source)
 
     def _numbers(self) -> list[Batch]:
         """Values of the constants, in their order."""
@@ -82,46 +97,24 @@ class AbstractEmpirical(AbstractTension):
 
 
 _BAR, _PERCENT = 1e5, 1e-2  # the papers' units in SI
-_LARGEST_RATIO = 1e6  # of a constant of either sign to its published value: past it is a slip
-
-
-def _signed_constant(
-    name: str, symbol: str, dimension: str, ratios: tuple[float, float], value: float,
-    about: str, source: str,
-) -> Constant:  # fmt: skip
-    """Constant of either sign, usual and possible up to `ratios` of its published `value`."""
-    size, (usual, possible) = abs(value), ratios
-    bounds = (-possible * size, -usual * size, usual * size, possible * size)
-    return Constant(name, symbol, dimension, bounds, symmetric_scale(size), value, about, source)
-
-
-# name, symbol, dimension, the paper's unit over SI's, what it is
-_SAROSI = (
-    ("exponential_slope", "a", "slip", 1 / _BAR, "slope of the exponential with pressure"),
-    ("exponential_force", "b", "force", 1.0, "exponential at zero pressure"),
-    ("exponent", "c", "number", 1 / _PERCENT, "rate of the exponential over the strain"),
-    ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT),
-     "slope of the plane with pressure and strain"),
-    ("pressure_slope", "e", "slip", 1 / _BAR, "slope of the plane with pressure"),
-    ("force_offset", "f", "force", 1.0, "offset of the plane"),
-)  # fmt: skip
+_SIGNED = (100, 1e6)  # of a constant of either sign: past the largest ratio it is a slip
 
 
 class AbstractSarosi(AbstractEmpirical):
     """Six numbers for a muscle of one size, equation (S), published for bar and percent."""
 
-    free: ClassVar[tuple[str, ...]] = tuple(name for name, *_ in _SAROSI)
-
-    @classmethod
-    def published_constants(cls) -> list[Constant]:
-        """Declarations of the law's constants, with the published values [SI] as defaults."""
-        return [
-            _signed_constant(name, symbol, dimension, (100, _LARGEST_RATIO), number * unit, about,
-                             "Sárosi (2012)")
-            for (name, symbol, dimension, unit, about), number in zip(
-                _SAROSI, cls.published, strict=True
-            )
-        ]  # fmt: skip
+    rows = (
+        ("exponential_slope", "a", "slip", 1 / _BAR, _SIGNED,
+         "slope of the exponential with pressure"),
+        ("exponential_force", "b", "force", 1.0, _SIGNED, "exponential at zero pressure"),
+        ("exponent", "c", "number", 1 / _PERCENT, _SIGNED,
+         "rate of the exponential over the strain"),
+        ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT), _SIGNED,
+         "slope of the plane with pressure and strain"),
+        ("pressure_slope", "e", "slip", 1 / _BAR, _SIGNED, "slope of the plane with pressure"),
+        ("force_offset", "f", "force", 1.0, _SIGNED, "offset of the plane"),
+    )  # fmt: skip
+    rows_source, free = "Sárosi (2012)", tuple(name for name, *_ in rows)
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
         """Terms that grow with pressure, and the others [N], equation (S)."""
@@ -164,22 +157,7 @@ class Sarosi20Long(AbstractSarosi):
 
 _HIGHEST = 620e3  # Pa, P_m of the published law
 _LEAST = 1e-6  # of an arc: a muscle too short to hold anything still has a free strain
-_DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)  # bounds wide of the published constants
-# name, symbol, dimension, the code's unit over SI's, bounds, what it is
-_BOLEN = (
-    ("bladder_share", "a_0", "number", 1.0, _DIMENSIONLESS,
-     "share of the largest force that the bladder takes"),
-    ("bladder_rate", "a_1", "number", 1.0, _DIMENSIONLESS, "rate of the bladder's rise"),
-    ("pressure_rate", "a_3", "number", 1.0, _DIMENSIONLESS, "rate of the mesh's fall"),
-    ("largest_strain", r"\varepsilon_m", "number", 1.0, (0.01, 0.05, 0.4, 0.6),
-     "largest strain at 620 kPa, measured"),
-    # the largest force is published over kPa, its length times kPa
-    ("force_scale", r"F_\infty", "force", _HIGHEST / 1e3, (1e-2, 1.0, 1e5, 1e6),
-     "scale of the largest force"),
-    ("length_scale", "l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
-     "length over which the largest force rises"),
-    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "muscle length at zero force"),
-)  # fmt: skip
+_SMALL = (1e-3, 1e-2, 30.0, 100.0)  # bounds wide of the published numbers
 
 
 @with_former_names
@@ -187,20 +165,21 @@ class AbstractBolen(AbstractEmpirical):
     """A largest force that grows with length, and two exponentials, equation (BF)."""
 
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
-
-    @classmethod
-    def published_constants(cls) -> list[Constant]:
-        """Declarations of the law's constants, with the published values [SI] as defaults."""
-        code = "Agile and Adaptive Robotics laboratory, public code"
-        return [
-            Constant(
-                name, symbol, dimension, bounds,
-                POSITIVE if bounds[0] > 0 else log1p_scale(5e-3), number * unit, about, code,
-            )
-            for (name, symbol, dimension, unit, bounds, about), number in zip(
-                _BOLEN, cls.published, strict=True
-            )
-        ]  # fmt: skip
+    rows_source = "Agile and Adaptive Robotics laboratory, public code"
+    rows = (
+        ("bladder_share", "a_0", "number", 1.0, _SMALL,
+         "share of the largest force that the bladder takes"),
+        ("bladder_rate", "a_1", "number", 1.0, _SMALL, "rate of the bladder's rise"),
+        ("pressure_rate", "a_3", "number", 1.0, _SMALL, "rate of the mesh's fall"),
+        ("largest_strain", r"\varepsilon_m", "number", 1.0, (0.01, 0.05, 0.4, 0.6),
+         "largest strain at 620 kPa, measured"),
+        # the largest force is published over kPa, its length times kPa
+        ("force_scale", r"F_\infty", "force", _HIGHEST / 1e3, (1e-2, 1.0, 1e5, 1e6),
+         "scale of the largest force"),
+        ("length_scale", "l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
+         "length over which the largest force rises"),
+        ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "muscle length at zero force"),
+    )  # fmt: skip
 
     def blocked_force(self, length: BatchLike) -> Batch:
         """Blocked force $F_m$ [N] at 620 kPa of a muscle of `length` [m]."""
@@ -244,29 +223,22 @@ class Bolen20(AbstractBolen):
 _STRAIGHT = 0.02  # of ρ²: below it fibers are nearly straight, and the wall's force is constant
 
 
+def _per_stretch(length: float, *moduli: float) -> tuple[float, ...]:
+    """Coefficients $e_k$ [Pa] from those published [Pa/m^k] for a muscle of a `length` [m]."""
+    return tuple(number * length**power for power, number in enumerate(moduli))
+
+
 class AbstractMartens(AbstractEmpirical):
-    """An ideal mesh and a wall whose modulus follows its length, equation (MB): $e_0$ to $e_3$
-    [Pa/m^k] published for a muscle of `reference_length` [m], and $\\delta$ [rad].
-    """
+    """An ideal mesh and a wall whose modulus follows its length, equation (MB)."""
 
-    reference_length: ClassVar[float | None]
-
+    rows = (
+        *((f"modulus_{power}", f"e_{power}", "pressure", 1.0, (10, 1e3),
+           f"coefficient of λ^{power} in the wall's modulus, λ: stretch") for power in range(4)),
+        ("angle_correction", r"\delta", "angle", 1.0, (-0.5, -0.3, 0.3, 0.5),
+         "correction added to the braid angle"),
+    )  # fmt: skip
+    rows_source = "Martens and Boblan (2017)"
     angle_correction: ClassVar[Batch]
-
-    @classmethod
-    def published_constants(cls) -> list[Constant]:
-        """Declarations of the law's constants, with the published values [SI] as defaults."""
-        *moduli, angle = cls.published
-        source, length = "Martens and Boblan (2017)", cls.reference_length or 1.0
-        return [*(
-            _signed_constant(f"modulus_{power}", f"e_{power}", "pressure", (10, 1e3),
-                             number * length**power,
-                             f"coefficient of λ^{power} in the wall's modulus, λ: stretch", source)
-            for power, number in enumerate(moduli)
-        ), Constant(
-            "angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
-            symmetric_scale(0.05), angle, "correction added to the braid angle", source,
-        )]  # fmt: skip
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and wall force [N], equation (MB)."""
@@ -316,7 +288,7 @@ class Martens2017(AbstractMartens):
     name, title = "martens2017", "Martens-Boblan, DMSP-10-250"
     source = "Martens and Boblan (2017), DMSP-10-250"
     reference_muscle, reference_diameter, reference_length = "a Festo DMSP-10-250", 10e-3, 0.25
-    published = 7.4085e07, -6.892e08, 1.837e09, -8.4879e08, -0.1
+    published = *_per_stretch(0.25, 7.4085e07, -6.892e08, 1.837e09, -8.4879e08), -0.1
 
 
 class Martens201720(AbstractMartens):
@@ -325,4 +297,4 @@ class Martens201720(AbstractMartens):
     name, title = "martens2017_20", "Martens-Boblan, DMSP-20-300"
     source = "Martens and Boblan (2017), DMSP-20-300"
     reference_muscle, reference_diameter, reference_length = "a Festo DMSP-20-300", 20e-3, 0.3
-    published = 9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08, -0.073
+    published = *_per_stretch(0.3, 9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08), -0.073
