@@ -29,8 +29,16 @@ unit takes little force, and its valve is wide open; from there on it rises no f
 
 $$\dot p \le \frac{p_d}{2 D}\, \frac{\partial F_k}{\partial P} \dot P_k: \tag{X8}$$
 
-it takes no more force than unit $k$ can add, its valve wide open. A hand-over lasts no less than
-$8 \tau$: a faster one overshoots.
+it takes no more force than unit $k$ can add, its valve wide open. Beyond $p_d$, where its force
+rises, it takes no less than $8 \tau$ for the rest: a faster one overshoots.
+
+A force that the dip would take again is not given before. As long as the next unit, at $p$, has
+dips ahead, the policy follows the demand only up to
+
+$$F \le F_{max} - \rho_{near} - (1 + m) \max_{p' \ge p} \left[-g(p')\right], \tag{X9}$$
+
+and withholds the rest, but no more than $(1 + m) D$ and what the demand has risen by; meanwhile
+(X8) alone limits the pace.
 
 **Source:** derived here.
 """
@@ -62,7 +70,7 @@ _SLOW = 20.0  # times of the valve: what a slower ramp gets wrong is corrected i
 # of the dip's pressure: up to there a unit takes a tenth to a third of its dip, its valve wide open
 _FLAT = 0.5
 _STEEP = 2.0  # times the dip's mean slope: beyond `_FLAT` a unit takes its dip about so steeply
-# of the pressures: a faster hand-over overshoots, by 0.3 D more at valves late by 20 ms
+# of the pressures: a faster rise overshoots, by 0.3 D more at valves late by 20 ms
 _LAGS = 8.0
 _ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
 _SHORT = 0.02  # of the supply: a unit before that is so far off stops the next one's ramp
@@ -71,8 +79,8 @@ _NOISE = 5e-3  # s, of a filter of pressures: 5 kPa of noise at 1 kHz become 1.6
 
 class SequentialState(NamedTuple):
     """Memory of a sequential policy: the number of `recruited` units, the `direction` of its
-    change, 1, 0 or -1, and of each unit the `target`, the `prediction` of its pressure
-    by now, and the `deficit` below that, filtered [Pa].
+    change, 1, 0 or -1, of each unit the `target`, the `prediction` of its pressure by now, and the
+    `deficit` below that, filtered [Pa]; the force `withheld` from the demand [N].
     """
 
     recruited: Batch
@@ -80,6 +88,7 @@ class SequentialState(NamedTuple):
     target: Numbers
     prediction: Numbers
     deficit: Numbers
+    withheld: Batch
 
 
 class SequentialPolicy(Module):
@@ -102,7 +111,7 @@ class SequentialPolicy(Module):
     def begin(self, units: ControlledUnits) -> SequentialState:
         """Initial memory of the policy for `units`."""
         zero = 0.0 * units.counts
-        return SequentialState(zero[0] + 1.0, zero[0], zero, zero, zero)
+        return SequentialState(zero[0] + 1.0, zero[0], zero, zero, zero, zero[0])
 
     def __call__(
         self,
@@ -122,16 +131,18 @@ class SequentialPolicy(Module):
         # the last unit that is recruited and the next one; and those one back
         last = where(indices == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
         next_ = where(indices == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
+        withheld, gained, beyond_dip = self._withhold(
+            memory, units, demand, capability, (last[0], next_[0])
+        )
+        demand = demand._replace(force=demand.force - withheld)
         reserve, dip, need = self._reserves(capability, demand, last, next_)
-        next_unit = xp.sum(next_[0] * where(capability.adds_force, 1.0, 0.0)) > 0
         late = reserve[0] < 0
         in_time = (self.anticipates > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0] / 2)
+        next_unit = xp.sum(next_[0] * where(capability.adds_force, 1.0, 0.0)) > 0
         up = next_unit & (late | in_time)
         down = (k > 1) & (fraction == 0) & (reserve[1] > need[1] + self.band)
         direction = where(up, 1.0, where(down, -1.0, where(fraction > 0, memory.direction, 0.0)))
 
-        pulls = units.counts * units.branches.force(demand.pressures, demand.strains)
-        gained = xp.sum(next_[0] * (pulls - capability.empty))
         rush = late | (reserve[0] + gained < 0)
         # the further off the unit before is, the slower the ramp; the lag of its loop alone
         # doesn't count, and in a rush only what it has too much of
@@ -146,9 +157,9 @@ class SequentialPolicy(Module):
         falls = down | ((fraction > 0) & (direction < 0))
         times = where(falls, capability.vent, capability.time)
         time = xp.sum(where(down, next_[1], next_[0]) * times)
-        time = maximum(time, maximum(_LAGS * demand.lag, demand.dt))
+        time = maximum(time, maximum(where(beyond_dip, _LAGS * demand.lag, 0.0), demand.dt))
         pace = self._hand_over_rate(
-            capability, demand, (last[0], next_[0]), reserve[0], fraction, time
+            capability, demand, (last[0], next_[0]), reserve[0], fraction, time, withheld > 0
         )
         pace = where(direction > 0, where(rush, 1 / time, pace), 1 / (SLACK * time))
         speed = where(self.anticipates > 0, hold * pace, 1 / demand.dt)
@@ -176,15 +187,38 @@ class SequentialPolicy(Module):
         below_onset = (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
         opened = (self.opens_fully > 0) & below_onset
         prediction = prediction + (target - prediction) * demand.dt / (demand.dt + demand.lag)
-        state = SequentialState(recruited, direction, target, prediction, deficit)
+        state = SequentialState(recruited, direction, target, prediction, deficit, withheld)
         return state, where(opened, top, target)
+
+    def _withhold(
+        self, memory: SequentialState, units: ControlledUnits, demand: UnitDemand,
+        capability: UnitCapability, pair: tuple[Numbers, Numbers],
+    ) -> tuple[Batch, Batch, Any]:  # fmt: skip
+        """Force to withhold from a demand during the hand-over between a `pair` of units, (X9),
+        force that the next one has added so far [N], and if its pressure is beyond its dip's.
+        """
+        last, next_ = pair
+        force = units.counts * units.branches.force(demand.pressures, demand.strains)
+        gained = select_unit(next_, force - capability.empty)
+        dip_pressure = select_unit(next_, capability.dip_pressure)
+        beyond_dip = select_unit(next_, demand.pressures) >= dip_pressure
+        dip = (1 + self.margin) * select_unit(next_, capability.dip)
+        ahead = where(beyond_dip, (1 + self.margin) * maximum(-gained, 0.0), dip)
+        largest = select_unit(last, capability.largest - capability.shortfall)
+        excess = minimum(demand.force - largest + ahead, dip)
+        # a demand that has not risen is followed: less force would be a dip as well
+        rise = memory.withheld + maximum(demand.rate, 0.0) * demand.dt
+        hands_over = self.anticipates * select_unit(next_, where(capability.adds_force, 1.0, 0.0))
+        withheld = where(hands_over > 0, minimum(maximum(excess, 0.0), rise), 0.0)
+        return withheld, gained, beyond_dip
 
     def _hand_over_rate(
         self, capability: UnitCapability, demand: UnitDemand,
         pair: tuple[Numbers, Numbers], reserve: Batch, fraction: Batch, time: Batch,
+        is_behind: Any,
     ) -> Batch:  # fmt: skip
         """Rate [1/s] of a hand-over between the `pair` of units at a `fraction` of it, with a
-        `reserve` [N] and the valve's `time` [s].
+        `reserve` [N] and the valve's `time` [s]; `is_behind`: true if the force waits for it.
 
         It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time.
         """
@@ -205,7 +239,8 @@ class SequentialPolicy(Module):
         growth = select_unit(last, capability.slope * capability.speed)
         # N: where there is no dip, nothing limits the pace
         limit = growth / maximum(_STEEP * dip / maximum(deepest, 1e-9), 1e-9)
-        slow = maximum(minimum(needed, limit), 1 / (self.longest * time))
+        needed = where(is_behind, limit, minimum(needed, limit))
+        slow = maximum(needed, 1 / (self.longest * time))
         fast = 1 / (SLACK * time)
         return where(fraction < _FLAT * deepest, fast, minimum(slow, fast))
 
