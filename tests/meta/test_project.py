@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 import fascicle
-from fascicle.core import deprecations
+from fascicle import former_names
 
 
 ROOT = Path(__file__).parents[2]
@@ -89,14 +89,14 @@ def test_the_changelog_has_the_form_of_keep_a_changelog():
 
 def test_former_names_name_others_and_go_in_time():
     """Every former name of the tables warns with a present one, until its version comes."""
-    for package, names in deprecations.NAMES.items():
+    for package, names in former_names.NAMES.items():
         module = importlib.import_module(package)
         for old, new in names.items():
-            with pytest.warns(DeprecationWarning, match=deprecations.REMOVAL):
+            with pytest.warns(DeprecationWarning, match=former_names.REMOVAL):
                 assert getattr(module, old) is getattr(module, new)
-    for modules in deprecations.MODULES.values():
+    for modules in former_names.MODULES.values():
         assert all(importlib.import_module(f"fascicle.{new}") for new in modules.values())
-    removal, present = deprecations.REMOVAL.split("."), fascicle.__version__.split(".")
+    removal, present = former_names.REMOVAL.split("."), fascicle.__version__.split(".")
     assert tuple(map(int, removal)) > tuple(map(int, present))
 
 
@@ -109,11 +109,11 @@ def test_every_former_attribute_has_its_class():
                 ast.unparse, node.decorator_list
             ):
                 decorated[node.name] = path
-    assert decorated.keys() == deprecations.ATTRIBUTES.keys()
+    assert decorated.keys() == former_names.ATTRIBUTES.keys()
     for name, path in decorated.items():
         module = path.relative_to(Path(fascicle.__file__).parents[1]).with_suffix("")
         owner = getattr(importlib.import_module(".".join(module.parts)), name)
-        for old, new in deprecations.ATTRIBUTES[name].items():
+        for old, new in former_names.ATTRIBUTES[name].items():
             assert isinstance(vars(owner)[old], property)
             assert hasattr(owner, new) or new in owner.__annotations__
 

@@ -179,18 +179,11 @@ class Bundle(Module):
         return Equilibria(strain, exists, exists.sum(axis=-1))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
-        """All strains at which the bundle pulls with a force: equilibria of a hanging load.
+        """All strains [-] at which the bundle pulls with a `force` [N]: equilibria under a load.
 
-        **Arguments:**
-
-        - `force`: $F$ [N] between the plates, negative where they are pushed together.
-        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis; the rest
-          broadcasts against `force`.
-
-        **Returns:** `Equilibria`: strains [-] from straight fibers to the end of the domain, and
-        stability, NaN-padded on a new last axis; a `count` of 0 if none holds the load.
-
-        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        They lie between straight fibers and the end of the domain, NaN-padded on a new last axis,
+        with their stability; a `count` of 0 if none holds the load. A negative force pushes the
+        plates together. `pressures` [Pa], which broadcast, and errors are those of `force`.
         """
         F = match_array_type(force, check_finite(force, "force", "N"))
         return self._find_equilibria(self._check_pressures(pressures), force=F)
@@ -213,15 +206,11 @@ class Bundle(Module):
         return import_late("plot.curves.bundle_force_strain")(self, pressures, strains, resistance)
 
     def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
-        """The force as a bare function, with this bundle constant and no checks.
+        """The force [N] as a bare function of the units' pressures [Pa] and the strain [-], with
+        this bundle constant and no checks.
 
-        **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
-        points and their slopes (`with_slopes`).
-
-        **Returns:** a function of the units' pressures [Pa] and the strain [-] that gives the
-        force [N].
-
-        **Raises:** `ValueError` for an unknown backend, `ImportError` if it is not installed.
+        `backend`: "jax" for arrays, batches and gradients, or "casadi" for single points and their
+        slopes (`with_slopes`). `ValueError` for an unknown one, `ImportError` without its library.
         """
         if check_choice(backend, BACKENDS, "backend") == "casadi":
             return import_late("export.point_function.compile_bundle_force")(self)
@@ -248,9 +237,7 @@ class Bundle(Module):
         return check_strain(strain, reduce(np.maximum, lowest))
 
     def _check_pressures(self, pressures: Values, name: str = "pressures") -> PerUnit:
-        """The `pressures` [Pa] as floats, refused unless there is one for each unit, 0 to 1 MPa;
-        warns of those above a unit's tuning. `name`: name of the argument that an error reports.
-        """
+        """The `pressures` [Pa], one for each unit, 0 to 1 MPa; warns of those above a tuning."""
         P, units = check_gauge_pressure(pressures, name), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != units:
             rule = f"must hold one pressure for each of the {units} motor units on the last axis"
@@ -277,9 +264,7 @@ class Bundle(Module):
         return broadcast_shape(**shapes)
 
     def _find_equilibria(self, pressures: PerUnit, **force: Numbers) -> Equilibria:
-        """Equilibria at `pressures` [Pa], under a `force` [N] if there is one. NumPy searches; the
-        strains of JAX's arrays get their derivatives afterwards.
-        """
+        """Equilibria at `pressures` [Pa] under a `force` [N], by NumPy; derivatives by JAX."""
         shape = self._check_shapes(pressures, **force)
         arrays = (self, pressures, *force.values())
         if self.is_numpy and is_numpy(*arrays[1:]):

@@ -69,9 +69,7 @@ Grid = Float[np.ndarray, "force strain"]
 
 
 def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
-    """Refuse `muscles` with compliant ends, whose volume depends on their force, too; warn of
-    muscles whose braid swells by its pressure.
-    """
+    """Refuse `muscles` whose volume depends on their force, too; warn of braids that swell."""
     for muscle in muscles:
         if muscle.tension.stretches:
             warnings.warn(

@@ -50,9 +50,7 @@ class Equilibria(NamedTuple):
 
 
 def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilibria:
-    """All equilibria of a bundle, or of a batch of bundles, at `pressures` [Pa], under a `force`
-    [N] that broadcasts; without one, stretches begin at the free strain.
-    """
+    """All equilibria of a bundle or a batch at `pressures` [Pa], under a `force` [N] if given."""
     arrays, shape = flatten_batch(bundle, pressures, *force)
     count, _, units = arrays[1].shape
     parts = []

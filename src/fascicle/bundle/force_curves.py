@@ -57,11 +57,10 @@ class ForceOverLevel:
     def __init__(
         self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array, resistance: bool
     ):
-        """**Arguments:** `muscle`; `ratio`: $L/L_i$ [-] or None; `supply`: $P_s$ [Pa]; `levels`:
-        nodes of the grid [-]; `resistance`: the muscle pushes, too.
-        """
+        """`ratio`: $L/L_i$ [-] or `None`; `supply`: $P_s$ [Pa]; `levels`: nodes of the grid [-]."""
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.resistance, self.nodes = resistance, self.law.at(levels * supply)
+        self.ends = self.law.at(levels[[0, -1]] * supply)
         self.free_strain = self.nodes.column.free_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
@@ -74,9 +73,9 @@ class ForceOverLevel:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, node: Array, plates: Array) -> Array:
-        """As `force` at a `node` of the grid, whose free and collapse strains are stored."""
-        muscle = _pick_nodes(self.nodes, node, self.levels.size)
+    def force_at_nodes(self, plates: Array, only_ends: bool) -> Array:
+        """As `force` at all nodes of the grid, or at both ends, whose free strains are stored."""
+        muscle = self.ends if only_ends else self.nodes
         return self._between_plates(*muscle.force(self.strain(plates)))
 
     def force(self, level: Array, plates: Array) -> Array:
@@ -125,9 +124,7 @@ class StateCurves:
     """Force over level of every state of a bundle, (B8), at any strain, by the muscles' laws."""
 
     def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
-        """**Arguments:** `bundle` of NumPy's numbers; `supply`: $P_s$ [Pa]; `states` of the scheme:
-        if its units are independent, each unit is a state by itself; `resistance`: muscles push.
-        """
+        """`supply`: $P_s$ [Pa]. Each of independent units is a state by itself."""
         units = bundle.motor_units
         self.supply = supply
         unique, self.kind = unique_indices([unit.muscle for unit in units])
@@ -148,15 +145,13 @@ class StateCurves:
         self.states = len(self.throttled)
         self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
-    def force_at_nodes(self, strain: Array, node: Array) -> Array:
-        """Force of one muscle of each kind and its slope [N], by `strain` [-], `node` and kind."""
-        forces = [muscle.force_at_nodes(node, strain[:, None]) for muscle in self.muscles]
+    def force_at_nodes(self, strain: Array, only_ends: bool = False) -> Array:
+        """Force of one muscle of each kind and its slope [N], by `strain` [-], node and kind."""
+        forces = [muscle.force_at_nodes(strain[:, None], only_ends) for muscle in self.muscles]
         return np.stack(forces, axis=-1)
 
     def force(self, state: Array, level: Array, strain: Array) -> Array:
-        """Force of the units that each `state` throttles, at `level` and `strain` [-], and its
-        slope in strain, both [N].
-        """
+        """Force of the units that each `state` throttles, and its slope in strain, both [N]."""
         total = np.zeros((2, len(state)))
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
@@ -172,7 +167,7 @@ class StateCurves:
         low, high = min(strain.min(), ends[0]), max(strain.max(), ends[1])
         if (low, high) != ends:
             self._columns = np.linspace(low, high, _COLUMNS)
-            forces = self.force_at_nodes(self._columns, np.arange(len(self.levels)))[0]
+            forces = self.force_at_nodes(self._columns)[0]
             # nodes last: each state's row is read as one piece
             self._table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
         position = np.interp(strain, self._columns, np.arange(_COLUMNS))
@@ -202,15 +197,6 @@ def pressure_grid(tunings: list, supply: float) -> Array:
 def run_starts(values: Array) -> Array:
     """Index of the first of each run of equal `values` [any unit] that rise from zero or more."""
     return np.flatnonzero(np.diff(values, prepend=-1))  # `np.unique` imports masked arrays
-
-
-def _pick_nodes(value: Any, node: Array, count: int) -> Any:
-    """A muscle at the pressures of some of `count` nodes, which are on the last axis."""
-    if isinstance(value, tuple):
-        picked = [_pick_nodes(x, node, count) for x in value]
-        return type(value)(*picked) if hasattr(value, "_fields") else tuple(picked)
-    has_nodes = isinstance(value, np.ndarray) and value.shape[-1:] == (count,)
-    return value[..., node] if has_nodes else value
 
 
 class Roots(NamedTuple):
@@ -269,18 +255,15 @@ class Points(NamedTuple):
 def find_roots(
     curves: StateCurves, force: Array, strain: Array, state: Array | None = None
 ) -> Roots:
-    """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
-    `strain` [-].
-    """
+    """All levels of all states, or of one a demand, that give a `force` [N] at a `strain` [-]."""
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
-    nodes = np.arange(len(curves.levels))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
         demand, column = np.indices(states[batch].shape).reshape(2, -1)
         F, eps, state = force[batch], strain[batch], states[batch][demand, column]
-        is_few = len(demand) * len(nodes) <= FEW_CELLS
-        forces = curves.force_at_nodes(eps, nodes if is_few else nodes[[0, -1]])
+        is_few = len(demand) * len(curves.levels) <= FEW_CELLS
+        forces = curves.force_at_nodes(eps, only_ends=not is_few)
         fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
         target = F[demand] - fixed[0, demand, state]
         throttled = forces[0] @ curves.throttled.T
@@ -296,9 +279,7 @@ def find_roots(
 def _search_levels(
     searches: Searches, count: int, excess: Array | None
 ) -> tuple[Array, Array, Array]:
-    """Rows and levels [-] of the roots of so many demands, and whether they are exact; `excess`: at
-    all nodes [N], if it is known.
-    """
+    """Row, level [-] and exactness of each root; `excess`: at all nodes [N], if it is known."""
     curves, demand, state, strain, target = searches
 
     def nearest_of(distance: Array, row: Array) -> Array:
@@ -340,9 +321,7 @@ def _search_levels(
 
 
 def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
-    """Points with the kinks in cells that come as near to the target as `slack` [N]; `node`: of
-    each point, which all are nodes.
-    """
+    """Points, all at a `node`, with the kinks in cells as near to the target as `slack` [N]."""
     is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
     plates = searches.strain[points.row]
     count = searches.curves.throttled[searches.state[points.row]]
@@ -421,10 +400,9 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
 
 
 def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:
-    """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N], by
-    its ends and by how much it changes there and in the neighboring cells.
-    """
+    """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N]."""
     left, right = excess[..., :-1], excess[..., 1:]
+    # between its ends a curve goes no farther than it changes there and in the neighboring cells
     change = np.abs(right - left) * linked
     margin = change.copy()
     margin[..., 1:] = np.maximum(margin[..., 1:], change[..., :-1])

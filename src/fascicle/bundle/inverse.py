@@ -277,9 +277,7 @@ def _least_energy(
 
 
 def _demand_status(is_reached: Array, value: Array, force: Array) -> Array:
-    """Status of each demand of a `force` [N]: reached, or above or below the nearest `value` [N]
-    that the bundle reaches.
-    """
+    """Status of each demand of a `force` [N], by the nearest `value` [N] that is reached."""
     return np.where(is_reached, REACHED, np.where(value < force, ABOVE, BELOW))
 
 
@@ -291,7 +289,7 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
     unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
     counts = curves.throttled.sum(axis=1)
-    ends = curves.force_at_nodes(strain, np.array([0, -1]))[0]
+    ends = curves.force_at_nodes(strain, only_ends=True)[0]
     limits = [ends[:, 0], ends[:, 1]]
     unreachable = _UNREACHABLE * (10.0 + np.abs(ends).sum(axis=1)).ravel() * counts[unit]
     for sign in (-1.0, 1.0):

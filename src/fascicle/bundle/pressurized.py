@@ -46,18 +46,14 @@ class PressurizedBundle(Module):
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
     def plate_strains(self, function: Callable[[PressurizedMuscle], Any]) -> Numbers:
-        """The plates' strain [-] at the strain that a `function` gives for one muscle of every
-        unit, units on the last axis.
-        """
+        """The plates' strain [-] at the strain of a `function` of one muscle of each unit."""
         # also one that is the same for all muscles has a value for each
         values = [function(group) + 0.0 * group.column.free_strain for group in self.groups]
         strains = self._in_order(values)
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
-        """Value of a `function` of one muscle of every unit and of the muscle's strains at the
-        bundle's `strains` [-], units on the last axis.
-        """
+        """A `function` of one muscle of each unit and its strains at the bundle's `strains` [-]."""
         values = []
         for group, index in zip(self.groups, self.indices, strict=True):
             arguments = [add_table_axis(strain) for strain in strains]
@@ -160,13 +156,8 @@ def plate_strain(ratio: Batch, strain: Batch) -> Batch:
 
 
 def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
-    """Checked distance between the plates at rest [m]; `None` where it is every muscle's length.
-
-    **Arguments:** `length`: the distance [m], or `None` for the muscles' common length;
-    `muscles`: between the plates.
-
-    **Raises:** `ValueError` for unequal lengths without a distance, and for muscles that no
-    plates can hold.
+    """Distance between the plates at rest [m]: a `length` [m], checked, or `None` where it is every
+    muscle's. `ValueError` for unequal lengths without one, and if no plates can hold the muscles.
     """
     lengths = [muscle.length for muscle in muscles]
     if length is None:
@@ -189,9 +180,7 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
 
 
 def check_plate_strain(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Batch:
-    """Plates' `strain` [-] as floats, refused outside the domain of any of the `muscles`; `length`:
-    distance of the plates at rest [m].
-    """
+    """Plates' `strain` [-], refused off any muscle's domain; `length`: between them at rest [m]."""
     if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return traced_floats(strain)
     ratios = [np.asarray(length / muscle.length) for muscle in muscles]

@@ -62,18 +62,12 @@ def pressures_of(
     units: int,
     scheme: AbstractScheme | str = "orderly",
 ) -> Float[np.ndarray, "*levels unit"]:
-    """Pressures of all units [Pa] in a recruitment state, units on a new last axis.
+    """Pressures of all units [Pa] in a recruitment `state`, counted from 1, of so many `units`,
+    which are on a new last axis.
 
-    **Arguments:**
-
-    - `state`: number of the state, counted from 1.
-    - `level`: the throttled pressure [Pa]: of unit `state` in orderly recruitment, of all
-      pressurized units in batch and free recruitment. Any shape.
-    - `supply_pressure`: of the units before it in orderly recruitment [Pa].
-    - `units`: number of motor units.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object.
-
-    **Raises:** `ValueError` for a state that doesn't exist or an unknown scheme.
+    `level`: the throttled pressure [Pa], of any shape: of unit `state` in orderly recruitment, of
+    all pressurized units in batch and free recruitment; `supply_pressure` [Pa]: of the units before
+    it in orderly recruitment. `ValueError` for a state or `scheme` that doesn't exist.
     """
     states = states_of(scheme_of(scheme), units)
     if not 1 <= state <= states.size:

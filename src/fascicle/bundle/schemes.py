@@ -17,9 +17,7 @@ from ..core.errors import InvalidInputError
 
 
 class State(NamedTuple):
-    """A recruitment state: units at `full` supply pressure and `throttled` units, both counted
-    from 0. The others are vented.
-    """
+    """A recruitment state: units at `full` supply pressure and `throttled` ones, counted from 0."""
 
     full: Sequence[int]
     throttled: Sequence[int]
@@ -68,11 +66,7 @@ SCHEMES: dict[str, AbstractScheme] = {}
 def register(scheme: type[Scheme]) -> type[Scheme]:
     """Class decorator: let files, the command line and the explorer know a scheme by its name.
 
-    **Arguments:** `scheme`: a final class of scheme, whose `__init__` takes no arguments.
-
-    **Returns:** the same class.
-
-    **Raises:** `ValueError` for the name of another class.
+    The `__init__` of the class takes no arguments. `ValueError` for the name of another class.
     """
     if scheme.name in SCHEMES and type(SCHEMES[scheme.name]) is not scheme:
         rule, remedy = f"{scheme.name!r} is another scheme's", "choose a name that is free"
@@ -141,8 +135,6 @@ def serializable_name(scheme: AbstractScheme) -> str:
 
 
 def format_names(quote: str = "", start: int = 0) -> str:
-    """Names of the schemes as text, such as "orderly, batch or free", each between quotes `quote`,
-    from index `start` on.
-    """
+    """Names of the schemes from index `start` on as text, such as "orderly, batch or free"."""
     *first, last = (f"{quote}{name}{quote}" for name in list(SCHEMES)[start:])
     return f"{', '.join(first)} or {last}" if first else last

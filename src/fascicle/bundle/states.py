@@ -87,12 +87,7 @@ class States(NamedTuple):
         """
         if self.independent:
             return not self.full.any()
-        endpoints = {bytes(self.full.shape[1])}
-        for full, pressurized in zip(self.full, self.pressurized, strict=True):
-            if full.tobytes() not in endpoints:
-                return False
-            endpoints |= {full.tobytes(), pressurized.tobytes()}
-        return True
+        return not self.full[self.owns_endpoints[0]].any()
 
     @property
     def owns_endpoints(self) -> tuple[StateMask, StateMask]:
@@ -121,9 +116,7 @@ class States(NamedTuple):
         return array_namespace(total).moveaxis(total, -1, 0)
 
     def edges(self, throttled: Numbers, vented: Numbers, full: Numbers) -> tuple[Numbers, Numbers]:
-        """Least and largest sum [SI] of every state over levels, states on a new first axis;
-        arguments are those of `sums` [SI].
-        """
+        """Least and largest sum [SI] of every state over levels, from the arguments of `sums`."""
         xp, fixed = array_namespace(throttled, vented, full), self._fixed_sum(vented, full)
         edges = []
         for pick in (xp.min, xp.max):
@@ -138,18 +131,14 @@ class States(NamedTuple):
         self, kinds: Sequence[int] | None = None, max_sets: int = MAX_SETS
     ) -> tuple["States", Int[np.ndarray, " set"]]:
         """Sets of pressurized units, which differ in their fluid energy (29): those of the states,
-        and if units are independent every choice of them, few units before many.
-
-        **Arguments:** `kinds`: index of each unit's kind; of equal units the first are pressurized.
-
-        **Returns:** a state for each set, and the index of the state that each set belongs to.
-
-        **Raises:** `ValueError` for more than `max_sets` sets.
+        and if units are independent every choice of them, few units before many; and the index of
+        the state that each set belongs to. `kinds`: index of each unit's kind; of equal units the
+        first are pressurized. `ValueError` for more than `max_sets` sets.
         """
         if not self.independent:
             return self, np.arange(self.size)
         kinds = range(self.full.shape[1]) if kinds is None else kinds
-        rows: list[tuple[int, list[int], np.ndarray, int]] = []
+        rows: list[tuple[int, list[int], int]] = []  # in the order of the sets
         for state, (full, throttled) in enumerate(zip(self.full, self.throttled, strict=True)):
             by_kind: dict[int, list[int]] = {}
             for unit in np.flatnonzero(throttled).tolist():
@@ -162,12 +151,10 @@ class States(NamedTuple):
             for choice in product(*choices):
                 members = sorted(chain.from_iterable(choice))
                 if members:
-                    rows.append((int(full.sum()) + len(members), members, full, state))
-        rows.sort(key=lambda row: row[:2])
-        units = np.arange(self.full.shape[1])
-        full = np.array([row[2] for row in rows])
-        throttled = np.array([np.isin(units, row[1]) for row in rows])
-        return self._replace(full=full, throttled=throttled), np.array([row[3] for row in rows])
+                    rows.append((int(full.sum()) + len(members), members, state))
+        _, members, owners = zip(*sorted(rows), strict=True)
+        throttled = np.array([np.isin(np.arange(self.full.shape[1]), row) for row in members])
+        return self._replace(full=self.full[list(owners)], throttled=throttled), np.array(owners)
 
     def _fixed_sum(self, vented: Numbers, full: Numbers) -> Numbers:
         """Sum over the units that each state doesn't throttle, states last."""
@@ -223,24 +210,20 @@ def is_prefix_consistent(scheme: AbstractScheme, units: int) -> bool:
             shorter = states_of(scheme, fewer)
         except ValueError:  # a scheme for so many units alone
             return False
-        for mask, longer in ((shorter.full, states.full), (shorter.throttled, states.throttled)):
-            if not np.array_equal(mask, longer[: shorter.size, :fewer]):
-                return False
+        first = [mask[: shorter.size, :fewer] for mask in states[:2]]
+        if not np.array_equal(first, shorter[:2]):
+            return False
     return True
 
 
 def resolve_scheme(bundle: Any, scheme: AbstractScheme | str | None) -> AbstractScheme:
-    """A `scheme` by name or as an object, by default the bundle's own; `ValueError` for an unknown
-    name, and for a batch of bundles.
-    """
+    """A `scheme`, by default the bundle's own; `ValueError` also for a batch of bundles."""
     check_single(bundle)
     return bundle.scheme if scheme is None else scheme_of(scheme)
 
 
 def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> float:
-    """A supply pressure [Pa], by default the bundle's own; `ValueError` if there is neither, and
-    for a batch of bundles.
-    """
+    """A supply pressure [Pa], by default the bundle's own; `ValueError` also for a batch."""
     check_single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     name, remedy = "supply_pressure", "the bundle has none of its own"

@@ -129,9 +129,7 @@ def node_axis(values: Any, template: Any) -> Any:
 
 
 def expand_nodes(x: Any, template: Any) -> Any:
-    """`x` with axes of length 1 added after its first, the nodes', so that each node broadcasts
-    with the `template`.
-    """
+    """`x` with axes of length 1 after its first, the nodes', to broadcast with the `template`."""
     if type(x) in _REGISTERED:
         return x
     missing = np.ndim(template) + 1 - np.ndim(x)
@@ -178,9 +176,7 @@ _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay 
 
 
 def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """Result of an elementwise `function` of two NumPy arrays that broadcast, evaluated chunk by
-    chunk to save memory.
-    """
+    """Elementwise `function` of two NumPy arrays that broadcast, in chunks to save memory."""
     shape = np.broadcast_shapes(np.shape(first), np.shape(second))
     if (size := math.prod(shape)) <= _CHUNK:
         return function(first, second)

@@ -53,9 +53,7 @@ class MissingExtraError(ImportError):
 
 
 def missing_extra(error: BaseException) -> MissingExtraError | None:
-    """Error for a failed import, with the command that installs the library; `None` for a library
-    of no extra.
-    """
+    """`MissingExtraError` for a failed import; `None` for a library that is in no extra."""
     library = (getattr(error, "name", None) or "").split(".")[0]
     if not isinstance(error, ModuleNotFoundError) or library not in _EXTRAS:
         return None

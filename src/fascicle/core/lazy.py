@@ -16,14 +16,15 @@ from importlib.machinery import ModuleSpec
 from types import MethodType, ModuleType
 from typing import Any, cast
 
-from .deprecations import MODULES, NAMES, warn_renamed
+from ..former_names import MODULES, NAMES
+from .deprecations import warn_renamed
 
 
 def attach_lazy(
     package: str, homes: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a `package`. `homes`: module of each of its names; "" for a
-    name that is a module. Former names, of `core.deprecations`, warn. `ValueError` for a name that
+    name that is a module. Former names, of `former_names`, warn. `ValueError` for a name that
     is its module's, too: importing that module would replace the object.
     """
     if twins := [name for name, home in homes.items() if name == home]:

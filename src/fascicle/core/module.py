@@ -54,9 +54,7 @@ def tree_leaves(tree: Any) -> list[Any]:
 
 
 def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
-    """Tree of the results of a `function` of the leaves of a `tree` [any unit] of modules, tuples,
-    lists and dictionaries, and of other `trees` of its structure [any unit].
-    """
+    """Tree of a `function` of the leaves of a `tree`, and of other `trees` of its structure."""
     if (children := _children(tree)) is None:
         return function(tree, *trees)
     nodes = zip(children, *map(_children, trees), strict=True)
@@ -113,10 +111,7 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
 
 class cached_number(cached_property):  # noqa: N801 as `cached_property`
-    """A property that is cached if its value is NumPy's, and computed anew if it is JAX's.
-
-    A tracer must not outlive its trace.
-    """
+    """A property, cached if its value is NumPy's: a tracer must not outlive its trace."""
 
     def __get__(self, instance: Any, owner: type | None = None) -> Any:
         if instance is None:

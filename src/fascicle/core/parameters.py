@@ -36,9 +36,7 @@ POSITIVE = Transform(log, exp)  # of a positive constant: a fit moves it by fact
 
 
 def symmetric_scale(scale: float) -> Transform:
-    """Linear scale in fits of a constant of either sign: its coordinate is the value over `scale`
-    [SI], a large step.
-    """
+    """Linear scale in fits of a constant of either sign; `scale` [SI]: a large step."""
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
 
 
@@ -95,9 +93,7 @@ class Constant:
         return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
 
     def validate(self, value: Values) -> Batch:
-        """Return a `value` as floats [SI]; `ValueError`, one line, for an impossible one, and a
-        warning of an unusual one.
-        """
+        """Return a `value` as floats [SI]; refuse an impossible one, warn of an unusual one."""
         limits = self.range
         check = check_positive if limits.least > 0 else check_finite
         return check_plausible(check(value, self.name, limits.unit), self.name, limits)

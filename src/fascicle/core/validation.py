@@ -95,9 +95,7 @@ def match_array_type(value: Values, checked: Batch) -> Batch:
 
 
 def check_choice(name: str, choices: Iterable[str], argument: str) -> str:
-    """Return `name` if it is among the `choices`; else `InvalidInputError` suggests the most
-    similar.
-    """
+    """Return `name` if it is among the `choices`; the error suggests the most similar one."""
     if name in (choices := list(choices)):
         return name
     names = sorted(choices)
@@ -121,9 +119,7 @@ def traced_floats(value: Values) -> Batch:
 
 
 def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape to which arguments of the `shapes`, by their names, broadcast; `InvalidInputError` if
-    not.
-    """
+    """Shape to which arguments of these `shapes`, by name, broadcast; else an error names two."""
     if not any(shapes.values()):
         return ()
     for (first, one), (second, two) in itertools.combinations(shapes.items(), 2):
@@ -157,9 +153,7 @@ def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
 
 
 class Range(NamedTuple):
-    """In `unit`, the `least` and `largest` possible values, and the `low` and `high` end of the
-    usual ones, all in SI.
-    """
+    """Possible values, `least` to `largest`, and usual ones, `low` to `high`, all in SI."""
 
     unit: str
     least: float
@@ -236,9 +230,7 @@ def disable_pressure_unit_warning() -> None:
 
 
 def check_size(value: Values, name: str) -> Batch:
-    """Return a `value` [SI] as floats if it is positive and in the range of its `name` in `RANGES`;
-    warn of an unusual one.
-    """
+    """Return a positive `value` [SI] as floats; refuse or warn by the range of its `name`."""
     return check_plausible(check_positive(value, name, RANGES[name].unit), name)
 
 
@@ -284,9 +276,7 @@ def check_scalar(value: Any, name: str) -> float:
 
 
 def check_count(value: Values, name: str) -> IntBatch:
-    """Return a `value` of this `name` as integers, refused unless they are whole numbers of 1 or
-    more, and not too many.
-    """
+    """Return whole numbers of 1 or more as integers; refuse others, and too many."""
     if not is_concrete(value):
         return value
     n = np.asarray(value)
