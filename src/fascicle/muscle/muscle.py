@@ -38,17 +38,14 @@ from .printing import muscle_line, muscle_table
 from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
 from .validation import (
-    check_active_length,
     check_broadcast,
-    check_wall_thickness,
+    check_muscle,
     choose_material,
     choose_tuning,
     validate_braid_angle,
     validate_point,
     validate_pressure,
     validate_strain,
-    warn_limitations,
-    warn_slenderness,
 )
 
 
@@ -133,10 +130,7 @@ class Muscle(Module):
     ends: AbstractEnds = record(default="rigid", converter=ENDS_LAWS.choose)
 
     def __check_init__(self):
-        check_wall_thickness(self.wall_thickness, self.outer_radius)
-        warn_slenderness(self.length, self.outer_radius)
-        check_active_length(self.ends, self.length)
-        warn_limitations(self)
+        check_muscle(self)
 
     @classmethod
     def from_dimensions(

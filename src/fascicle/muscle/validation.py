@@ -173,6 +173,19 @@ def validate_braid_angle(value: Values) -> Batch:
     return angle
 
 
+def check_muscle(muscle: Any) -> None:
+    """Refuse sizes of a `muscle` that can't be together, and warn of those its laws don't fit."""
+    check_wall_thickness(muscle.wall_thickness, muscle.outer_radius)
+    if message := proportions_message(muscle.length, muscle.outer_radius):
+        if np.min(np.asarray(muscle.length) / np.asarray(muscle.outer_radius)) < _DISK:
+            warn_user(message)
+        else:
+            warn_once("slenderness", message)
+    check_active_length(muscle.ends, muscle.length)
+    warn_user(stretched_fibers_message(muscle))
+    warn_user(published_range_message(muscle))
+
+
 def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
     """Refuse a `wall_thickness` [m] that fills the `outer_radius` [m]."""
     if not is_concrete(wall_thickness, outer_radius):
@@ -183,15 +196,6 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
         bad, text = float(t0.flat[worst]), f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m"
         rule = "must be less than `outer_radius`"
         raise InvalidInputError("wall_thickness", rule, bad, shown=text)
-
-
-def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a `length` [m] below the diameter, and once of one too short for beam theory."""
-    if message := proportions_message(length, outer_radius):
-        if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
-            warn_user(message)
-        else:
-            warn_once("slenderness", message)
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
@@ -211,12 +215,6 @@ def proportions_message(length: Batch, outer_radius: Batch) -> str:
         " unreliable."
     )
     return f"`length` {L0:g} m is {L0 / r0:.3g} times `outer_radius` {r0:g} m: {effect}"
-
-
-def warn_limitations(muscle: Any) -> None:
-    """Warn of a muscle at whose highest pressures or size its tension law does not hold."""
-    warn_user(stretched_fibers_message(muscle))
-    warn_user(published_range_message(muscle))
 
 
 def stretched_fibers_message(muscle: Any) -> str:

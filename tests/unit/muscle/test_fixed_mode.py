@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 
 from fascicle.muscle.buckling.kim2021 import (
     bow_ratio,
-    bow_residual,
     compression_at_moment,
+    shortening_slope,
 )
 
 
@@ -45,18 +45,11 @@ def test_the_share_that_bows_is_that_of_the_equation(field):
     assert_allclose(xi * jax.jit(bow_ratio)(c, xi), share(c, xi), rtol=1e-13)
 
 
-def test_slopes_of_what_is_left_over():
-    c, xi, v = np.meshgrid([2.0, 25.0, 300.0], [0.0, 0.1, 0.5, 0.7], [0.3, 1.2], indexing="ij")
-
-    def left(c, xi, v):
-        return bow_residual(c * (1 - xi) ** 4 / (1 + xi), 0.0, xi, v)[0]
-
-    by_xi, by_v = jax.vmap(jax.grad(left, (1, 2)))(c.ravel(), xi.ravel(), v.ravel())
-    per_xi = c * (1 - xi) ** 4 / (1 + xi)
-    fall = per_xi * (-4 / (1 - xi) - 1 / (1 + xi))
-    _, slope_v, slope_xi = bow_residual(per_xi, fall, xi, v)
-    assert_allclose(slope_v.ravel(), by_v, rtol=1e-12)
-    assert_allclose(slope_xi.ravel(), by_xi, rtol=1e-11)
+def test_the_slope_of_the_shortening_is_its_derivative():
+    c, xi = np.meshgrid(np.logspace(-1, 5, 13), [0.0, 1e-6, 0.01, 0.1, 0.5, 0.72], indexing="ij")
+    derivative = jax.vmap(jax.grad(lambda xi, c: xi * (1 - xi * bow_ratio(c, xi))))
+    slope = shortening_slope(xi, bow_ratio(c, xi))
+    assert_allclose(slope.ravel(), derivative(xi.ravel(), c.ravel()), rtol=1e-11, atol=1e-14)
 
 
 def test_without_compression_the_share_is_its_limit():

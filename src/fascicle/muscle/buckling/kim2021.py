@@ -86,19 +86,15 @@ class Kim2021(AbstractBuckling):
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
-        eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
+        eps_f, EA = column.free_strain, column.axial_stiffness
         # a quotient of numbers that all strains have in common would be a division for each strain
         xi = (strain - eps_f) * (1 / (1 - eps_f))
-        v = bow_ratio(c, xi)
+        v = bow_ratio(_slenderness(column), xi)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
         pull = column.pull(arc)
         bending = -EA * shortening * (1 - xi) / (1 - shortening)
-        # slopes in ξ, v's from the equation that it solves
-        per_xi = c * (1 - xi) ** 4 / (1 + xi)
-        per_xi_slope = -c * (1 - xi) ** 3 * (5 + 3 * xi) / (1 + xi) ** 2
-        _, by_v, by_xi = bow_residual(per_xi, per_xi_slope, xi, v)
-        growth = 1 - xi * (2 * v + xi * (-by_xi / by_v))
+        growth = shortening_slope(xi, v)
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(
             mesh=pull.mesh,
@@ -168,25 +164,16 @@ def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) 
     return y - 2 * value * slope / (4 * slope**2 - value * curvature)
 
 
-def bow_residual(
-    per_xi: BatchLike, per_xi_slope: BatchLike, xi: BatchLike, v: BatchLike
-) -> tuple[Batch, Batch, Batch]:
-    """Residual of (16a) [-], and its slopes in `v` and `xi` [-]; zero at the `bow_ratio`.
-
-    `per_xi`, `per_xi_slope`: $b/\\xi$ and its slope in `xi` [-]. `v`: $u/\\xi$ [-], a trial value.
-    """
-    w = 1 - xi * v
+def shortening_slope(xi: BatchLike, v: BatchLike) -> Batch:
+    """Slope of the shortening $\\xi w$ in the compression `xi` [-]; `v`: `bow_ratio` there [-]."""
+    # u' from the slopes of ln b + ln w - ln u = ln h, (16a), times u, which vanishes with ξ
+    u = xi * v
+    w = 1 - u
     g, inverse = xi * w, 1 / (2 - xi)
-    squared = 1 - g * inverse  # of h times 1 - w ξ
-    per_h, g_slope = 1 / sqrt(squared), 1 - 2 * xi * v
-    h = squared * per_h
-    by_v = per_xi * xi * (g - (1 - g)) - h - 0.5 * inverse * v * xi**2 * per_h
-    by_xi = (
-        per_xi_slope * (1 - g) * w
-        - per_xi * (g_slope * w + (1 - g) * v)
-        + (0.5 * v * inverse * (g_slope + g * inverse) * per_h)
-    )
-    return per_xi * (1 - g) * w - v * h, by_v, by_xi
+    half = 0.5 * inverse / (1 - g * inverse)
+    by_g = 1 / (1 - g) - half  # of ln h
+    rise = v * (1 - 4 * xi / (1 - xi) - xi / (1 + xi)) + u * (half * g * inverse - by_g * w)
+    return w * (1 - xi * rise / (1 - by_g * u * g))
 
 
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
