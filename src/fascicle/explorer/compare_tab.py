@@ -204,7 +204,8 @@ class CompareView(Tab):
             ("", "@label"), ("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")
         ]  # fmt: skip
         entries = (
-            f"<span>{self._sample(i)}{_name_html(pin)}</span>" for i, pin in enumerate(view.pins)
+            f"<span>{self._sample(i)}{html.escape(pin.name)}</span>"
+            for i, pin in enumerate(view.pins)
         )
         self._legend.object = f'<div class="legend">{"".join(entries)}</div>'
         self.notes.object = _notes_html(view)
@@ -245,7 +246,7 @@ class CompareView(Tab):
         unit = self.unit("force")[0] if quantity.dimension == "force" else ""
         heads = "".join(f"<th>{text}</th>" for text in ("curve", "value", "difference", "percent"))
         lines = "".join(
-            f"<tr><th><div>{self._sample(i)}<span>{_name_html(pin)}</span></div></th>"
+            f"<tr><th><div>{self._sample(i)}<span>{html.escape(pin.name)}</span></div></th>"
             + "".join(f"<td>{text}</td>" for text in texts)
             + "</tr>"
             for i, (pin, texts) in enumerate(zip(pins, quantity_texts(quantity, unit), strict=True))
@@ -266,19 +267,19 @@ class CompareView(Tab):
         number = len(view.pins)
         if number != len(self._names):  # rows that stay keep the focus
             self._names = self._names[:number]
-            self._names += [self._name_input(i) for i in range(len(self._names), number)]
+            self._names += [self._make_name_input(i) for i in range(len(self._names), number)]
             rows = self._rows.objects[1 : number + 1]
-            rows += [self._row(i) for i in range(len(rows), number)]
+            rows += [self._make_row(i) for i in range(len(rows), number)]
             self._rows.objects = [pane(heading("Pinned curves")), *rows] if rows else []
         for name, pin in zip(self._names, view.pins, strict=True):
             name.value = pin.name
 
-    def _name_input(self, index: int) -> Any:
+    def _make_name_input(self, index: int) -> Any:
         name = widget(pn.widgets.TextInput, f"Name of curve {index + 1}")
         name.param.watch(lambda event: self._rename(index, event.new), "value")
         return name
 
-    def _row(self, index: int) -> Any:
+    def _make_row(self, index: int) -> Any:
         remove = button(
             f"Remove {index + 1}", lambda: self._remove(index), margin=(20, 8, 2, 0), width=90
         )
@@ -310,10 +311,6 @@ def _pin_muscle(session: Session, name: str, muscle: Any, pressure: float) -> No
 def _dash(index: int) -> list[int]:
     """Lengths of dashes and gaps of a curve [pixel]; none of a solid one."""
     return [round(length * _LINE_WIDTH) for length in DASHES[index]]
-
-
-def _name_html(pin: Pin) -> str:
-    return html.escape(pin.name)
 
 
 def _notes_html(view: View) -> str:

@@ -167,7 +167,9 @@ class DataView(Tab):
             self.use, row(*self.saves, kind=""), self.fit_notes, self.notes, width=420,
         )  # fmt: skip
         self.empty_state = _empty_state(self._example)
-        self._download_row = row(*self.downloads, kind="wrapped", visible=False, margin=(0, 8))
+        self._download_row = row(
+            *self.record_downloads, kind="wrapped", visible=False, margin=(0, 8)
+        )
         parts = (self.empty_state, self.chart.new_pane(), self._download_row)
         self.panel = row(left, column(*parts, kind="equal"))
 
@@ -210,7 +212,7 @@ class DataView(Tab):
                 disabled=True,
             ),
         ]  # fmt: skip
-        self.downloads = download_buttons(self.export, disabled=True)
+        self.record_downloads = download_buttons(self.export, disabled=True)
 
     def draw(self, view: View) -> None:
         """Show force curves of the muscle and the fit, at the record's pressures, if any."""
@@ -302,13 +304,8 @@ class DataView(Tab):
         exists = record is not None
         self.empty_state.visible = not exists
         self._download_row.visible = self._other_example.visible = exists
-        self._enable([self.use, *self.saves], False)
-        self._enable(self.downloads, exists)
-
-    @staticmethod
-    def _enable(buttons: Sequence[Any], enabled: bool) -> None:
-        for download in buttons:
-            download.disabled = not enabled
+        self.enable([self.use, *self.saves], False)
+        self.enable(self.record_downloads, exists)
 
     def _show_curves(self, pair: tuple[ModelCurves, ModelCurves | None]) -> None:
         """Show a muscle's curves before and after tuning, beside the readings."""
@@ -452,7 +449,7 @@ class DataView(Tab):
                 for topic, texts in warnings.items()
             ]
         )
-        self._enable([self.use, *self.saves], True)
+        self.enable([self.use, *self.saves], True)
         self.draw(self.session.view)
 
     # downloads

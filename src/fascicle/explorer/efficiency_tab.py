@@ -16,6 +16,7 @@ from ..bundle.energetics import (
     constant_cross_section,
     efficiency_map,
 )
+from ..bundle.schemes import SCHEMES
 from ..muscle import Muscle
 from ..plot.theme import CLEAR, FIGURES, Colors
 from .chart import Chart, screen_height
@@ -29,6 +30,10 @@ from .widgets import dropdown, html_table, status_line
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
 _LEAST_SCALE = 0.001  # of efficiency: less can't be read from a map
 _THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
+_NO_PATH = (
+    "With free recruitment, many pressures of the motor units give one force and contraction, so"
+    " that no path is isobaric: choose the path isotonic."
+)
 _KINDS = {"with resistance": "resisted", "without resistance": "free",
           "loss due to resistance": "difference"}  # fmt: skip
 
@@ -159,16 +164,22 @@ class EfficiencyView(Tab):
         """Draw all that the tab shows of a `view`."""
         self._path.value = view.path
         self.notes.object = remarks_html(view, "efficiency")
+        if SCHEMES[view.scheme].independent and view.path == "isobaric":
+            self.fail(_NO_PATH)
+            return
         self.status.object = status_line("computing the map")
         for figure in self.figures:
-            figure.loading = True
+            figure.visible = figure.loading = True
         self.maps.request(lambda: efficiency_maps(view.bundle, view.path))
 
     def fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation."""
+        """Show the error of a computation in place of the figures."""
         super().fail(error)
+        self.maps.drop()
+        self.averages.drop()
+        self._numbers.object = self._strip_note.object = ""
         for figure in self.figures:
-            figure.loading = False
+            figure.visible = figure.loading = False
 
     def _add_map_chart(self) -> None:
         """Add the map of efficiency over contraction and force."""

@@ -47,6 +47,14 @@ _TEMPLATES = Environment(  # noqa: S701 Python, not HTML
 )
 
 
+def _toml(target: Muscle | Bundle) -> str:
+    """Text of a file, escaped to stand between triple quotes in a script."""
+    return dumps(target).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+
+
+_TEMPLATES.filters |= {"repr": repr, "toml": _toml}
+
+
 @dataclass(frozen=True)
 class Export:
     """A tab's data as `variables` by name, its `figure`, and a `script` that makes both."""
@@ -122,13 +130,8 @@ def comparison_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     strain, chosen = np.linspace(0.0, top, _STRAINS), min(view.strain, top)
     muscles = {pin.name: pin.muscle for pin in view.pins}
     pressures = [pin.pressure for pin in view.pins]
-    curves = {
-        repr(name): (_escaped(dumps(muscle)), pressure)
-        for (name, muscle), pressure in zip(muscles.items(), pressures, strict=True)
-    }
-    template = _TEMPLATES.get_template("compare.py.jinja")
-    script = template.render(
-        stem=stem, curves=curves, top=top, points=_STRAINS, chosen_strain=chosen
+    script = _TEMPLATES.get_template("compare.py.jinja").render(
+        stem=stem, pins=view.pins, top=top, points=_STRAINS, chosen_strain=chosen
     )
     variables = tables.force_comparison(muscles, pressures, strain, chosen)
     picture = lambda: force_comparison(muscles, pressures, strain, chosen)  # noqa: E731 drawn late
@@ -154,12 +157,11 @@ def data(
         force=Variable(("reading",), record.force, "N"),
         muscle=Variable(("reading",), np.asarray(drawn.force(P, record.strain)), "N"),
     )
-    keywords = {**options, "rest_length": record.rest_length}
     script = _script(
         "data", stem, muscle, name=name, highest=HIGHEST_PRESSURE, label=label, starts=STARTS,
-        keywords=_Code("".join(f", {key}={value!r}" for key, value in keywords.items())),
-        fit=tuned is not None, automatic=tuple(names) == (AUTOMATIC,),
-        constants=_Code("" if tuple(names) == (TUNING,) else f"{list(names)!r}, "),
+        keywords={**options, "rest_length": record.rest_length}, fit=tuned is not None,
+        automatic=tuple(names) == (AUTOMATIC,),
+        constants=[] if tuple(names) == (TUNING,) else list(names),
     )  # fmt: skip
     picture = lambda: draw_fit(measured_with_curves(record, drawn, label))  # noqa: E731 drawn late
     return Export(stem, variables, picture, script)
@@ -218,22 +220,8 @@ def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
     return stem
 
 
-class _Code(str):
-    """Text of a script that is code, not a value."""
-
-    __slots__ = ()
-
-
 def _script(kind: str, stem: str, target: Muscle | Bundle, **values: Any) -> str:
-    """Script of a `kind` that loads a `target`; `values` are written as Python literals."""
-    code = {name: repr(x) for name, x in values.items() if not isinstance(x, bool | _Code)}
-    code = values | code
-    toml = _escaped(dumps(target))
+    """Script of a `kind` that loads a `target`; its template writes `values` as Python's."""
     variable = "muscle" if isinstance(target, Muscle) else "bundle"
     template = _TEMPLATES.get_template(f"{kind}.py.jinja")
-    return template.render(stem=stem, variable=variable, toml=toml, **code)
-
-
-def _escaped(toml: str) -> str:
-    """Text of a file, escaped to stand between triple quotes in a script."""
-    return toml.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    return template.render(stem=stem, variable=variable, target=target, **values)

@@ -133,7 +133,7 @@ class LawInputs:
         self.fields = {
             constant.name: Field(
                 _label_of(constant.name), constant.name, constant.dimension,
-                lambda value, name=constant.name: self._replace(name, value), **_INDENT,
+                lambda value, name=constant.name: self._change_law(name, value), **_INDENT,
             )
             for constant in law.constants()
         }  # fmt: skip
@@ -146,7 +146,7 @@ class LawInputs:
             )
         self._inputs.arrange()
 
-    def _replace(self, name: str, value: Any) -> None:
+    def _change_law(self, name: str, value: Any) -> None:
         self._inputs.change(**{self._kind: replace_checked(self._law, {name: value})})
 
     def _choose_law(self, name: str) -> None:
@@ -155,7 +155,7 @@ class LawInputs:
 
     def _choose_option(self, name: str, option: str) -> None:
         if option != getattr(self._law, name):
-            self._attempt(lambda: self._replace(name, option))
+            self._attempt(lambda: self._change_law(name, option))
 
     def _attempt(self, change: Callable[[], None]) -> None:
         """Call `change`, and show its `ValueError`, if any."""

@@ -127,6 +127,7 @@ class Header:
         self.reset.disabled = not changed(session.opened, session.view, *CONTENT_FIELDS)
 
     def _show(self, view: View) -> None:
+        """Show name, example and units of a `view`."""
         self._title.object = (
             '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
             f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
@@ -252,9 +253,20 @@ class Page:
         """Show a tab, which is made when it is first opened: most visitors never open most."""
         if name not in self._views:
             view = self._views[name] = _VIEWS[name](self._session, self._colors)
-            downloads = _download_rows(self._session, name, self._story)
-            self._contents[name].objects = [view.panel, *downloads]
+            self._contents[name].objects = [view.panel, *self._download_rows(name, view)]
         self._views[name].refresh()
+
+    def _download_rows(self, name: str, view: Tab) -> list[Any]:
+        """Download buttons of the tab with a `name` as a list of one row; empty for those with
+        buttons of their own. The first tab's row also starts the story.
+        """
+        if name not in EXPORTS:
+            return []
+        session, story = self._session, []
+        view.downloads = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
+        if name == TABS[0]:
+            story = [self._story.start_button("The story in four steps", margin=(2, 4))]
+        return [row(*view.downloads, *story, kind="wrapped", sizing_mode=None, margin=(0, 8))]
 
     def _follow(self, before: View, after: View) -> None:
         if before.tab != after.tab:
@@ -274,19 +286,6 @@ def build(
     With an `offer`, browsers that have not dismissed it offer the story.
     """
     return Page(session, theme, errors, theme_in_link, offer).panel
-
-
-def _download_rows(session: Session, name: str, story: Story) -> list[Any]:
-    """Download buttons of the tab with a `name` as a list of one row; empty for compare and data.
-
-    The first tab's row also starts the story.
-    """
-    if name not in EXPORTS:  # those of curves and of data need some first, and have their own
-        return []
-    buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
-    if name == TABS[0]:
-        buttons.append(story.start_button("The story in four steps", margin=(2, 4)))
-    return [row(*buttons, kind="wrapped", sizing_mode=None, margin=(0, 8))]
 
 
 def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:

@@ -99,16 +99,16 @@ def quantity_texts(quantity: PinQuantity, unit: str) -> list[tuple[str, str, str
     scale = unit_factor(unit, quantity.dimension)
     form = ".4f" if quantity.dimension == "strain" else ".4g"
 
-    def number(value: float, form: str) -> str:
+    def number_text(value: float, form: str) -> str:
         if math.isnan(value):
             return "–"
         return format(value, form).replace("-", MINUS) if math.isfinite(value) else "never"
 
     return [
         (
-            number(value / scale, form),
-            "reference" if i == 0 else number(difference / scale, f"+{form}"),
-            "" if i == 0 else number(100 * fraction, "+.1f") + " %" * math.isfinite(fraction),
+            number_text(value / scale, form),
+            "reference" if i == 0 else number_text(difference / scale, f"+{form}"),
+            "" if i == 0 else number_text(100 * fraction, "+.1f") + " %" * math.isfinite(fraction),
         )
         for i, (value, (difference, fraction)) in enumerate(
             zip(quantity.values, quantity.differences, strict=True)

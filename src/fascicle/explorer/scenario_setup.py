@@ -135,6 +135,7 @@ def open_setup(text: str, name: str) -> Setup:
 
 
 def _file_message(name: str, key: str) -> str:
+    """Message on a `key` of the file with a `name` that needs another file."""
     return (
         f"{name}: {key} names another file, which the page can't read: name a shipped bundle, write"
         " its values into this file, or use `fascicle simulate`."

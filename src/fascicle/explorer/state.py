@@ -186,14 +186,14 @@ class Session:
     def show(self, view: View) -> None:
         """Replace the view, and call all callbacks."""
         self._remember(view)
-        self._set(view)
+        self._replace_view(view)
 
     def open(self, view: View) -> None:
         """Show a view that was opened, to which `reset` returns."""
         self._last = set(), -math.inf
         self._remember(view)
         self.opened = view
-        self._set(view)
+        self._replace_view(view)
 
     @property
     def can_undo(self) -> bool:
@@ -209,7 +209,7 @@ class Session:
         if self.can_undo:
             view, self.opened = self._past.pop()
             self._last = set(), -math.inf
-            self._set(self._with_display(view))
+            self._replace_view(self._with_display(view))
 
     def reset(self) -> None:
         """Show the view as it was opened, but keep the tab and the display units."""
@@ -231,7 +231,7 @@ class Session:
         """The `view` with the tab and the display units of the session's present view."""
         return replace(view, **{name: getattr(self.view, name) for name in _DISPLAY_FIELDS})
 
-    def _set(self, view: View) -> None:
+    def _replace_view(self, view: View) -> None:
         before, self.view = self.view, view
         with self._batch():
             for callback in self._callbacks:

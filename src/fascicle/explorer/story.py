@@ -94,6 +94,7 @@ class Story:
         self._running.visible = False
 
     def _move(self, step: int) -> None:
+        """Show the scene a `step` further, or end the story."""
         if 0 < self.scene + step <= len(TITLES):
             self._show_scene(self.scene + step)
         elif self.scene:

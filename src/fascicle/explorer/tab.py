@@ -7,7 +7,7 @@ import asyncio
 import contextlib
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar
 
@@ -42,6 +42,7 @@ class Tab:
         self.status = pane(height=22)
         self.notes = pane(margin=(2, 8), sizing_mode="stretch_width")
         self.message = Message()
+        self.downloads: list[Any] = []  # buttons of files of what is drawn
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
@@ -52,6 +53,7 @@ class Tab:
             return
         self._drawn = view
         if before is None or changed(before, view, *self.fields):
+            self.enable(self.downloads, True)
             self.draw(view)
         else:
             self.follow(before, view)
@@ -75,9 +77,16 @@ class Tab:
         return unit, unit_factor(unit, dimension)
 
     def fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation, and end its status."""
+        """Show the error of a computation, and end its status: there is nothing to download."""
         self.status.object = ""
+        self.enable(self.downloads, False)
         self.message.show(error, self.session.view.display_units)
+
+    @staticmethod
+    def enable(buttons: Iterable[Any], enabled: bool) -> None:
+        """Enable or disable `buttons`."""
+        for button in buttons:
+            button.disabled = not enabled
 
 
 def session_document() -> Any:
@@ -138,7 +147,7 @@ class LatestResult:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
         self._latest, doc = compute, session_document()
         if doc is None:
-            self._finish(_result_and_error(compute))
+            self._show_outcome(_result_and_error(compute))
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)
 
@@ -153,7 +162,7 @@ class LatestResult:
         def deliver(outcome: Outcome) -> None:
             self._busy = False
             if self._latest is compute:
-                self._finish(outcome)
+                self._show_outcome(outcome)
             elif self._latest is not None:
                 self._start(doc, self._latest)
 
@@ -172,7 +181,7 @@ class LatestResult:
         _RUNNING.add(future)
         future.add_done_callback(done)
 
-    def _finish(self, outcome: Outcome) -> None:
+    def _show_outcome(self, outcome: Outcome) -> None:
         result, error = outcome
         with pn.io.unlocked():  # one message to the browser
             if error is None:

@@ -41,6 +41,7 @@ def row(*parts: Any, kind: str = "stacked", **options: Any) -> Any:
 
 
 def _layout(layout: Any, parts: Any, kind: str, options: dict[str, Any]) -> Any:
+    """Panel's `layout` of `parts` with the classes `kind`; `options` before the page's own."""
     defaults = {"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [LAYOUT_CSS]}
     return layout(*parts, css_classes=kind.split(), **defaults | options)
 

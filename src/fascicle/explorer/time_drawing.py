@@ -170,10 +170,7 @@ class _RigidParts:
         """Add a thin upright bar at `x` [mm]."""
         self.box(x - _TENDON, x + _TENDON, low, high, kind)
 
-    def line(
-        self, start: Point,
-        end: Point, half: float, kind: str,
-    ) -> None:  # fmt: skip
+    def line(self, start: Point, end: Point, half: float, kind: str) -> None:
         """Add a line from `start` to `end` [mm], of `half` its width [mm]."""
         (a, b), (c, d) = start, end
         length = np.hypot(np.subtract(c, a), np.subtract(d, b))

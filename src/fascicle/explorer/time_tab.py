@@ -103,7 +103,7 @@ class TimeView(Tab):
 
     def _add_widgets(self) -> None:
         """Make the inputs and buttons, but those of the player."""
-        self.scenario = dropdown("Scenario", [*scenarios(), _OWN], width=156)
+        self.scenario = dropdown("Scenario", [*scenarios(), _OWN], width=200)
         self.scenario.param.watch(self._choose_scenario, "value")
         self.run = button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
         self.cancel = button(
@@ -126,10 +126,10 @@ class TimeView(Tab):
         self.drawn.param.watch(self._choose_drawn, "value")
         self.saves = [
             *(download_button(f"Save charts ({kind.upper()})", kind,
-                              lambda kind=kind: self._picture(kind), disabled=True)
+                              lambda kind=kind: self._charts_file(kind), disabled=True)
               for kind in ("png", "svg")),
             self._film_button(),
-            download_button("Save table (CSV)", "csv", self._csv, disabled=True),
+            download_button("Save table (CSV)", "csv", self._table_file, disabled=True),
         ]  # fmt: skip
         self.save_scenario = download_button(
             "Save scenario", "toml", self._scenario_file, width=118
@@ -140,14 +140,14 @@ class TimeView(Tab):
 
         async def make_file() -> io.BytesIO:
             loop, job = asyncio.get_running_loop(), self._film_job()
-            self._begin(job)
+            self._begin_job(job)
             try:
                 raw = await loop.run_in_executor(WAITING, job)
             except ValueError as error:
                 self._fail_job(error)
                 raise asyncio.CancelledError from None  # nothing to send
             self._end_job()
-            result.filename = f"{self._stem()}.gif"
+            result.filename = f"{self._file_stem()}.gif"
             return io.BytesIO(raw)
 
         result = widget(
@@ -295,9 +295,6 @@ class TimeView(Tab):
             self._show_runs()
         self._show_notes()
 
-    def follow(self, before: View, after: View) -> None:
-        """Follow a change of what this tab doesn't show: nothing."""
-
     def _show_fields(self, view: View) -> None:
         fields = view.setup.fields
         if [field.path for field in fields] != list(self._inputs):
@@ -354,7 +351,7 @@ class TimeView(Tab):
         """Run the scenario in a worker process."""
         setup = self.session.view.setup
         job = Job(run_policies, setup.text(), setup.name, setup.policies)
-        self._begin(job)
+        self._begin_job(job)
         self._runs.request(lambda: (setup, job()))
 
     def cancel_job(self) -> None:
@@ -362,16 +359,16 @@ class TimeView(Tab):
         if self._job is not None:
             self._job.cancel()
 
-    def _begin(self, job: Job) -> None:
+    def _begin_job(self, job: Job) -> None:
         self._job = job
         self.message.show("")
-        self._enable(False)
+        self._enable_buttons(False)
         self._progress.start(lambda seconds: f"{job.stage}: {seconds:.0f} s")
 
     def _end_job(self) -> None:
         self._job = None
         self._progress.stop()
-        self._enable(True)
+        self._enable_buttons(True)
 
     def _fail_job(self, error: ValueError | str) -> None:
         """End a job that was canceled or failed, and say so; the last result stays."""
@@ -381,10 +378,10 @@ class TimeView(Tab):
         else:
             self.fail(error)
 
-    def _enable(self, enabled: bool) -> None:
-        self.run.disabled, self.cancel.disabled = not enabled, enabled
-        for save in self.saves:
-            save.disabled = not enabled or self.result is None
+    def _enable_buttons(self, idle: bool) -> None:
+        """Enable the buttons of a tab that is `idle`, or that of a running job."""
+        self.run.disabled, self.cancel.disabled = not idle, idle
+        self.enable(self.saves, idle and self.result is not None)
 
     # the result
 
@@ -587,17 +584,17 @@ class TimeView(Tab):
 
     # files
 
-    def _stem(self) -> str:
+    def _file_stem(self) -> str:
         assert self.result is not None
         kind = self.drawn_run.policy.split(" ")[0] or "run"
         return output_stem(self.result.name, kind, self.session.input_names)
 
-    def _csv(self) -> tuple[str, bytes]:
-        return self._stem(), self.drawn_run.table.to_csv().encode()
+    def _table_file(self) -> tuple[str, bytes]:
+        return self._file_stem(), self.drawn_run.table.to_csv().encode()
 
-    def _picture(self, kind: str) -> tuple[str, bytes]:
+    def _charts_file(self, kind: str) -> tuple[str, bytes]:
         figure = charts_figure(self._samples("time"), self._chart_curves(LIGHT))
-        return self._stem(), to_bytes(figure, kind)
+        return self._file_stem(), to_bytes(figure, kind)
 
     def _film_job(self) -> Job:
         run, (force, contraction, pressures, *_) = self.drawn_run, self._chart_curves(LIGHT)

@@ -48,7 +48,7 @@ def enabled(tab):
     """Readings drawn, fit and downloads enabled, and the empty state hidden."""
     return (
         len(tab.readings.data["x"]) > 0, not tab.calibrate.disabled,
-        all(not button.disabled for button in tab.downloads), not tab.empty_state.visible,
+        all(not button.disabled for button in tab.record_downloads), not tab.empty_state.visible,
     )  # fmt: skip
 
 
@@ -88,9 +88,9 @@ def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
 @pytest.mark.parametrize("name", ["data.csv", "muscle.toml.csv", "report.txt"])
 def test_downloads_are_named_after_the_record_and_never_as_it(tab, name):
     send(tab, GOOD, name)
-    for button in tab.downloads:
+    for button in tab.record_downloads:
         button.callback()
-    names = [button.filename for button in tab.downloads]
+    names = [button.filename for button in tab.record_downloads]
     assert len({*names, name}) == len(names) + 1
     assert all(other.startswith(f"{name.rpartition('.')[0]}_comparison.") for other in names)
 

@@ -157,7 +157,7 @@ def test_the_saved_scenario_gives_the_numbers_of_the_page(tab, result, tmp_path)
     assert f"<td>{1e3 * metrics.drawdown:.4g}</td>" in tab._table.object
     table = simulated(scenario.plant, run, fs.dynamics.audit(scenario.plant, run),
                       scenario.control.controller, scenario.control.reference)  # fmt: skip
-    assert tab._csv()[1].decode() == table.to_csv()
+    assert tab._table_file()[1].decode() == table.to_csv()
 
 
 def test_energies_of_the_chart_are_balanced(tab):
@@ -203,7 +203,7 @@ def test_the_saved_charts_are_those_of_the_page(tab, kind, monkeypatch):
     figures = []
     monkeypatch.setattr(time_tab, "to_bytes", lambda figure, _: figures.append(figure) or b"")
     tab.session.change(display_units={**tab.session.view.display_units, "pressure": "psi"})
-    stem, _ = tab._picture(kind)
+    stem, _ = tab._charts_file(kind)
     assert stem == f"{NAME}_threshold"  # the policy that is drawn
     axes = figures[0].axes
     assert len(axes) == len(tab.charts)
@@ -213,7 +213,7 @@ def test_the_saved_charts_are_those_of_the_page(tab, kind, monkeypatch):
         shown = [line.get_ydata() for line in ax.get_lines()]
         np.testing.assert_array_equal(shown, curves.data["ys"])
     monkeypatch.undo()
-    raw = tab._picture(kind)[1]
+    raw = tab._charts_file(kind)[1]
     assert raw.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
 
 
