@@ -23,6 +23,7 @@ from .headers import (
     read_header,
     score,
 )
+from .lines import find_quantities
 from .tables import Table
 from .units import (
     POSITIONS,
@@ -342,11 +343,20 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     dimension, names = DIMENSIONS.get(role, role), []
     for i, name in enumerate(table.header):
         stated = table.units[i] or read_header(name)[0][1]
-        fits = not stated or is_unit(stated, (dimension,)) or weight_unit(stated, dimension)
+        dimensions = ("length", "strain", "angle") if role == "length" else (dimension,)
+        fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimension)
         if name and i not in used and (fits or (role == "pressure" and is_absolute(stated))):
             names.append(name)
     before = f"{table.where}: no column of {quantity} found: "
-    constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
+    titles = (find_quantities(text) for text in (*table.remarks, *table.titles))
+    stated = [
+        f"{number.replace(',', '.')} {unit}"
+        for quantities in titles
+        for (name, _), (number, unit) in quantities.items()
+        # a length above the readings may be the muscle's
+        if role != "length" and name.lower() in TERMS[role] and is_unit(unit, (dimension,))
+    ]
+    constant = ("constants", role, [*stated, _EXAMPLES[role]][0], ", if it is one for all readings")
     pattern = suggest_pattern(Path(table.source).name, role)
     if role == "pressure" and len(set(names)) < len(names):
         what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
@@ -364,8 +374,10 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         named = ("name_pattern", "", pattern, ", as the name says")
         return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
     unit = table.units[table.header.index(names[0])] or read_header(names[0])[0][1]
-    if len(names) == 1 and role == "length" and is_unit(unit, ("length",)):
-        choices = [("columns", role, names[0], ""), ("columns", "displacement", names[0], "")]
+    roles = [role for role in ("length", "displacement", "strain", "angle")
+             if unit and is_unit(unit, (DIMENSIONS.get(role, role),))]  # fmt: skip
+    if len(names) == 1 and role == "length" and roles:
+        choices = [("columns", role, names[0], "") for role in roles]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
     after = f" if it is one of {_list_names(names)}"
     named = ("columns", role, names[0], after)

@@ -76,11 +76,9 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     if len(names) > 1 and table is None:
         listed = ", ".join(f"`{name}`" for name in names)
         before = f"{source}: several tables, {listed}: choose one with "
-        single, several = (
-            ("table", "", names[0], ""),
-            ("table", "", "*", " for all, if of one muscle"),
-        )
-        raise MissingMetadataError(before, single, several)
+        longest = max(names, key=lambda name: tables[name].count(b"\n"))  # others hold results
+        several = ("table", "", "*", " for all, if of one muscle")
+        raise MissingMetadataError(before, ("table", "", longest, ""), several)
     return {name: tables[name] for name in names}
 
 
@@ -130,6 +128,12 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
             size = f"{sheet.max_row} rows and {sheet.max_column} columns"
             remedy = "delete the empty ones, or export the readings as CSV"
             raise ValueError(f"{source}: sheet `{sheet.title}` has {size}: {remedy}.")
+        for area in list(sheet.merged_cells.ranges):
+            value = sheet.cell(area.min_row, area.min_col).value
+            if isinstance(value, int | float) and area.min_row < area.max_row:
+                sheet.unmerge_cells(area.coord)
+                for row in range(area.min_row, area.max_row + 1):
+                    sheet.cell(row, area.min_col, value)
     return {
         sheet.title: "".join(
             "\t".join(row) + "\n" for row in zip(*map(texts, sheet.iter_cols()), strict=True)

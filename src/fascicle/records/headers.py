@@ -138,7 +138,7 @@ def score(header: str, unit: str, role: str) -> int:
             continue
         elif terms & {term for term in TERMS[role] if len(term) > 1}:
             best = max(best, 2 + fits)
-        elif role in {"pressure", "force", "torque"} and fits:
+        elif fits and (role in {"pressure", "force", "torque"} or (role == "time" and not name)):
             best = max(best, 1)
     return best
 

@@ -19,16 +19,16 @@ _LONGEST_PRINT = 500  # characters of a line that a monitor shows: longer ones t
 _REMARK = ("#", "%", "//")
 _NUMBER = r"[+-]?(?:\d+(?:[.,]\d+|\.)?|\.\d+)(?:[eE][+-]?\d+)?"
 _TIME_OF_DAY = r"(?:[\d./-]+[ T])?\d\d:\d\d:\d\d[.,]\d+"
-_NAME = r"[^\W\d][\w ]*?(?:\s*[\[(][^\])]*[\])])?"  # a unit in brackets may follow
+_NAME = r"[^\W\d][\w -]*?(?:\s*[\[(][^\])]*[\])])?"  # a unit in brackets may follow
 _MONITOR = re.compile(
     rf"(?:({_TIME_OF_DAY})\s*->|\[({_TIME_OF_DAY}|{_NUMBER})\]|({_NUMBER})\s*(?::|->)(?=\s)"
     # by blanks alone it is parted from a line of other signs
     rf"|({_TIME_OF_DAY})(?=\s+(?:[\d.+-]\S*$|{_NAME}\s*[:=])))\s*"
 )
 _QUANTITY = re.compile(
-    rf'"?({_NAME})"?\s*[:=]\s*"?({_NUMBER}|[+-]?(?:nan|inf|ovf))"?'
+    rf'"?({_NAME})"?\s*[:=]\s*"?({_TIME_OF_DAY}|{_NUMBER}|[+-]?(?:nan|inf|ovf))"?'
     rf"(?:[ \t]*([a-zA-Z%µ°]+)(?!\w*(?:\s*[\[(][^\])]*[\])])?\s*[:=]))?"  # no further name
-    rf"|(?<![\w.,+-])({_NUMBER})[ \t]*([a-zA-Z%µ°]+)(?![\w:=])"
+    rf"|(?<![\w.+-])({_NUMBER})[ \t]*([a-zA-Z%µ°]+)(?![\w:=])"
 )
 # words between blanks, a unit in brackets with the word before it
 _BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\S+)')
@@ -85,7 +85,9 @@ def _quantity_columns(lines: Sequence[str]) -> dict[tuple[str, int], str]:
     lines.
     """
     lines = [line for line in lines if line.strip()]
-    rows = [_quantities(line) for line in lines if not _QUANTITY.sub("", line).strip(" \t,;|{}")]
+    texts = (_QUANTITY.sub("", line) for line in lines)  # beside the quantities
+    rows = [find_quantities(line) for line, text in zip(lines, texts, strict=True)
+            if not any(map(str.isdigit, text))]  # fmt: skip
     (names, count), *_ = [*Counter(map(frozenset, rows)).most_common(1), (frozenset(), 0)]
     if len(names) < 2 or 2 * count <= len(lines):
         return {}
@@ -97,7 +99,7 @@ def _quantity_cells(line: str, columns: Mapping[tuple[str, int], str]) -> str:
     """Numbers of a line's quantities in the order of `columns`, with a unit that differs from the
     column's; a line without quantities as it is.
     """
-    row = _quantities(line)
+    row = find_quantities(line)
     cells = (
         number if unit == columns[column] else f"{number}{unit}"
         for column in columns
@@ -106,7 +108,7 @@ def _quantity_cells(line: str, columns: Mapping[tuple[str, int], str]) -> str:
     return "\t".join(cells) if row else line.strip()
 
 
-def _quantities(line: str) -> dict[tuple[str, int], tuple[str, str]]:
+def find_quantities(line: str) -> dict[tuple[str, int], tuple[str, str]]:
     """Number and unit of each quantity in a line, by its name, or else its unit in brackets, and
     how many of that name stand before it.
     """

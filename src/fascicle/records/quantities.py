@@ -30,6 +30,7 @@ _FAR = 0.05  # of the rest length: a muscle begins nearer to it
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 _TOP = 0.95  # of the highest pressure: readings above it show how the force follows contraction
 _MIN_READINGS = 5  # there: fewer show no direction
+_STEADY = 0.1  # of the largest: the force of an isotonic record varies less, its pressure more
 _RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, noise gives 0
 
 BRANCHES = {
@@ -206,9 +207,10 @@ def read_strain(
         strain = (rest_length - values) / rest_length
     if column.role != "length" and not has_direction:
         _check_direction(readings, strain, pressure, force)
-    far = np.max(np.abs(strain)) > STRAINS[1] >= np.max(np.abs(strain - strain[0]))
+    reach, moved = (np.array([np.min(x), np.max(x)]) for x in (strain, strain - strain[0]))
+    far = not _is_strain(reach) and _is_strain(moved)
     if column.role == "displacement" and info.displacement_at_rest is None and far:
-        before = f"{cell_error(0, column, '')}{raw[0]:.6g} {column.unit} is more than the muscle:"
+        before = f"{cell_error(0, column, '')}{raw[0]:.6g} {column.unit} is far from rest:"
         choice = ("zeros", "displacement", f"{raw[0]:.6g} {column.unit}", ", or its value at rest")
         raise MissingMetadataError(f"{before} give ", choice)
     check_strains(column, raw, strain, cell_error)
@@ -220,6 +222,10 @@ def read_strain(
         least = f"{raw[int(np.argmin(strain))]:.6g} {column.unit}"
         notes = (f"all displacements are beyond {least}: if it is 0 there, give {least} as zero",)
     return strain + 0.0, notes  # without negative zeros
+
+
+def _is_strain(values: np.ndarray) -> bool:
+    return bool(np.all((STRAINS[0] <= values) & (values <= STRAINS[1])))
 
 
 def _check_fractions(readings: Readings) -> None:
@@ -248,6 +254,11 @@ def _check_direction(
         is_mostly_longer = column.role == "angle" or np.mean(is_longer) > 0.5
         if is_mostly_longer and np.corrcoef(x, F)[0, 1] > _RISING:
             rule = "the pull grows with contraction, which no muscle's does"
+    is_isotonic = np.ptp(force) < _STEADY * np.max(np.abs(force)) and np.ptp(strain) > 0
+    is_isotonic = is_isotonic and np.ptp(pressure) > _STEADY * np.max(pressure)
+    is_isotonic = is_isotonic and strain.size >= _MIN_READINGS
+    if is_isotonic and np.corrcoef(strain, pressure)[0, 1] < -_RISING:
+        rule = "the muscle lengthens as its pressure rises, which none does under one load"
     is_unknown = column.role != "strain" and column.sign > 0
     if is_unknown and np.any(is_longer) and np.max(strain) < -_STRETCHED:
         rule = rule or f"all {column.role}s stretch the muscle"

@@ -29,7 +29,8 @@ _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
-_HOLES = {"", "-", "--", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
+_HOLES = {"", "-", "--", "---", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
+          "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange"}  # fmt: skip
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
@@ -316,6 +317,9 @@ def open_table(
         last, titles = max(layout.header, layout.units or 0), head[: layout.header]
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
+        if not names and sum(is_known(row[0]) for row in cells[layout.start :] if row) > 1:
+            rule = "the names stand in the first column: transpose the table, a column for each"
+            raise ValueError(f"{source}, line {line}: {rule}.")
         where, leading = f"{source}, line {line}", remarks if last < 0 else []
         # the names are those of what was printed behind the clock
         printed = layout._replace(width=layout.width - has_clock)
@@ -365,9 +369,14 @@ def _headless(
         )
     if names:
         return [*names, *[""] * (width - len(names))]
-    header = split_cells(remarks[-1], layout.delimiter) if remarks else []
-    if len(header) == width and not any(map(is_number, header)):
-        return header
+    header, units = [
+        cells if len(cells) == width and not any(map(is_number, cells)) else []
+        for cells in ([split_cells(text, layout.delimiter) for text in ["", "", *remarks][-2:]])
+    ]
+    if header and units and _are_units(units):
+        return [f"{name} [{unit}]" for name, unit in zip(header, units, strict=True)]
+    if units:  # the last remark has the names
+        return units
     before = (
         f"{where}: no header, but numbers in {width} columns: name the columns in order, such as "
     )

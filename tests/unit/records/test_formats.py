@@ -108,6 +108,11 @@ TWO_ORDERS = "".join(
 JSON_LINES = "".join(
     f'{{"t_s": {t}, "p_kPa": {p}, "F_N": {f}, "L_mm": {x}}}\n' for t, p, f, x in ROWS
 )
+WORDS_BESIDE = "".join(
+    f"Time: 10:59:0{5 + t:.2f}, p: {p} kPa, load-cell={f} N, L: {x} mm ok\n" for t, p, f, x in ROWS
+)
+UNITS_IN_CELLS = "t,P,F,L\n" + "".join(f"{t} s,{p} kPa,{f} N,{x} mm\n" for t, p, f, x in ROWS)
+UNITS_IN_REMARKS = "% t,P,F,L\n% s,kPa,N,mm\n" + table(",", [TIME, PRESSURE, FORCE, LENGTH])
 NUMPY = "# time_s pressure_kPa force_N length_mm\n" + table(" ", [TIME, PRESSURE, FORCE, LENGTH])
 FIXED = "  t [s]  pressure [kPa]  force [N] length [mm]\n" + "".join(
     f"{t:7.1f}{p:16.1f}{f:11.1f}{x:12.1f}\n" for t, p, f, x in ROWS
@@ -197,6 +202,9 @@ TEXTS = {
     "decimal commas in pairs": (COMMAS_IN_PAIRS, {}),
     "pairs in two orders": (TWO_ORDERS, {}),
     "JSON lines": (JSON_LINES, {}),
+    "words beside quantities": (WORDS_BESIDE, {}),
+    "units in cells": (UNITS_IN_CELLS, {"columns": {"length": "[mm]"}}),
+    "units in remarks": (UNITS_IN_REMARKS, {}),
     "NumPy": (NUMPY, {}),
     "fixed width": (FIXED, {}),
     "Origin": (ORIGIN, {}),
@@ -284,6 +292,43 @@ def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_
             loads(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
         first = loads(text + segment.replace(old, new), rest_length=REST, rows=error.value.value)
         check(first, time=text is not LVM_NO)
+
+
+@pytest.mark.parametrize("title", ["Pressure: 150 kPa", "# p = 1.5 bar", "Druck: 1,5 bar\nF: 3 N"])
+def test_a_pressure_above_the_readings_is_offered(title):
+    text = f"{title}\nt [s],F [N],L [mm]\n" + table(",", [TIME, FORCE, LENGTH])
+    with pytest.raises(MissingMetadataError, match="no column of pressure") as error:
+        loads(text, rest_length=REST)
+    argument, role, value, _ = error.value.choices[0]
+    assert_allclose(loads(text, rest_length=REST, **{argument: {role: value}}).pressure, 150e3)
+
+
+def test_names_in_the_first_column_are_no_header():
+    rows = zip(("t [s]", "p [kPa]", "F [N]", "L [mm]"), zip(*ROWS, strict=True), strict=True)
+    text = "\n".join(",".join(map(str, (name, *values))) for name, values in rows)
+    with pytest.raises(ValueError, match="transpose the table"):
+        loads(text, rest_length=REST)
+
+
+def test_cells_without_a_value_are_holes():
+    odd = ("#DIV/0!", "-nan(ind)", "1.#QNAN", "---")
+    text = "t [s],p [kPa],F [N],L [mm]\n" + table(",", [TIME, PRESSURE, FORCE, LENGTH])
+    record = loads(text + "".join(f"1,200,{cell},170\n" for cell in odd), rest_length=REST)
+    check(record)
+    assert any("4 rows with holes left out" in note for note in record.notes)
+
+
+@pytest.mark.parametrize(
+    ("header", "scale", "role", "unit"),
+    [("stretch [%]", 1 / 1.8, "strain", "%"), ("grip [mm]", 1, "displacement", "mm")],
+)
+def test_an_unknown_name_is_offered_as_the_quantities_of_its_unit(header, scale, role, unit):
+    columns = [PRESSURE, FORCE, [scale * x for x in CONTRACTION]]
+    text = f"p [kPa],F [N],{header}\n" + table(",", columns)
+    with pytest.raises(MissingMetadataError, match="which of them") as error:
+        loads(text, rest_length=REST)
+    assert ("columns", role, header) in [choice[:3] for choice in error.value.choices]
+    check(loads(text, rest_length=REST, columns={role: header}), time=False)
 
 
 def test_columns_by_place():
@@ -473,6 +518,23 @@ def test_most_positions_that_stretch_a_muscle_and_let_it_pull_less_are_refused(n
     # tensile strain grows as the muscle lengthens, by its name
     tensile = text.replace(name, "Tensile strain [%]")
     assert_allclose(loads(tensile).strain, stroke / 100, atol=1e-12)
+
+
+def test_a_muscle_that_lengthens_with_pressure_under_one_load_is_refused():
+    pressure, position = np.linspace(50, 250, 6), np.linspace(57, 37, 6)
+    columns = [pressure, position, [20.1, 20, 19.9] * 2]
+    text = "p [kPa],position [mm],load [N]\n" + table(",", columns)
+    given: dict = {"rest_length": REST}
+    for argument, role in (("signs", "displacement"), ("zeros", "displacement")):
+        with pytest.raises(
+            MissingMetadataError, match=r"lengthens as its pressure|far from"
+        ) as error:
+            loads(text, **given)
+        assert error.value.choices[0][:2] == (argument, role)
+        given[argument] = {role: error.value.value}
+    assert_allclose(loads(text, **given).strain, (57 - position) / 180)
+    steady = "p [kPa],position [mm],load [N]\n" + table(",", [200 - position / 57, *columns[1:]])
+    assert len(loads(steady, rest_length=REST)) == 6  # its pressure is constant
 
 
 def test_a_position_that_counts_from_elsewhere_offers_its_zero():
@@ -702,6 +764,29 @@ def test_cells_that_excel_shows_in_percent(tmp_path):
             cell.number_format = form
         book.save(tmp_path / "m.xlsx")
         check(load(tmp_path / "m.xlsx"), time=False)
+
+
+def test_a_pressure_merged_over_its_rows_and_a_sheet_of_results(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["Fmax [N]", "dL [mm]"], [118, 12], [120, 13]):
+        book.active.append(row)
+    sheet = book.create_sheet("readings")
+    for row in (
+        ["p [kPa]", "F [N]", "L [mm]"],
+        *zip(["", *[None] * 3], FORCE, LENGTH, strict=True),
+    ):
+        sheet.append(list(row))
+    for area, pressure in (("A2:A3", 100), ("A4:A5", 200)):
+        sheet[area.partition(":")[0]] = pressure
+        sheet.merge_cells(area)
+    book.save(tmp_path / "m.xlsx")
+    with pytest.raises(MissingMetadataError, match="several tables") as error:
+        load(tmp_path / "m.xlsx", rest_length=REST)
+    assert error.value.value == "readings"
+    record = load(tmp_path / "m.xlsx", rest_length=REST, table=error.value.value)
+    check(record, pressure=False, time=False)
+    assert record.pressure.tolist() == [1e5, 1e5, 2e5, 2e5]
 
 
 def test_titles_and_merged_names_of_a_sheet(tmp_path):
