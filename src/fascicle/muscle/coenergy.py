@@ -78,7 +78,7 @@ def coenergy_at_rest(muscle: PressurizedMuscle) -> Batch:
     tension, P = muscle.law.tension, muscle.column.pressure
     volume = tension.bladder.braid.volume(0.0) - tension.bladder.volume
     yielding = tension.ends.coenergy_at_rest(tension, P)
-    return P * volume + tension.rest_coenergy(P)[0] + yielding
+    return P * volume + tension.rest_coenergy(P) + yielding
 
 
 def coenergy(muscle: PressurizedMuscle, strain: BatchLike) -> Batch:

@@ -183,11 +183,10 @@ class TunedTension(Module):
         """Tuned force $F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
         return self.pull(pressure, strain).force
 
-    def rest_coenergy(self, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J] at rest and `pressure` [Pa], and volume of swelling [m³]."""
+    def rest_coenergy(self, pressure: BatchLike) -> Batch:
+        """Co-energy less $P V(0)$ [J] at rest length and `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
-        coenergy, volume = self.law.rest_coenergy(self.bladder, P_e)
-        return coenergy / self.strain_ratio, volume / self.strain_ratio
+        return self.law.rest_coenergy(self.bladder, P_e) / self.strain_ratio
 
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the tuned force vanishes at `pressure` [Pa]."""

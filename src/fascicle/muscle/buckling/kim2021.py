@@ -172,7 +172,7 @@ def shortening_slope(xi: BatchLike, v: BatchLike) -> Batch:
     g, inverse = xi * w, 1 / (2 - xi)
     half = 0.5 * inverse / (1 - g * inverse)
     by_g = 1 / (1 - g) - half  # of ln h
-    rise = v * (1 - 4 * xi / (1 - xi) - xi / (1 + xi)) + u * (half * g * inverse - by_g * w)
+    rise = v * (1 - xi * (5 + 3 * xi) / (1 - xi**2)) + u * (half * g * inverse - by_g * w)
     return w * (1 - xi * rise / (1 - by_g * u * g))
 
 

@@ -95,12 +95,9 @@ class AbstractTension(AbstractLaw):
         """First strain [-] at which the force equals $C_1(P)$ [N], the function `offset`."""
         return solved_free_strain(self, bladder, pressure, offset)
 
-    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J] at rest length and `pressure` [Pa], and its slope there, the
-        volume by which the braid swells [m³]: zero unless it `stretches`.
-        """
-        zero = 0.0 * pressure * bladder.braid.length
-        return zero, zero
+    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> Batch:
+        """Co-energy less $P V(0)$ [J] at rest and `pressure` [Pa]; zero unless it `stretches`."""
+        return 0.0 * pressure * bladder.braid.length
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
         """Highest pressure [Pa] at which the law is valid with a `bladder`, by default 1 MPa."""

@@ -111,12 +111,10 @@ class ElasticBraid(AbstractTension):
             bladder_slope=wall_slope + 2 * bladder.area * lam * (W.pq - cot2 * W.qq) * q_change,
         )
 
-    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
-        """Co-energy less $P V(0)$ [J] at rest and `pressure` [Pa], and swept volume [m³]."""
-        braid, zero = bladder.braid, 0.0 * pressure
-        u = self.fiber_strain(bladder, pressure, zero)
-        volume = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)
-        return -self.potential(bladder, pressure, zero) - pressure * braid.volume(zero), volume
+    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> Batch:
+        """Co-energy less $P V(0)$ [J] at rest length and `pressure` [Pa]."""
+        zero = 0.0 * pressure
+        return -self.potential(bladder, pressure, zero) - pressure * bladder.braid.volume(zero)
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
         """Pressure [Pa] up to which fibers around the `bladder` stretch freely at rest length."""
