@@ -30,6 +30,7 @@ from ..core.validation import check_finite, check_interval, check_positive
 
 _STARTS = (0.02, 0.1, 0.3)  # of the response's length: delays and lags where a search begins
 _LEAST = 10  # samples after the step: five numbers are fitted
+_RESPONSE = 0.5  # of the record's variance that (K7) must explain: else noise hides the step
 _RATIO = 1.01  # of the chamber's time constant over the lag at least: (K7) has no pole there
 
 
@@ -70,7 +71,8 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     **Returns:** the `StepResponse` [s].
 
     **Raises:** `InvalidInputError` for rows of unequal length, times that don't rise, a command
-    without a step or with several, and fewer than ten samples after it.
+    without a step or with several, fewer than ten samples after it, and a pressure that doesn't
+    follow it.
     """
     t = np.atleast_1d(check_finite(time, "time", "s"))
     z = np.atleast_1d(check_finite(command, "command", "-"))
@@ -111,6 +113,12 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     best = min(fits, key=lambda fit: fit.cost)
     delay, lag, ratio = np.exp(best.x)
     error = float(np.sqrt(np.mean(residuals(best.x) ** 2)))
+    spread = float(np.std(P))
+    if not error**2 < (1 - _RESPONSE) * spread**2:
+        rule = "must follow the step, but its noise is as large as its change"
+        remedy = "record a larger step, or check sensor and valve"
+        text = f"a standard deviation of {spread:.3g} Pa"
+        raise InvalidInputError("pressure", rule, spread, remedy, shown=text)
     return StepResponse(float(delay), float(lag), float(lag * (_RATIO + ratio)), error)
 
 

@@ -39,6 +39,7 @@ from .types import Batch, IntBatch, Values
 
 HIGHEST_PRESSURE = 1e6  # Pa, gauge: muscles on sale go up to 0.8 MPa
 LARGEST_STRAIN = 0.6  # no braid contracts by more than 0.423, a bundle's muscles may be pushed on
+_MAX_SHOWN = 60  # characters of a refused value: an error is one line
 NEUTRAL_ANGLE = math.atan(math.sqrt(2))  # rad, 54.7356 deg: a braid neither pulls nor pushes
 
 
@@ -149,7 +150,9 @@ def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
         return np.asarray(x.astype(float) + 0.0)  # no negative zero
     except (TypeError, ValueError):
         rule = "takes dimensionless numbers" if unit == "-" else f"takes numbers in {unit}"
-        raise InvalidInputError(name, rule, value, shown=repr(value)) from None
+        text = " ".join(repr(value).split())
+        text = text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
+        raise InvalidInputError(name, rule, value, shown=text) from None
 
 
 class Range(NamedTuple):

@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle import control, dynamics, fluid
+from fascicle.core.errors import InvalidInputError
 
 
 DT = 1e-3
@@ -73,3 +74,12 @@ def test_records_without_one_step_are_refused():
         control.identify(time, np.where(np.arange(50) > 45, 1.0, 0.0), np.zeros(50))
     with pytest.raises(ValueError, match="pressure"):
         control.identify(time, np.where(np.arange(50) > 4, 1.0, 0.0), np.zeros(49))
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e3])
+def test_a_pressure_that_does_not_follow_the_step_is_refused(noise):
+    time = DT * np.arange(500)
+    pressure = 1e5 + noise * np.random.default_rng(2).standard_normal(500)
+    with pytest.raises(InvalidInputError) as error:
+        control.identify(time, np.where(time >= 0.1, 1.0, 0.0), pressure)
+    assert error.value.argument == "pressure"

@@ -39,6 +39,12 @@ def test_other_types_are_refused(value):
         check_finite(value, "ratio", "-")
 
 
+def test_a_long_refused_array_is_one_line():
+    with pytest.raises(InvalidInputError) as error:
+        check_finite(np.arange(1000) > 500, "command", "-")
+    assert "\n" not in str(error.value) and len(str(error.value)) < 150
+
+
 @pytest.mark.parametrize(
     ("closed", "good", "bad", "interval"),
     [
