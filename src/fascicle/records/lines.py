@@ -89,7 +89,8 @@ def _quantity_columns(lines: Sequence[str]) -> dict[tuple[str, int], str]:
     rows = [find_quantities(line) for line, text in zip(lines, texts, strict=True)
             if not any(map(str.isdigit, text))]  # fmt: skip
     (names, count), *_ = [*Counter(map(frozenset, rows)).most_common(1), (frozenset(), 0)]
-    if len(names) < 2 or 2 * count <= len(lines):
+    bare = [name for name, _ in names if name.startswith("[")]
+    if len(names) < 2 or 2 * count <= len(lines) or not all(map(is_unit, bare)):
         return {}
     row = next(row for row in rows if row.keys() == names)
     return {column: unit for column, (_, unit) in row.items()}

@@ -24,7 +24,8 @@ from .units import (
 )
 
 
-_FIRST_DATE_MS = 1e11  # since 1970
+_DATE = 1e8  # s since 1970, in 1973
+_PER_SECOND = (("ns", 1e9), ("µs", 1e6), ("ms", 1e3))
 _DAYS = (3e4, 7e4)  # dates of 1982 to 2091 as Excel counts them
 _FAR = 0.05  # of the rest length: a muscle begins nearer to it
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
@@ -302,14 +303,13 @@ def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
     if (time := readings.si("time")) is None:
         return _sampled_time(readings)
     notes, steps = (), np.diff(time)
-    # s would be a date in 5000 years, and steps of s would be below 0.1 ms
-    is_date = readings.columns["time"].unit == "s" and time.size > 1
-    for unit, seconds, fits in (
-        ("ms", 1e-3, time[0] > _FIRST_DATE_MS),
-        ("days", 86_400.0, _DAYS[0] < time[0] < _DAYS[1] and np.median(np.abs(steps)) < 1e-4),
-    ):
-        if is_date and fits:
-            time, notes = (time - time[0]) * seconds, (f"time is a date in {unit}, not in s",)
+    # counted in s they would be dates in 5000 years, or steps below 0.1 ms
+    units = {unit: 1 / per_s for unit, per_s in _PER_SECOND if time[0] > _DATE * per_s}
+    if _DAYS[0] < time[0] < _DAYS[1] and time.size > 1 and np.median(np.abs(steps)) < 1e-4:
+        units = {"days": 86_400.0}
+    if units and readings.columns["time"].unit == "s":
+        unit = next(iter(units))
+        time, notes = (time - time[0]) * units[unit], (f"time is a date in {unit}, not in s",)
     back = np.flatnonzero(steps < 0)
     lines = readings.cells.lines
     if back.size:

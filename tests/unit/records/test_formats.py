@@ -916,6 +916,14 @@ def test_an_error_in_a_log_of_quantities_names_its_line_and_its_unit():
         loads("\n".join(f"{line} F=9 N" for line in lines), rest_length=REST)
 
 
+def test_words_between_numbers_are_no_units():
+    rows = zip(FORCE, ["up"] * 4, CONTRACTION, ["ok"] * 4, strict=True)
+    text = "F_N branch x_mm state\n" + "".join(f"{f} {a} {x} {b}\n" for f, a, x, b in rows)
+    record = loads(text, rest_length=REST, constants={"pressure": "200 kPa"})
+    check(record, pressure=False, time=False)
+    assert record.branch.tolist() == [1] * 4
+
+
 def test_columns_in_order_are_those_behind_a_monitors_clock():
     rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
     for lines in (rows, ["Force_N,p_kPa,Length_mm", *rows], [*rows, "", "F,P,L"]):

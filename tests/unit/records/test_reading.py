@@ -217,7 +217,13 @@ def test_displacements_that_begin_far_from_zero_are_noted():
 
 @pytest.mark.parametrize(
     ("first", "step", "unit"),
-    [(1709633472000, 50, "ms"), (45356.42444444, 0.05 / 86400, "days"), (1709633472, 0.05, "s")],
+    [
+        (1709633472000, 50, "ms"),
+        (1709633472000000, 50000, "µs"),
+        (1709633472 * 10**9, 5 * 10**7, "ns"),
+        (45356.42444444, 0.05 / 86400, "days"),
+        (1709633472, 0.05, "s"),
+    ],
 )
 def test_dates_that_are_numbers(first, step, unit):
     times = [first + i * step for i in range(4)]
