@@ -220,9 +220,7 @@ class Bundle(Module):
         return jit(lambda pressures, strain: pressurize(self, pressures).force(strain)[0])
 
     def replace(self, **changes: Any) -> "Bundle":
-        """A new bundle with `changes` of its arguments, such as `scheme="batch"`; `ValueError` for
-        unknown names and for invalid values.
-        """
+        """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""
         return replace_checked(self, changes, length=self.plate_distance)
 
     def _check_strain(self, strain: Values) -> Batch:

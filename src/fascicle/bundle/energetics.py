@@ -42,6 +42,7 @@ from ..core.validation import (
     check_choice,
     check_finite,
     check_gauge_pressure,
+    check_positive,
     check_whole_number,
     is_concrete,
 )
@@ -243,10 +244,7 @@ def efficiency_map(
         largest = float(distinct.free_strain(full, resistance=False))
         strain = np.arange(1, int(largest / _STRAIN_STEP) + 1) * _STRAIN_STEP
     force = np.atleast_1d(check_finite(force, "force", "N"))
-    strain = np.atleast_1d(check_finite(strain, "strain", "-"))
-    if np.any(strain <= 0):
-        lowest = strain.min()
-        raise InvalidInputError("strain", "must be positive", lowest, shown=f"{lowest:g}")
+    strain = np.atleast_1d(check_positive(strain, "strain", "-"))
 
     levels = np.linspace(0.0, supply, _LEVELS)
     forces = unit_tables(bundle, supply, levels, strain, resistance)

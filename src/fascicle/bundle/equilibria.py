@@ -124,7 +124,7 @@ def _equilibria_of_block(pressurized: PressurizedBundle, load: Numbers | None) -
 def _separating_nodes(
     bundles: PressurizedBundle, load: Numbers, ends: Numbers
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Nodes with one equilibrium at most between two, in order: index of the bundle, strain [-],
+    """Nodes with at most one equilibrium between two, in order: index of the bundle, strain [-],
     and force beyond its `load` [N]; `ends`: of the stretches of each bundle, rising [-].
     """
     left, right = ends[:, :-1], ends[:, 1:]

@@ -60,7 +60,6 @@ class ForceOverLevel:
         """`ratio`: $L/L_i$ [-] or `None`; `supply`: $P_s$ [Pa]; `levels`: nodes of the grid [-]."""
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.resistance, self.nodes = resistance, self.law.at(levels * supply)
-        self.ends = self.law.at(levels[[0, -1]] * supply)
         self.free_strain = self.nodes.column.free_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
@@ -73,9 +72,9 @@ class ForceOverLevel:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, plates: Array, only_ends: bool) -> Array:
-        """As `force` at all nodes of the grid, or at both ends, whose free strains are stored."""
-        muscle = self.ends if only_ends else self.nodes
+    def force_at_nodes(self, node: Array, plates: Array) -> Array:
+        """As `force` at a `node` of the grid, whose free and collapse strains are stored."""
+        muscle = _pick_nodes(self.nodes, node, self.levels.size)
         return self._between_plates(*muscle.force(self.strain(plates)))
 
     def force(self, level: Array, plates: Array) -> Array:
@@ -145,9 +144,9 @@ class StateCurves:
         self.states = len(self.throttled)
         self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
-    def force_at_nodes(self, strain: Array, only_ends: bool = False) -> Array:
-        """Force of one muscle of each kind and its slope [N], by `strain` [-], node and kind."""
-        forces = [muscle.force_at_nodes(strain[:, None], only_ends) for muscle in self.muscles]
+    def force_at_nodes(self, strain: Array, node: Array) -> Array:
+        """Force of one muscle of each kind and its slope [N], by `strain` [-], `node` and kind."""
+        forces = [muscle.force_at_nodes(node, strain[:, None]) for muscle in self.muscles]
         return np.stack(forces, axis=-1)
 
     def force(self, state: Array, level: Array, strain: Array) -> Array:
@@ -167,7 +166,7 @@ class StateCurves:
         low, high = min(strain.min(), ends[0]), max(strain.max(), ends[1])
         if (low, high) != ends:
             self._columns = np.linspace(low, high, _COLUMNS)
-            forces = self.force_at_nodes(self._columns)[0]
+            forces = self.force_at_nodes(self._columns, np.arange(len(self.levels)))[0]
             # nodes last: each state's row is read as one piece
             self._table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
         position = np.interp(strain, self._columns, np.arange(_COLUMNS))
@@ -197,6 +196,15 @@ def pressure_grid(tunings: list, supply: float) -> Array:
 def run_starts(values: Array) -> Array:
     """Index of the first of each run of equal `values` [any unit] that rise from zero or more."""
     return np.flatnonzero(np.diff(values, prepend=-1))  # `np.unique` imports masked arrays
+
+
+def _pick_nodes(value: Any, node: Array, count: int) -> Any:
+    """A muscle at the pressures of some of `count` nodes, which are on the last axis."""
+    if isinstance(value, tuple):
+        picked = [_pick_nodes(x, node, count) for x in value]
+        return type(value)(*picked) if hasattr(value, "_fields") else tuple(picked)
+    has_nodes = isinstance(value, np.ndarray) and value.shape[-1:] == (count,)
+    return value[..., node] if has_nodes else value
 
 
 class Roots(NamedTuple):
@@ -258,12 +266,13 @@ def find_roots(
     """All levels of all states, or of one a demand, that give a `force` [N] at a `strain` [-]."""
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
+    nodes = np.arange(len(curves.levels))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
         demand, column = np.indices(states[batch].shape).reshape(2, -1)
         F, eps, state = force[batch], strain[batch], states[batch][demand, column]
-        is_few = len(demand) * len(curves.levels) <= FEW_CELLS
-        forces = curves.force_at_nodes(eps, only_ends=not is_few)
+        is_few = len(demand) * len(nodes) <= FEW_CELLS
+        forces = curves.force_at_nodes(eps, nodes if is_few else nodes[[0, -1]])
         fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
         target = F[demand] - fixed[0, demand, state]
         throttled = forces[0] @ curves.throttled.T
@@ -415,10 +424,10 @@ def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) ->
 def _bracketed_root(
     residual: Residual, low: Array, high: Array, f_low: Array, f_high: Array, tolerance: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Roots by Chandrupatla's method, all at once: the best level [-], its residual, and the ends
-    of the last bracket [-]. It ends at a residual of `tolerance`, or at rounding. (SciPy's of the
-    same method takes as long for one root as a whole demand takes here.)
+    """Roots by Chandrupatla's method, all at once, to a residual of `tolerance` or to rounding: the
+    best level [-], its residual, and the ends of the last bracket [-].
     """
+    # SciPy's of the same method takes as long for one root as a whole demand takes here
     x = np.stack([low, high, high])  # the newest, the other side of the bracket, the one before
     f = np.stack([f_low, f_high, f_high])
     index = np.arange(len(low))

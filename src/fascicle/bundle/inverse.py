@@ -176,8 +176,7 @@ def _best_solution(
     present: Array | None, volume: Array | None,
 ) -> RecruitmentResult:  # fmt: skip
     """Best solution of (B9) for each `force` [N] and `strain` [-]: the nearest to the `present`
-    pressures [Pa], or the one that takes least fluid, by the `volume` of each unit since rest [m³],
-    units last, or the first.
+    pressures [Pa], else that of least fluid by units' `volume` [m³] since rest, else the first.
     """
     roots = find_roots(curves, force, strain)
     cost = np.zeros(len(roots.demand))  # they are in order of their energy already
@@ -289,7 +288,7 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
     unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
     counts = curves.throttled.sum(axis=1)
-    ends = curves.force_at_nodes(strain, only_ends=True)[0]
+    ends = curves.force_at_nodes(strain, np.array([0, -1]))[0]
     limits = [ends[:, 0], ends[:, 1]]
     unreachable = _UNREACHABLE * (10.0 + np.abs(ends).sum(axis=1)).ravel() * counts[unit]
     for sign in (-1.0, 1.0):

@@ -18,7 +18,6 @@ from itertools import combinations
 
 import numpy as np
 
-from ..core.errors import InvalidInputError
 from ..core.lazy import attach_lazy
 from ..core.types import Float, Values
 from ..core.validation import (
@@ -70,8 +69,7 @@ def pressures_of(
     it in orderly recruitment. `ValueError` for a state or `scheme` that doesn't exist.
     """
     states = states_of(scheme_of(scheme), units)
-    if not 1 <= state <= states.size:
-        raise InvalidInputError("state", f"must lie in [1, {states.size}]", state)
+    state = check_whole_number(state, "state", 1, states.size)
     level, name = check_gauge_pressure(level, "level"), "supply_pressure"
     supply = check_scalar(check_gauge_pressure(supply_pressure, name), name)
     return states.pressures(state - 1, level, supply)

@@ -14,9 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.errors import InvalidInputError
 from ..core.types import Float, Values
-from ..core.validation import check_gauge_pressure, check_interval, check_scalar
+from ..core.validation import (
+    check_finite,
+    check_gauge_pressure,
+    check_scalar,
+    check_whole_number,
+)
 from ..repr_table import with_table_repr
 from .bundle import Bundle
 from .pressurized import muscle_strain
@@ -57,7 +61,8 @@ def free_strain_curve(
     """Free strains [-] of the bundle over the `pressures` [Pa] of one `unit`, counted from 1, with
     earlier units at `supply_pressure` [Pa]; other arguments and errors are those of `reversal`.
     """
-    supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
+    unit = check_whole_number(unit, "unit", 1, len(bundle.motor_units))
     pressures = check_gauge_pressure(pressures, "pressures")
     all_pressures = pressures_of(unit, pressures, supply, len(bundle.motor_units))
     return np.asarray(bundle.free_strain(all_pressures, resistance))
@@ -96,9 +101,10 @@ def onset_pressure(
     adds force: 0 if always, inf if never up to `supply_pressure` [Pa], by default the bundle's own.
     `ValueError` for a unit that doesn't exist or a strain off the domain.
     """
-    supply, unit = resolve_supply_pressure(bundle, supply_pressure), _check_unit(bundle, unit)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
+    unit = check_whole_number(unit, "unit", 1, len(bundle.motor_units))
     muscle = bundle.motor_units[unit - 1].muscle
-    eps = check_scalar(check_interval(strain, -np.inf, np.inf, "strain", "-"), "strain")
+    eps = check_scalar(check_finite(strain, "strain", "-"), "strain")
     if bundle.ratios is not None:
         eps = float(muscle_strain(bundle.ratios[..., unit - 1], bundle._check_strain(eps)))
     low, high = 0.0, supply
@@ -111,14 +117,3 @@ def onset_pressure(
         last = int(np.flatnonzero(~helps)[-1])  # exists: no pressure gains nothing
         low, high = float(pressures[last]), float(pressures[last + 1])
     return high if low > 0 else 0.0
-
-
-def _check_unit(bundle: Bundle, unit: int) -> int:
-    """The `unit`, counted from 1, refused unless the `bundle` has it."""
-    units = len(bundle.motor_units)
-    if not isinstance(unit, int | np.integer) or isinstance(unit, bool):
-        rule = "must be a whole number, counted from 1"
-        raise InvalidInputError("unit", rule, unit, shown=repr(unit))
-    if not 1 <= unit <= units:
-        raise InvalidInputError("unit", f"must lie in [1, {units}]", unit)
-    return int(unit)

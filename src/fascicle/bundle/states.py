@@ -75,9 +75,7 @@ class States(NamedTuple):
 
     @property
     def nested(self) -> bool:
-        """True if the units that a state pressurizes are among those of the next: then the lowest
-        state that gives a force takes least fluid.
-        """
+        """True if each state holds the units of the one before: then the first is the cheapest."""
         return bool(np.all(self.pressurized[1:] >= self.pressurized[:-1]))
 
     @property

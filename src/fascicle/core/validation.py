@@ -259,13 +259,12 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     return value
 
 
-def check_whole_number(value: Any, name: str, least: int) -> int:
-    """Return a `value` that is one whole number of at least `least`; `InvalidInputError` for
-    others.
-    """
+def check_whole_number(value: Any, name: str, least: int, most: float = math.inf) -> int:
+    """Return a `value` that is one whole number from `least` to `most`."""
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not whole or value < least:
-        rule = f"must be at least {least}" if whole else "must be a whole number"
+    if not whole or not least <= value <= most:
+        rule = f"must be at least {least}" if most == math.inf else f"must lie in [{least}, {most}]"
+        rule = rule if whole else f"must be a whole number from {least} on"
         raise InvalidInputError(name, rule, value, shown=reprlib.repr(value))
     return int(value)
 
