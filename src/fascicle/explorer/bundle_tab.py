@@ -173,9 +173,7 @@ class BundleView(Tab):
         )
         self._resistance.param.watch(lambda event: session.change(resistance=event.new), "value")
         self._supply = Field("Supply pressure", "supply", "pressure", self._set_supply)
-        self._strain = QuantitySlider(
-            "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
-        )
+        self._strain = self.strain_slider()
         self._add_chart()
         self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
         self._sweep = Sweep("", self._advance)

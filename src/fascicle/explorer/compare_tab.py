@@ -31,7 +31,6 @@ from .theme import column, pane, row, side_column
 from .widgets import (
     Field,
     Message,
-    QuantitySlider,
     button,
     dropdown,
     heading,
@@ -136,10 +135,7 @@ class CompareView(Tab):
         self._form = PinForm(session)
         self._names: list[Any] = []
         self._rows = column()
-        self._strain = QuantitySlider(
-            "Contraction ε to compare at", "strain", "strain",
-            lambda value: session.change(strain=value),
-        )  # fmt: skip
+        self._strain = self.strain_slider("Contraction ε to compare at")
         chart = self.chart = Chart(
             colors, "Contraction ε [–]", "Force F [N]", screen_height(430)
         )  # room for header, slider, legend and the head of the table

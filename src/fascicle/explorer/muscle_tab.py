@@ -69,9 +69,7 @@ class MuscleView(Tab):
         self._pressure = QuantitySlider(
             "Pressure P", "pressure", "pressure", lambda value: session.change(pressure=value)
         )
-        self._strain = QuantitySlider(
-            "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
-        )
+        self._strain = self.strain_slider()
         self._add_chart()
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
         self._numbers = pane(sizing_mode="stretch_width")

@@ -214,8 +214,13 @@ class Page:
     """The explorer of a visitor's session, as the Panel layout `panel`."""
 
     def __init__(
-        self, session: Session, theme: str, errors: Sequence[str], theme_in_link: bool, offer: bool
-    ):
+        self, session: Session, theme: str = "default", errors: Sequence[str] = (),
+        theme_in_link: bool = False, offer: bool = False,
+    ):  # fmt: skip
+        """Page of a `session`; `errors` are of its link.
+
+        With an `offer`, browsers that have not dismissed it offer the story.
+        """
         self._session, self._colors = session, page_colors(theme)
         header = self.header = Header(session, theme, theme_in_link, self.show_theme)
         header.message.show(" ".join(errors))
@@ -274,20 +279,6 @@ class Page:
             self._open_tab(after.tab)
 
 
-def build(
-    session: Session,
-    theme: str = "default",
-    errors: Sequence[str] = (),
-    theme_in_link: bool = False,
-    offer: bool = False,
-) -> Any:
-    """The explorer of a visitor's `session`, as a Panel layout; `errors` are of the link.
-
-    With an `offer`, browsers that have not dismissed it offer the story.
-    """
-    return Page(session, theme, errors, theme_in_link, offer).panel
-
-
 def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
     """Set a Bokeh document's frame, with the `active` tab, its script, and a notice if it is lost.
 
@@ -321,4 +312,4 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
     if isinstance(target, str):
         opened = example(target) if target in named_muscles() else load_muscle(target)
     pn.extension()
-    return build(Session(view_of(opened, name), pn.io.unlocked), theme)
+    return Page(Session(view_of(opened, name), pn.io.unlocked), theme).panel

@@ -24,7 +24,7 @@ from tornado.websocket import WebSocketClosedError
 from ..io.sanitize import sanitize_line
 from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
 from .link import from_query, has_state
-from .page import build, prepare_document
+from .page import Page, prepare_document
 from .state import Session, View
 from .theme import column, page_colors, page_css
 
@@ -162,7 +162,8 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
         async with drawing:
             view, errors = from_query(query, start)
             session = Session(view, pn.io.unlocked)
-            shell.objects = [build(session, theme, errors, "theme" in query, not has_state(query))]
+            content = Page(session, theme, errors, "theme" in query, not has_state(query))
+            shell.objects = [content.panel]
             await asyncio.sleep(_SENDING)
 
     active = query.get("tab", start.tab)

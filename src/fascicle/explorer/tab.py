@@ -6,7 +6,6 @@ A tab is drawn when it is open, and only if its content has changed.
 import asyncio
 import contextlib
 import time
-import traceback
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar
@@ -17,13 +16,14 @@ from ..plot.theme import Colors
 from .chart import replace_colors
 from .state import Session, View, changed
 from .theme import pane
-from .widgets import Message, status_line, unit_factor
+from .widgets import Message, QuantitySlider, status_line, unit_factor
+from .worker import result_and_error
 
 
 _WORKERS = ThreadPoolExecutor(2, thread_name_prefix="fascicle")  # a fit, and a map beside it
 _RUNNING: set["Future[Any]"] = set()
 _PERIOD = 500  # ms between the seconds that a progress shows
-Outcome = tuple[Any, ValueError | str | None]  # of a computation: result, and error
+Outcome = tuple[Any, ValueError | None]  # of a computation: result, and error
 
 
 class Tab:
@@ -75,6 +75,12 @@ class Tab:
         """Unit shown of a `dimension`, and its value [SI]."""
         unit = self.session.view.display_units[dimension]
         return unit, unit_factor(unit, dimension)
+
+    def strain_slider(self, label: str = "Contraction ε") -> QuantitySlider:
+        """A slider of the view's contraction."""
+        return QuantitySlider(
+            label, "strain", "strain", lambda value: self.session.change(strain=value)
+        )
 
     def fail(self, error: ValueError | str) -> None:
         """Show the error of a computation, and end its status: there is nothing to download."""
@@ -147,7 +153,7 @@ class LatestResult:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
         self._latest, doc = compute, session_document()
         if doc is None:
-            self._show_outcome(_result_and_error(compute))
+            self._show_outcome(result_and_error(compute))
         elif not self._busy:  # else it starts when the running one has ended
             self._start(doc, compute)
 
@@ -177,7 +183,7 @@ class LatestResult:
                 loop.call_soon_threadsafe(schedule, future)
 
         loop = asyncio.get_running_loop()
-        future = self._workers.submit(_result_and_error, compute)
+        future = self._workers.submit(result_and_error, compute)
         _RUNNING.add(future)
         future.add_done_callback(done)
 
@@ -188,16 +194,3 @@ class LatestResult:
                 self._show(result)
             else:
                 self._fail(error)
-
-
-def _result_and_error(compute: Callable[[], Any]) -> Outcome:
-    """Result of `compute` and no error, or no result and its `ValueError`, or a sentence in place
-    of any other error, which is logged.
-    """
-    try:
-        return compute(), None
-    except ValueError as error:
-        return None, error
-    except Exception:  # noqa: BLE001 whatever it is, the session goes on; the log has it
-        traceback.print_exc()
-        return None, "This could not be computed; see the server's log."

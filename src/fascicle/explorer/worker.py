@@ -11,6 +11,7 @@ import traceback
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from multiprocessing.connection import Connection
 from threading import Lock
 from typing import Any
@@ -120,20 +121,25 @@ def _run_calls(connection: Connection) -> None:
     """Run the calls that come through a `connection` until it closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's
     warnings.simplefilter("ignore")  # a function collects its own
+
+    def show_stage(stage: str) -> None:
+        connection.send(("stage", stage))
+
     with contextlib.suppress(EOFError, OSError):
         while True:
             function, arguments = connection.recv()
-            connection.send(("result", *_attempt(function, arguments, connection)))
+            call = partial(function, show_stage, *arguments)
+            connection.send(("result", *result_and_error(call)))
 
 
-def _attempt(
-    function: Callable[..., Any], arguments: tuple[Any, ...], connection: Connection
-) -> tuple[Any, ValueError | None]:
-    """Result and error of a call; the log has any error that is not a visitor's."""
+def result_and_error(compute: Callable[[], Any]) -> tuple[Any, ValueError | None]:
+    """Result of `compute` and no error, or no result and its `ValueError`; in place of an error
+    that isn't a visitor's, a sentence: the log has that error.
+    """
     try:
-        return function(lambda stage: connection.send(("stage", stage)), *arguments), None
+        return compute(), None
     except (ValueError, ImportError) as error:  # a visitor's mistake, or an extra that is missing
         return None, error if isinstance(error, ValueError) else ValueError(str(error))
-    except Exception:  # noqa: BLE001 whatever it is, the server goes on; the log has it
+    except Exception:  # noqa: BLE001 whatever it is, the server goes on
         traceback.print_exc()
         return None, ValueError("This could not be computed; see the server's log.")

@@ -64,7 +64,7 @@ def page_of(theme):
     """Page in a `theme` with a bundle, all of whose tabs were open, and its session."""
     session = Session(view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4"))
     session.change(load=20.0)
-    page = Page(session, theme, [], False, False)
+    page = Page(session, theme)
     for tab in TABS:
         session.change(tab=tab)
         if tab == "compare":
@@ -114,7 +114,7 @@ def test_another_theme_changes_all_colors_and_keeps_the_history():
 
 def test_efficiency_without_a_path_has_no_figures_and_no_downloads():
     session = Session(view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4"))
-    page = Page(session, "default", [], False, False)
+    page = Page(session)
     session.change(tab="efficiency")
     tab = page._views["efficiency"]
     assert len(tab.downloads) == 5 and tab._numbers.object

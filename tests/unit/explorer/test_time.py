@@ -265,7 +265,7 @@ def test_the_explorer_starts_without_jax():
     code = (
         "import sys, fascicle as fs; from fascicle.explorer import server, page, state;"
         "view = state.view_of(fs.example('kim2021_figure_6'), 'kim2021_figure_6');"
-        "session = state.Session(view); page.build(session); session.change(tab='time');"
+        "session = state.Session(view); page.Page(session); session.change(tab='time');"
         "print('jax' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
