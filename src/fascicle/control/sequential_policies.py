@@ -38,7 +38,7 @@ dips ahead, the policy follows the demand only up to
 $$F \le F_{max} - \rho_{near} - (1 + m) \max_{p' \ge p} \left[-g(p')\right], \tag{X9}$$
 
 and withholds the rest, but no more than $(1 + m) D$ and what the demand has risen by; meanwhile
-(X8) alone limits the pace.
+(X8) alone limits the pace. Nothing is withheld where it is too late for a hand-over to begin.
 
 **Source:** derived here.
 """
@@ -202,14 +202,17 @@ class SequentialPolicy(Module):
         gained = select_unit(next_, force - capability.empty)
         dip_pressure = select_unit(next_, capability.dip_pressure)
         beyond_dip = select_unit(next_, demand.pressures) >= dip_pressure
-        dip = (1 + self.margin) * select_unit(next_, capability.dip)
-        ahead = where(beyond_dip, (1 + self.margin) * maximum(-gained, 0.0), dip)
-        largest = select_unit(last, capability.largest - capability.shortfall)
-        excess = minimum(demand.force - largest + ahead, dip)
+        dip = select_unit(next_, capability.dip)
+        ahead = (1 + self.margin) * where(beyond_dip, maximum(-gained, 0.0), dip)
+        reserve = select_unit(last, capability.largest) - demand.force
+        excess = ahead + select_unit(last, capability.shortfall) - reserve
         # a demand that has not risen is followed: less force would be a dip as well
-        rise = memory.withheld + maximum(demand.rate, 0.0) * demand.dt
-        hands_over = self.anticipates * select_unit(next_, where(capability.adds_force, 1.0, 0.0))
-        withheld = where(hands_over > 0, minimum(maximum(excess, 0.0), rise), 0.0)
+        rise = memory.withheld + demand.rate * demand.dt
+        withheld = maximum(minimum(minimum(excess, (1 + self.margin) * dip), rise), 0.0)
+        adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
+        # where no hand-over begins, it would be withheld forever
+        hands_over = adds_force & ((memory.direction > 0) | (reserve + withheld >= dip / 2))
+        withheld = where((self.anticipates > 0) & hands_over, withheld, 0.0)
         return withheld, gained, beyond_dip
 
     def _hand_over_rate(

@@ -83,6 +83,18 @@ def test_units_are_vented_by_the_same_rule_without_chatter(ran, ramp):
     assert ran("threshold", noisy, band=2.0)[1].recruited <= 1
 
 
+def test_force_is_not_withheld_where_no_hand_over_begins(ran, ramp):
+    # too late for a hand-over, and never as much as the first unit can hold
+    first, dip = ramp[0] / 0.7, 6.5
+    demand = np.r_[
+        np.linspace(first - 0.4 * dip, first - 0.2 * dip, 300), np.full(300, first - 0.2 * dip)
+    ]
+    run, _ = ran("hand_over", demand)
+    assert np.asarray(run.outputs.pressures)[:, 1].max() < 1e3
+    force = np.asarray(run.outputs.forces).sum(axis=-1)[1:]
+    assert np.abs(force - demand)[400:].max() < 0.05 * dip  # the integral settles
+
+
 def test_demands_that_cant_be_reached_are_counted(ran, ramp):
     run, worth = ran("hand_over", np.linspace(26.0, 200.0, STEPS))
     assert 300 < worth.unreachable < STEPS
