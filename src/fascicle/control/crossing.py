@@ -246,19 +246,23 @@ class _HandOver:
         feasible, duration, before = np.full(t.shape, True), np.zeros_like(t), []
         for fraction in np.linspace(0.0, 1.0, _STEPS + 1):
             # the demand at the step's end, if it takes as long as the one before
-            ok, content = self._step(np.minimum(t + duration, last), fraction)
+            ok, content, gain = self._step(np.minimum(t + duration, last), fraction)
             if before:
                 duration = np.maximum(*(
                     self.slack * np.maximum(m - m_before, 0.0) / np.maximum(flow, _NO_FLOW)
                     for (m, flow), (m_before, _) in zip(content, before, strict=True)
                 ))  # fmt: skip
             t, before = t + duration, content
-            feasible &= ok & (t <= last)
+            # a step near the supply's pressure takes far longer than the one before
+            F, state = self.demand(np.minimum(t, last))
+            feasible &= ok & (state.largest_force - F + gain >= 0) & (t <= last)
             t = np.where(feasible, t, last)
         return np.where(feasible, t, np.inf)
 
-    def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list]:
-        """Feasibility of a hand-over at a `fraction` of it, and both units' contents and flows."""
+    def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list, np.ndarray]:
+        """Feasibility of a hand-over at a `fraction` of it, both units' contents and flows, and the
+        force that the next unit gains [N].
+        """
         k, P_s, n = self.k, self.supply, self.counts
         F, state = self.demand(time)
         strain = np.interp(time, self.path.time, self.path.strain)
@@ -286,7 +290,7 @@ class _HandOver:
             (np.asarray(self.valves[i].content(P[:, i], V[:, i])),
              np.asarray(self.valves[i].flow(P[:, i])))
             for i in (k - 1, k)
-        ]  # fmt: skip
+        ], gain  # fmt: skip
 
     def reason(self, time: np.ndarray, before: str) -> str:
         """Reason why no hand-over is feasible that begins at any `time` [s]; `before`: words for

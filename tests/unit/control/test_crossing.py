@@ -43,6 +43,23 @@ def test_fast_valves_allow_a_crossing_and_slow_ones_none(pair, five, unit_2, str
     assert slow.start is slow.end is slow.fill_time is None
 
 
+def test_a_hand_over_ends_before_the_units_before_no_longer_suffice():
+    """The last step, in which the unit before is all but full, takes the longest."""
+    supply = 600e3
+    material = fs.materials.MooneyRivlin(c10=110e3, c01=40e3, youngs_modulus=1.2e6)
+    thick = fs.Muscle.from_dimensions(
+        0.15, 10e-3, 2.5e-3, np.radians(24), material, transition_rate=60.0
+    )
+    bundle = fs.Bundle([fs.MotorUnit(thick), fs.MotorUnit(thick)], supply)
+    valves = [control.PlantValves(
+        fluid.Isothermal(), fluid.SonicValve(2.48e-9, 0.3), supply, 293.15
+    )] * 2  # fmt: skip
+    first = float(control.transition(bundle, 0.12).largest_force)
+    path = Path.of([0, 1.2], [0.1 * first, 3 * first], 0.12)
+    result = control.crossing(bundle, path, valves)
+    assert result.exists and result.start < result.end <= result.deadline
+
+
 def test_a_third_of_the_conductance_is_too_little_for_four(five):
     assert not control.crossing(five, ramp(five, 0.2), of_conductance(1e-9 / 3, 1, 4)).exists
 
