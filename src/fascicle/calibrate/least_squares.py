@@ -56,6 +56,7 @@ _CERTAIN = 30.0  # deviations below the limit, where a censored reading says not
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
 _BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
+_ROW_COST = 3.5  # forces: time for what depends on pressure alone, such as free strain and collapse
 _MAX_STEPS = 200  # of the last search; some dozens are usual
 _MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
@@ -188,13 +189,16 @@ class Problem:
 
     @cached_property
     def _rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows of about equal length that the forces are computed in: level of each row, indices of
-        its places in the table, and the index of each of the table's places in the rows.
+        """Rows of equal length that the forces are computed in: level of each row, indices of its
+        places in the table, and the index of each of the table's places in the rows.
         """
         used = self.grid.used
         counts = np.sum(used, axis=1)
-        width = max(1, round(np.mean(counts)))
-        rows = np.maximum(1, -(-counts // width))
+        # of the length that costs least: long rows have empty places, short ones are many
+        widths = np.arange(1, max(2, int(np.max(counts)) + 1))
+        rows_by_width = np.maximum(1, -(-counts // widths[:, None]))
+        cost = np.sum(rows_by_width, axis=1) * (widths + _ROW_COST)
+        width, rows = int(widths[np.argmin(cost)]), rows_by_width[np.argmin(cost)]
         level = np.repeat(np.arange(len(counts)), rows)
         rank = np.cumsum(used, axis=1) - 1
         order = np.where(used, (np.cumsum(rows) - rows)[:, None] * width + rank, 0)
