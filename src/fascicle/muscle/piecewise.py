@@ -100,7 +100,8 @@ class Piecewise(Module):
 
     def blocked_force(self, pressure: Batch) -> Batch:
         """Force [N] at rest length and `pressure` [Pa]."""
-        return self.tension.force(pressure, 0.0 * pressure)
+        # a law may have its free strain before rest length, as Sárosi's without pressure
+        return self.at(pressure).pulling_force(0.0 * pressure)
 
     def collapse_strain(self, pressure: Batch) -> Batch:
         """Strain [-] at which the bladder collapses at `pressure` [Pa]; inf where it never does."""

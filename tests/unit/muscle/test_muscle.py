@@ -199,3 +199,11 @@ def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
 def test_refuses_a_shape_of_too_few_points():
     with pytest.raises(ValueError, match=r"^`points` must be at least 3, got 2\.$"):
         latex.shape(1e5, 0.1, points=2)
+
+
+@pytest.mark.parametrize("law", ["klute_hannaford", "sarosi_10"])
+def test_blocked_force_is_the_force_at_rest_length(law):
+    # without pressure Sárosi's law has its free strain before rest length
+    muscle = fs.example("kim2021_figure_6").replace(tension=law)
+    P = np.array([0.0, 1e3, 1e5, 4e5])
+    assert_allclose(muscle.blocked_force(P), muscle.force(P, 0.0), rtol=1e-14, atol=1e-14)

@@ -110,3 +110,12 @@ def test_free_strain_has_a_gradient_in_every_parameter(of):
     moved = [eqx.tree_at(lambda m: m.braid_angle, of, ANGLE + s) for s in (step, -step)]
     measured = (moved[0].free_strain(1e5) - moved[1].free_strain(1e5)) / (2 * step)
     assert_allclose(slopes.braid_angle, measured, rtol=1e-7)
+
+
+def test_derivative_of_a_free_strain_at_the_end_of_its_search():
+    muscle = fs.Muscle.from_dimensions(0.066, 2.5e-3, 0.39e-3, 0.628, tension="martens2017")
+    free, angle, step = muscle.free_strain(3e5), float(muscle.braid_angle), 1e-6
+    assert muscle.law.tension.force(3e5, free) > 0.1  # it still pulls where the mesh does not
+    slope = jax.grad(lambda muscle: muscle.free_strain(3e5))(muscle).braid_angle
+    ends = [muscle.replace(braid_angle=angle + s * step).free_strain(3e5) for s in (1, -1)]
+    assert_allclose(slope, (ends[0] - ends[1]) / (2 * step), rtol=1e-6)

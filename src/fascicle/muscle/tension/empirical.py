@@ -275,11 +275,10 @@ class AbstractMartens(AbstractEmpirical):
         cot2 = 1 / tan(bladder.braid.angle + self.angle_correction) ** 2
         far = 1 - sqrt((1 + 1 / cot2) / 3) + 0.0 * pressure
         theta = (self, bladder, pressure, offset(pressure))
-        # a muscle that still pulls there has no root before it, which a search would only near
-        start = where(force_residual(theta, far)[0] > 0, far, 0.5 * far)
-        return root(
-            force_residual, theta, 0.5 * bladder.braid.straight_strain + 0.0 * far, far, start
-        )
+        low = 0.5 * bladder.braid.straight_strain + 0.0 * far
+        zero = root(force_residual, theta, low, far, 0.5 * far)
+        # a muscle that still pulls there has no root before it, and the derivatives of the end
+        return where(force_residual(theta, far)[0] > 0, far, zero)
 
 
 class Martens2017(AbstractMartens):
