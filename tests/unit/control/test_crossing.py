@@ -60,6 +60,18 @@ def test_a_hand_over_ends_before_the_units_before_no_longer_suffice():
     assert result.exists and result.start < result.end <= result.deadline
 
 
+def test_a_hand_over_does_not_wait_for_the_demand_to_fall_again():
+    latex = fs.Muscle.from_dimensions(0.18, 8e-3, 1.5e-3, np.radians(27), "latex")
+    bundle = fs.Bundle([fs.MotorUnit(latex), fs.MotorUnit(latex)], 350e3)
+    valve = fluid.SonicValve(1.587e-9, 0.3)
+    valves = [control.PlantValves(fluid.Isothermal(), valve, 350e3, 293.15)] * 2
+    time = np.linspace(0.0, 2.0, 401)  # two periods of a sine
+    first = float(control.transition(bundle, 0.12).largest_force)
+    demand = (0.9 - 0.8 * np.cos(2 * np.pi * time)) * first
+    result = control.crossing(bundle, Path.of(time, demand, 0.12), valves)
+    assert result.exists and result.end <= result.deadline
+
+
 def test_a_third_of_the_conductance_is_too_little_for_four(five):
     assert not control.crossing(five, ramp(five, 0.2), of_conductance(1e-9 / 3, 1, 4)).exists
 
