@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from ..muscle.piecewise import PressurizedMuscle
 
 _CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
+# a cell of common muscles changes the free strain by less; steep fibers on a soft bladder by 0.1
+_MAX_STRAIN_STEP, _MAX_PIECES = 0.02, 16
 _COLUMNS = 129  # strains of the force table: a step is some 0.002, as fine as a transition
 _END_INSET = 1e-6  # of the supply: nodes this near to both ends show the slope there
 _NEWTON_STEPS = 8  # at most: from the grid's free strain three are enough
@@ -127,7 +129,9 @@ class StateCurves:
         units = bundle.motor_units
         self.supply = supply
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        self.levels = pressure_grid([units[i].muscle.tuning for i in unique], supply)
+        muscles = [units[i].muscle for i in unique]
+        levels = pressure_grid([muscle.tuning for muscle in muscles], supply)
+        self.levels = divide_steep_cells(levels, muscles, supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
         self.muscles = [
             ForceOverLevel(units[i].muscle, ratios[i], supply, self.levels, resistance)
@@ -191,6 +195,21 @@ def pressure_grid(tunings: list, supply: float) -> Array:
     levels = np.concatenate([even, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]])
     levels = np.sort(levels[(levels >= 0) & (levels <= 1)])
     return levels[run_starts(levels)]
+
+
+def divide_steep_cells(levels: Array, muscles: "list[Muscle]", supply: float) -> Array:
+    """The `levels` [-] of a grid, and more of them in cells in which the free strain of a muscle
+    rises steeply: the force may rise and fall again there.
+    """
+    for muscle in muscles:
+        change = np.abs(np.diff(muscle.law.tension.free_strain(levels * supply)))
+        pieces = np.minimum(np.ceil(change / _MAX_STRAIN_STEP), _MAX_PIECES).astype(int)
+        inner = [
+            np.linspace(levels[i], levels[i + 1], pieces[i] + 1)[1:-1]
+            for i in np.flatnonzero(pieces > 1)
+        ]
+        levels = np.sort(np.concatenate([levels, *inner]))
+    return levels
 
 
 def run_starts(values: Array) -> Array:

@@ -277,3 +277,33 @@ def test_invalid_input_is_refused(arguments, options, message):
 def test_refuses_a_bundle_without_a_supply():
     with pytest.raises(ValueError, match="`supply_pressure` must be given"):
         recruit(fs.Bundle(bundle.motor_units), 10.0, 0.1)
+
+
+def test_narrow_rise_of_steep_fibers_is_found():
+    # the free strain of the steep muscle rises from 0.07 to 0.21 between 42 and 48 kPa, in which
+    # the force of both rises and falls again
+    steep = fs.Muscle.from_dimensions(
+        0.1564392, 3.085767e-3, 0.5948e-3, 0.2503973,
+        fs.MooneyRivlin(39967.6, 101328.3, youngs_modulus=6813941.0, poisson_ratio=0.3480493),
+        collapse=fs.collapse.Kim2021Collapse(0.5),
+        tuning=fs.Tuning(
+            [100e3, 250e3], [0.044067, -0.0335], [0.988485, 0.997714],
+            youngs_modulus_factor=0.634518, collapse_moment_factor=1.099047,
+            hinge_stiffness_factor=0.739363, hinge_stiffness_slope=1.253058e-5,
+            transition_rate=60.43266,
+        ),
+    )  # fmt: skip
+    other = fs.Muscle.from_dimensions(
+        0.1564392, 4.371344e-3, 0.6856914e-3, 0.5536535,
+        fs.MooneyRivlin(28322.17, 30594.65, youngs_modulus=562409.8, poisson_ratio=0.3990455),
+        transition_rate=20.1518,
+    )  # fmt: skip
+    bundle = fs.Bundle([fs.MotorUnit(steep, 4), fs.MotorUnit(other, 2)], 217866.143, "batch")
+    strain, pressure = 0.2250951418, np.linspace(0.0, 217866.143, 20001)
+    force = np.asarray(bundle.force(np.stack([pressure, pressure], axis=-1), strain))
+    inside = (pressure > 43e3) & (pressure < 45e3)
+    demand = force[inside].max() - 1e-3
+    above = force > demand
+    crossings = np.count_nonzero(above[1:] != above[:-1])
+    found = bundle.recruit(demand, strain).solutions
+    assert np.count_nonzero(found.state == 2) == crossings == 4
