@@ -11,9 +11,6 @@ from pathlib import Path
 # workers share the cores: each one's linear algebra on all of them would wait for the others'
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import pytest
-
-
 sys.path.insert(0, str(Path(__file__).parent))
 
 from quick import compile_fast
@@ -50,14 +47,13 @@ def pytest_collection_finish():
     gc.freeze()
 
 
-@pytest.fixture(autouse=True, scope="module")
-def memory_maps_are_freed():
+def pytest_runtest_teardown(item, nextitem):
     """Compiled functions each take several memory maps, of which a process may have 65530: a
-    worker that keeps all of them ends in a segmentation fault.
+    worker that keeps all of them ends in a segmentation fault. Slow tests make many.
     """
-    yield
-    jax = sys.modules.get("jax")
-    maps = Path("/proc/self/maps")
+    jax, maps = sys.modules.get("jax"), Path("/proc/self/maps")
+    if nextitem and nextitem.path == item.path and not item.get_closest_marker("slow"):
+        return
     if jax and maps.exists() and maps.read_bytes().count(b"\n") > _MANY_MAPS:
         jax.clear_caches()
         gc.collect()

@@ -93,13 +93,13 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     """
     units, ratios = bundle.motor_units, bundle.ratios
     check_volume_by_strain(unit.muscle for unit in units)
-    eps = strain if ratios is None else bundle._check_strain(strain)
-    volumes = []
+    eps, volumes = bundle._check_strain(strain), []
     for i, unit in enumerate(units):
         start, end = 0.0, eps
         if ratios is not None:
             start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
-        volumes.append(unit.count * (unit.muscle.volume(end) - unit.muscle.volume(start)))
+        volume = unit.muscle.braid.volume  # the bladder's own doesn't change
+        volumes.append(unit.count * (volume(end) - volume(start)))
     return array_namespace(*volumes).stack(volumes, axis=-1)
 
 

@@ -48,6 +48,16 @@ def test_fluid_energy_counts_active_units_at_supply_pressure():
     assert_allclose(energetics.fluid_energy(two, 0.2, SUPPLY, [1, 1]), 2 * SUPPLY * swept)
 
 
+@pytest.mark.parametrize("length", np.linspace(0.128, 0.14, 13))
+def test_volumes_reach_to_the_end_of_the_domain_of_unlike_lengths(length):
+    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    units = [fs.MotorUnit(muscle), fs.MotorUnit(muscle.replace(length=length))]
+    bundle = fs.Bundle(units, length=0.13)
+    end = float(np.min(1 - (1 - 0.6) / bundle.ratios))  # a muscle's strain there rounds to 0.6
+    volumes = energetics.unit_volume_change(bundle, end)
+    assert_allclose(volumes, energetics.unit_volume_change(bundle, end - 1e-9), rtol=1e-6)
+
+
 def test_ideal_muscle_turns_all_fluid_energy_into_work():
     """Without a bladder W = P ΔV: an isobaric contraction at supply pressure loses nothing."""
     ideal = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), tension="ideal")
