@@ -64,7 +64,8 @@ def trace(laws: tuple[str, str, str], name: str) -> tuple[str, list[Any], dict]:
         i for i, leaf in enumerate(leaves) if isinstance(leaf, ca.SX) and not leaf.is_valid_input()
     ]
     summary = (
-        state.column.free_strain, state.collapse, state.onset, general.law.blocked_force(P),
+        state.column.free_strain, state.collapse_strain, state.onset,
+        general.law.blocked_force(P),  # not used by `law.js`, which has it from `force`
     )  # fmt: skip
     outputs = functions.resolve(*map(ca.SX, summary), *(leaves[i] for i in indices))
     row = ca.vertcat(*constants)

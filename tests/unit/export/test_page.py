@@ -30,7 +30,7 @@ FORCES = """async ([muscles, entries, points]) => {
     const muscle = new PressurizedMuscle(laws[data.law], data, pressure);
     const shape = muscle.shape(strains[i]);
     const finite = x => Number.isFinite(x) ? x : 9;
-    return [muscle.force(strains[i]), muscle.blocked, muscle.free, finite(muscle.collapse),
+    return [muscle.force(strains[i]), muscle.force(0), muscle.free, finite(muscle.collapse),
             shape.deflection];
   }));
 }"""

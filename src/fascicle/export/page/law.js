@@ -81,7 +81,7 @@ class LawFunctions {
   }
 }
 
-// A muscle at a pressure [Pa]: its free strain, onset and collapse strain [-], blocked force [N].
+// A muscle at a pressure [Pa]: its free strain, onset and collapse strain [-].
 class PressurizedMuscle {
   constructor(functions, muscle, pressure) {
     this.functions = functions;
@@ -94,7 +94,7 @@ class PressurizedMuscle {
     functions.set("constants", this.constants);
     functions.set("pressure", [pressure]);
     functions.call("at");
-    [this.free, this.collapse, this.onset, this.blocked] = functions.get("summary");
+    [this.free, this.collapse, this.onset] = functions.get("summary");
     this.state = functions.get("state");
     functions.loaded = this;
   }
