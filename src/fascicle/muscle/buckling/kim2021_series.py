@@ -96,7 +96,7 @@ class Kim2021Series(AbstractBuckling):
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
-    """Whether a `function` falls below 0 past the `free` strain [-], and that cell's ends [-]."""
+    """Mask where a `function` falls below 0 past the `free` strain, and that cell's ends [-]."""
     rank = xp.node_axis(np.arange(float(_CELLS)), free)
     step = (_FARTHEST_STRAIN - free) / _CELLS
     end_value, _ = function(theta, free + step * (rank + 1))
