@@ -130,8 +130,7 @@ class StateCurves:
         self.supply = supply
         unique, self.kind = unique_indices([unit.muscle for unit in units])
         muscles = [units[i].muscle for i in unique]
-        levels = pressure_grid([muscle.tuning for muscle in muscles], supply)
-        self.levels = divide_steep_cells(levels, muscles, supply)
+        self.levels = pressure_grid(muscles, supply)
         ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
         self.muscles = [
             ForceOverLevel(units[i].muscle, ratios[i], supply, self.levels, resistance)
@@ -186,22 +185,19 @@ def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
     return [muscle.column.free_strain, muscle.onset, muscle.collapse_strain, *folds]
 
 
-def pressure_grid(tunings: list, supply: float) -> Array:
-    """Levels of the grid [-], those of the tunings' kinks among them."""
+def pressure_grid(muscles: "list[Muscle]", supply: float) -> Array:
+    """Levels of the grid [-], those of the tunings' kinks among them; more of them in cells in
+    which the free strain of a muscle rises steeply.
+    """
+    tunings = [muscle.tuning for muscle in muscles]
     kinks = [np.ravel((t.pressures + np.asarray(t.dead_band)[..., None]) / supply) for t in tunings]
     kinks = np.concatenate([*kinks, [0.0]])
     kinks = kinks[kinks < 1]
     even = (np.arange(_CELLS + 1) / _CELLS) ** 2
     levels = np.concatenate([even, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]])
     levels = np.sort(levels[(levels >= 0) & (levels <= 1)])
-    return levels[run_starts(levels)]
-
-
-def divide_steep_cells(levels: Array, muscles: "list[Muscle]", supply: float) -> Array:
-    """The `levels` [-] of a grid, and more of them in cells in which the free strain of a muscle
-    rises steeply: the force may rise and fall again there.
-    """
-    for muscle in muscles:
+    levels = levels[run_starts(levels)]
+    for muscle in muscles:  # the force may rise and fall again in a steep cell
         change = np.abs(np.diff(muscle.law.tension.free_strain(levels * supply)))
         pieces = np.minimum(np.ceil(change / _MAX_STRAIN_STEP), _MAX_PIECES).astype(int)
         inner = [

@@ -195,7 +195,7 @@ def crossing(
     step = float(np.max(np.diff(t)))
     for _ in range(_ZOOMS + 1):
         ends = hand_over.ends(starts)
-        feasible = np.flatnonzero(ends <= needed)  # a demand that falls again is no remedy
+        feasible = np.flatnonzero(ends <= needed)  # in time, even if the demand falls again
         if not feasible.size:  # not after the first round, whose start is among the next ones
             return no_crossing(hand_over.reason(t[: k + 1], before), needed)
         start, end = float(starts[feasible[-1]]), float(ends[feasible[-1]])

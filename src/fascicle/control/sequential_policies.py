@@ -32,13 +32,13 @@ $$\dot p \le \frac{p_d}{2 D}\, \frac{\partial F_k}{\partial P} \dot P_k: \tag{X8
 it takes no more force than unit $k$ can add, its valve wide open. Beyond $p_d$, where its force
 rises, it takes no less than $8 \tau$ for the rest: a faster one overshoots.
 
-A force that the dip would take again is not given before. As long as the next unit, at $p$, has
-dips ahead, the policy follows the demand only up to
+The policy withholds force that the dip would take back. While the next unit, at the pressure $p$,
+still has a dip ahead, it follows the demand only up to
 
 $$F \le F_{max} - \rho_{near} - (1 + m) \max_{p' \ge p} \left[-g(p')\right], \tag{X9}$$
 
-and withholds the rest, but no more than $(1 + m) D$ and what the demand has risen by; meanwhile
-(X8) alone limits the pace. Nothing is withheld where it is too late for a hand-over to begin.
+and withholds the rest, but no more than $(1 + m) D$ and no more than the rise of the demand. While
+it does, (X8) alone limits the pace. It withholds nothing where it is too late to begin a hand-over.
 
 **Source:** derived here.
 """
@@ -210,7 +210,7 @@ class SequentialPolicy(Module):
         rise = memory.withheld + demand.rate * demand.dt
         withheld = maximum(minimum(minimum(excess, (1 + self.margin) * dip), rise), 0.0)
         adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
-        # where no hand-over begins, it would be withheld forever
+        # without a hand-over the force would never be given
         hands_over = adds_force & ((memory.direction > 0) | (reserve + withheld >= dip / 2))
         withheld = where((self.anticipates > 0) & hands_over, withheld, 0.0)
         return withheld, gained, beyond_dip
@@ -221,7 +221,7 @@ class SequentialPolicy(Module):
         is_behind: Any,
     ) -> Batch:  # fmt: skip
         """Rate [1/s] of a hand-over between the `pair` of units at a `fraction` of it, with a
-        `reserve` [N] and the valve's `time` [s]; `is_behind`: true if the force waits for it.
+        `reserve` [N] and the valve's `time` [s]; `is_behind`: true while force is withheld.
 
         It is as slow as the reserve permits, as what a slow ramp gets wrong is corrected in time.
         """

@@ -123,11 +123,12 @@ def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     """Shape to which arguments of these `shapes`, by name, broadcast; else an error names two."""
     if not any(shapes.values()):
         return ()
-    for (first, one), (second, two) in itertools.combinations(shapes.items(), 2):
-        if any(m != n and 1 not in (m, n) for m, n in zip(one[::-1], two[::-1], strict=False)):
+    for (first, shape), (second, next_shape) in itertools.combinations(shapes.items(), 2):
+        axes = zip(shape[::-1], next_shape[::-1], strict=False)
+        if any(m != n and 1 not in (m, n) for m, n in axes):
             rule = f"must broadcast against `{first}`"
             remedy = "to combine each with each add an axis to one, x[:, None]"
-            text = f"the shapes {two} and {one}"
+            text = f"the shapes {next_shape} and {shape}"
             raise InvalidInputError(second, rule, None, remedy, shown=text)
     return np.broadcast_shapes(*shapes.values())
 
@@ -259,12 +260,12 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     return value
 
 
-def check_whole_number(value: Any, name: str, least: int, most: float = math.inf) -> int:
-    """Return a `value` that is one whole number from `least` to `most`."""
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not whole or not least <= value <= most:
-        rule = f"must be at least {least}" if most == math.inf else f"must lie in [{least}, {most}]"
-        rule = rule if whole else f"must be a whole number from {least} on"
+def check_whole_number(value: Any, name: str, low: int, high: float = math.inf) -> int:
+    """Return a `value` that is one whole number from `low` to `high`."""
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not is_whole or not low <= value <= high:
+        rule = f"must be at least {low}" if high == math.inf else f"must lie in [{low}, {high}]"
+        rule = rule if is_whole else f"must be a whole number from {low} on"
         raise InvalidInputError(name, rule, value, shown=reprlib.repr(value))
     return int(value)
 

@@ -375,7 +375,7 @@ def fit_valves(
     result = first
     for _ in range(_ENLARGEMENTS):
         if result.passes(demanded):
-            return larger, result
+            break
         released = _LONGER * demanded if np.isnan(result.released) else result.released
         candidate = resize(larger.time * (1 - _RESERVE) * demanded / released)
         if candidate is None or not candidate.feasible:

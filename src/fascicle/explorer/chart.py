@@ -55,7 +55,7 @@ def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> Non
     """Replace the colors of a page `before` by those of a page `after` in `figures` of Bokeh."""
     new = dict(zip(_figure_colors(before), _figure_colors(after), strict=True))
     # each once, though figures share some: a new color may be an old one, too
-    for model in set().union(*(part.references() for part in figures)):
+    for model in set().union(*(fig.references() for fig in figures)):
         for name in model.properties():
             if name.endswith("_color") and isinstance(color := getattr(model, name), str):
                 setattr(model, name, new.get(color, color))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..bundle import Bundle, MotorUnit
+from ..bundle.pressurized import muscle_strain, plate_strain
 from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN, is_concrete
 from ..io.atomic import write_text
@@ -82,13 +83,13 @@ def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
     """
     muscles, ratios = [unit.muscle for unit in bundle.motor_units], length_ratios(bundle)
     largest = max(
-        1 - (1 - float(muscle.braid.ideal_free_strain)) / ratio
+        plate_strain(ratio, float(muscle.braid.ideal_free_strain))
         for muscle, ratio in zip(muscles, ratios, strict=True)
     )
     ends = []
     for muscle, ratio in zip(muscles, ratios, strict=True):
         low, high = default_strains(muscle)
-        ends.append((low, max(high, min(1 - ratio * (1 - largest), LARGEST_STRAIN))))
+        ends.append((low, max(high, min(muscle_strain(ratio, largest), LARGEST_STRAIN))))
     return ends
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from .. import __version__
 from ..bundle import Bundle
 from ..bundle.force_curves import ROOT_TOLERANCE, pressure_grid
+from ..bundle.pressurized import plate_strain
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
@@ -61,10 +62,10 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     laws, work = _law_values([muscles[i] for i in terms], name)
     ratios = length_ratios(bundle)
     lowest = max(
-        1 - (1 - float(lowest_strain(muscle.law))) / ratio
+        plate_strain(ratio, float(lowest_strain(muscle.law)))
         for muscle, ratio in zip(muscles, ratios, strict=True)
     )
-    largest = min(1 - (1 - LARGEST_STRAIN) / ratio for ratio in ratios)
+    largest = min(plate_strain(ratio, LARGEST_STRAIN) for ratio in ratios)
     case = "    case {0}: {1}_law{0}(arg, res, NULL, NULL, 0); break;"
     values = {
         "title": "A bundle of muscles" if isinstance(target, Bundle) else "A muscle",
@@ -121,7 +122,7 @@ def _inverse_values(
     """Values of the templates for the inverse of a bundle with these different `muscles`."""
     supply = bundle.supply_pressure
     top = HIGHEST_PRESSURE if supply is None else float(supply)
-    pressures = (pressure_grid([muscle.tuning for muscle in muscles], top) * top).tolist()
+    pressures = (pressure_grid(muscles, top) * top).tolist()
     values = inverse_code(
         bundle, name, top, ROOT_TOLERANCE, _AGREEMENT, pressure_argument=pressure_argument
     )

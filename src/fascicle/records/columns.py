@@ -305,7 +305,7 @@ def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
 
 
 def _columns_in_order(table: Table, repeat: int) -> str:
-    """Names of columns in order, with that `repeat` of each name that is there several times."""
+    """Names for `--columns`: of columns with one name the `repeat`-th, `-` for one to skip."""
     entries, roles = [], set()
     for i, header in enumerate(table.header):
         points = {role: score(header, table.units[i], role) for role in ROLES}
@@ -322,7 +322,7 @@ def _columns_in_order(table: Table, repeat: int) -> str:
 
 
 def _check_position_units(table: Table, roles: Sequence[str]) -> None:
-    """Refuse a column that has the name of one of the `roles`, and an unknown unit."""
+    """Refuse a column named as one of the `roles` whose unit is unknown."""
     for i, header in enumerate(table.header):
         name, unit = read_header(header)[0]
         unit = table.units[i] or unit

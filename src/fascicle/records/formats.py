@@ -109,12 +109,12 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
     from openpyxl import load_workbook
 
     def texts(column: Sequence["Cell | MergedCell"]) -> list[str]:
-        """Texts of a column's cells; of numbers that Excel shows in %, below a %, what it shows."""
-        words, cells = "", []
+        """Texts of a column's cells; below a text with %, those that Excel shows in % as shown."""
+        has_percent, cells = False, []
         for cell in column:
             value = cell.value
-            words += value if isinstance(value, str) else ""
-            if isinstance(value, int | float) and "%" in cell.number_format and "%" in words:
+            has_percent = has_percent or (isinstance(value, str) and "%" in value)
+            if isinstance(value, int | float) and "%" in cell.number_format and has_percent:
                 value *= 100
             cells.append("" if value is None else " ".join(str(value).split()).replace('"', ""))
         return cells

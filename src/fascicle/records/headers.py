@@ -40,12 +40,8 @@ TERMS = {
 }  # fmt: skip
 ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "absoluter"}
 MASSES = {"mass", "masse", "weight", "gewicht"}
-LONGER = {
-    "extension",
-    "elongation",
-    "tensile",
-    "verlängerung",
-}  # these grow as the muscle lengthens
+# these grow as the muscle lengthens
+LONGER = {"extension", "elongation", "tensile", "verlängerung"}
 _SIGNALS = {"v", "mv", "µv", "volt", "volts", "ma", "counts", "adc", "lsb"}  # of a raw gauge
 # qualifiers of a column that holds something else than a quantity's readings
 _QUALIFIERS = {

@@ -22,7 +22,7 @@ _TIME_OF_DAY = r"(?:[\d./-]+[ T])?\d\d:\d\d:\d\d[.,]\d+"
 _NAME = r"[^\W\d][\w -]*?(?:\s*[\[(][^\])]*[\])])?"  # a unit in brackets may follow
 _MONITOR = re.compile(
     rf"(?:({_TIME_OF_DAY})\s*->|\[({_TIME_OF_DAY}|{_NUMBER})\]|({_NUMBER})\s*(?::|->)(?=\s)"
-    # by blanks alone it is parted from a line of other signs
+    # followed by a blank alone, only before a single number or a named one
     rf"|({_TIME_OF_DAY})(?=\s+(?:[\d.+-]\S*$|{_NAME}\s*[:=])))\s*"
 )
 _QUANTITY = re.compile(
@@ -52,8 +52,8 @@ def decode(raw: bytes, source: str) -> str:
 
 def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
     """Lines of a table's text, with the clock of a serial monitor and quantities in words as cells,
-    and the names of columns that stand above no cell: of the clock, which comes first, and of all
-    quantities in words.
+    and the names of columns for which no line has a header: the clock's, which comes first, and
+    those of quantities in words.
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     head = [line for line in lines[:50] if line.strip()]
@@ -81,9 +81,7 @@ def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
 
 
 def _quantity_columns(lines: Sequence[str]) -> dict[tuple[str, int], str]:
-    """Unit of each column of the quantities in words of which most `lines` consist; empty for other
-    lines.
-    """
+    """Unit of each column, where most `lines` consist of quantities in words; else empty."""
     lines = [line for line in lines if line.strip()]
     texts = (_QUANTITY.sub("", line) for line in lines)  # beside the quantities
     rows = [find_quantities(line) for line, text in zip(lines, texts, strict=True)

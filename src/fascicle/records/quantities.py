@@ -255,9 +255,12 @@ def _check_direction(
         is_mostly_longer = column.role == "angle" or np.mean(is_longer) > 0.5
         if is_mostly_longer and np.corrcoef(x, F)[0, 1] > _RISING:
             rule = "the pull grows with contraction, which no muscle's does"
-    is_isotonic = np.ptp(force) < _STEADY * np.max(np.abs(force)) and np.ptp(strain) > 0
-    is_isotonic = is_isotonic and np.ptp(pressure) > _STEADY * np.max(pressure)
-    is_isotonic = is_isotonic and strain.size >= _MIN_READINGS
+    is_isotonic = (
+        strain.size >= _MIN_READINGS
+        and np.ptp(strain) > 0
+        and np.ptp(force) < _STEADY * np.max(np.abs(force))
+        and np.ptp(pressure) > _STEADY * np.max(pressure)
+    )
     if is_isotonic and np.corrcoef(strain, pressure)[0, 1] < -_RISING:
         rule = "the muscle lengthens as its pressure rises, which none does under one load"
     is_unknown = column.role != "strain" and column.sign > 0

@@ -227,7 +227,7 @@ def _read_tables(
     """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
     `name_pattern` and the `options`.
     """
-    # a further object below the first one: each line of a log is one
+    # a log may have a JSON object in each line: a further one follows the first
     is_published = raw.lstrip()[:1] == b"{" and not re.match(rb"\s*\{[^{}\[\]]*\}\s*\{", raw)
     selected = options.get("table") or info.table
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
@@ -358,10 +358,10 @@ def _read_cells(
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
     rows, misread = None if info.rows is None else _row_range(info.rows), []
     time = columns.get("time")
-    others = [] if time is None else _other_times(table, time.index, numbers)
-    cells = table.read(numbers, [*texts, *others], None if time is None else time.index, rows)
+    further = [] if time is None else _further_times(table, time.index, numbers)
+    cells = table.read(numbers, [*texts, *further], None if time is None else time.index, rows)
     if time is not None and time.index in cells.numbers:
-        _check_times(table, time, cells.numbers[time.index], [cells.texts[i] for i in others])
+        _check_times(table, time, cells.numbers[time.index], [cells.texts[i] for i in further])
     elif time is not None:
         if "time" in named:  # the error of its first bad cell
             cells = table.read([*numbers, time.index], texts, None, rows)
@@ -373,25 +373,27 @@ def _read_cells(
     return cells, misread
 
 
-def _other_times(table: Table, time: int, columns: Sequence[int]) -> list[int]:
-    """Indices of the columns of the name of the `time` that stand before the `columns`, each of
-    which has the last one before it.
+def _further_times(table: Table, time: int, columns: Sequence[int]) -> list[int]:
+    """Indices of further columns with the name of the `time`: for each of the `columns`, the last
+    one before it.
     """
     times = [i for i, name in enumerate(table.header) if name == table.header[time]]
     return sorted({max([time, *(i for i in times if i < column)]) for column in columns} - {time})
 
 
 def _check_times(
-    table: Table, column: Column, time: np.ndarray, others: Sequence[Sequence[str]]
+    table: Table, column: Column, time: np.ndarray, clocks: Sequence[Sequence[str]]
 ) -> None:
     """Refuse channels at different rates: rows whose times differ by more than half a step."""
     step = float(np.median(np.abs(np.diff(time)))) if time.size > 1 else 0.0
-    for other in filter(lambda seconds: seconds is not None, map(read_seconds, others)):
-        apart = float(np.max(np.abs(other - time)))
-        if apart > step / 2:
+    for clock in clocks:
+        if (seconds := read_seconds(clock)) is None:
+            continue
+        difference = float(np.max(np.abs(seconds - time)))
+        if difference > step / 2:
             raise ValueError(
                 f"{table.where}: the columns `{column.header}` hold different times, up to"
-                f" {apart:.3g} {column.unit} apart: resample the channels to one rate."
+                f" {difference:.3g} {column.unit} apart: resample the channels to one rate."
             )
 
 

@@ -277,7 +277,7 @@ def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[st
     if scenario.plant.units == 1:
         notes.append("one motor unit alone: nothing is handed over, and policies don't differ")
     if quantity == "position":
-        notes.append("drawdown/D is of scenarios that follow a force: D is a dip of force")
+        notes.append("drawdown/D is only for scenarios that follow a force: D is a dip of force")
     worst = max((run.metrics for run in runs.values()), key=lambda value: value.unreachable)
     if worst.unreachable:
         notes.append(unreachable_message(scenario.plant, quantity, worst))
