@@ -133,8 +133,7 @@ def read_record(
       refused.
     """
     from ..records import join, load
-    from ..records.columns import MissingMetadataError
-    from ..records.file_names import check_pressures_in_names
+    from ..records.columns import MissingMetadataError, check_pressures_in_names
     from ..records.reading import find_files
 
     records, assumed = [], False

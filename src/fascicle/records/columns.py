@@ -1,46 +1,81 @@
 """Roles and units of a table's columns, inferred from its header or given by the caller.
 
-Every inference becomes a note of the record; an ambiguous header is refused, with the choices.
+Every inference becomes a note of the record; an ambiguous header is refused, with the choices. The
+names of files, such as `run_150kPa.csv`, and patterns that read them tell what no column holds.
 """
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import InvalidInputError
-from .file_names import suggest_pattern
+from ..units import parse
+from .cells import find_quantities
 from .headers import (
     ABSOLUTE,
-    DIMENSIONS,
+    CONSTANTS,
     LONGER,
     MASSES,
-    ROLES,
-    TERMS,
-    MissingMetadataError,
-    list_words,
-    read_header,
-    score,
-)
-from .lines import find_quantities
-from .tables import Table
-from .units import (
     POSITIONS,
+    ROLES,
+    SPELLINGS,
+    TERMS,
     USUAL_UNITS,
-    Column,
+    MissingMetadataError,
     absolute_unit,
+    dimension_of,
     is_absolute,
     is_gauge_unit,
     is_unit,
+    list_words,
+    read_header,
+    score,
     strip_brackets,
     unit_factor,
     weight_unit,
 )
+from .tables import Table
 
 
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
+_PATTERN_NAMES = (*CONSTANTS, "rest_length")
+_UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N|kg|g"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column to read.
+
+    - `role`: its quantity, such as "pressure".
+    - `index`: its position in the header; `header`: its name there.
+    - `unit`: as written; `factor`: SI units in it.
+    - `sign`: −1 if the file counts the other way.
+    - `replaced_unit`: the header's unit, if the caller gave another one.
+    - `absolute`: true for pressures that count from vacuum.
+    """
+
+    role: str
+    index: int
+    header: str
+    unit: str = ""
+    factor: float = 1.0
+    sign: int = 1
+    replaced_unit: str = ""
+    absolute: bool = False
+
+    def note(self) -> str:
+        """Description of how the column is read."""
+        has_unit = self.role in {*POSITIONS, *USUAL_UNITS}
+        unit = f" in {self.unit or 'fractions'}" if has_unit else ""
+        role = self.role.replace("_", " ")
+        replaced = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
+        sign = ", its sign turned" if self.sign < 0 else ""
+        absolute = ", less the atmosphere" if self.absolute else ""
+        return f"column `{self.header}` read as {role}{unit}{replaced}{sign}{absolute}"
 
 
 def choose_columns(
@@ -161,7 +196,7 @@ def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
             fits = [
                 role for role in ROLES
                 if name in {role, *TERMS[role]}
-                and (not unit or role == "branch" or is_unit(unit, (DIMENSIONS.get(role, role),))
+                and (not unit or role == "branch" or is_unit(unit, (dimension_of(role),))
                      or is_absolute(unit))
             ]  # fmt: skip
             role = name if name in fits else next(iter(fits), None)
@@ -223,7 +258,7 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
         return column
     header, row_unit = table.header[column.index], strip_brackets(table.units[column.index])
     meanings = read_header(header)
-    dimension = DIMENSIONS.get(column.role, column.role)
+    dimension = dimension_of(column.role)
     units = [unit for _, unit in meanings if unit]
     units.sort(key=lambda unit: not is_unit(unit, (dimension,)))
     header_unit = row_unit or next(iter(units), "")
@@ -316,7 +351,7 @@ def _columns_in_order(table: Table, repeat: int) -> str:
             continue
         roles.add(role)
         units = [strip_brackets(table.units[i]), *(unit for _, unit in read_header(header))]
-        units = [unit for unit in units if unit and is_unit(unit, (DIMENSIONS.get(role, role),))]
+        units = [unit for unit in units if unit and is_unit(unit, (dimension_of(role),))]
         entries.append(f"{role}[{units[0]}]" if units else role)
     return ",".join(entries).rstrip(",-")
 
@@ -328,7 +363,7 @@ def _check_position_units(table: Table, roles: Sequence[str]) -> None:
         unit = table.units[i] or unit
         role = next((role for role in roles if name in TERMS[role]), None)
         if role is not None and unit and not is_unit(unit) and role in POSITIONS:
-            dimension = DIMENSIONS.get(role, role)
+            dimension = dimension_of(role)
             error = ValueError(f"{unit!r} is no unit of {dimension}")
             raise _wrong_unit(f"{table.where}, column `{header}`", role, unit, dimension, error)
 
@@ -340,7 +375,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     quantities = {"length": "length, strain, displacement or angle", "force": "force or torque"}
     quantity = quantities.get(role, role)
-    dimension, names = DIMENSIONS.get(role, role), []
+    dimension, names = dimension_of(role), []
     for i, name in enumerate(table.header):
         stated = table.units[i] or read_header(name)[0][1]
         dimensions = ("length", "strain", "angle") if role == "length" else (dimension,)
@@ -375,7 +410,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
         return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
     unit = table.units[table.header.index(names[0])] or read_header(names[0])[0][1]
     roles = [role for role in ("length", "displacement", "strain", "angle")
-             if unit and is_unit(unit, (DIMENSIONS.get(role, role),))]  # fmt: skip
+             if unit and is_unit(unit, (dimension_of(role),))]  # fmt: skip
     if len(names) == 1 and role == "length" and roles:
         choices = [("columns", role, names[0], "") for role in roles]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
@@ -388,3 +423,78 @@ def _list_names(names: Sequence[str]) -> str:
     """Names in backticks: the first eight, and how many more."""
     text = ", ".join(f"`{name}`" for name in names[:8])
     return f"{text} and {len(names) - 8} more" if len(names) > 8 else text
+
+
+def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
+    """Constants [SI] that the name of a `table` in a file, or the file's name and it, holds where
+    the `pattern` has their names in braces.
+
+    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams and the
+    like of a force are weights.
+    """
+    # text, and after each piece of it a name, its unit in the braces, and the unit behind them
+    *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
+    expression, fields = "", []
+    for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
+        expression += _wildcard_expression(text) + r"([+-]?\d+(?:[.,]\d+)?)"
+        fields.append((name, inside or behind))
+        if name not in _PATTERN_NAMES:
+            hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
+            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
+    if not fields:
+        hint = 'write such as "{length}cm_{pressure}kPa"'
+        raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
+    expression += _wildcard_expression(end)
+    match = re.search(expression, table) or re.search(expression, f"{path.stem} {table}".rstrip())
+    if match is None:
+        what = (
+            f"neither table `{table}` nor its name with the file's fits"
+            if table
+            else ("the file's name doesn't fit")
+        )
+        raise ValueError(f"{path}: {what} the pattern {pattern!r}.")
+    values = {}
+    for (name, unit), text in zip(fields, match.groups(), strict=True):
+        dimension = dimension_of(name)
+        number = f"{text.replace(',', '.')} {weight_unit(unit, dimension) or unit}"
+        values[name] = parse(number, dimension, name)
+    return values
+
+
+def _wildcard_expression(text: str) -> str:
+    return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
+
+
+def suggest_pattern(name: str, role: str) -> str:
+    """Pattern that reads a quantity with a unit in a file's `name`; empty without one."""
+    # 1_0bar may be 1.0 bar
+    number = r"(-?)(?<![\d.,])(?:\d+[.,]\d+|\d{2,}|(?<!\d_)\d)"
+    match = re.search(rf"{number}(\s*)({_UNITS[role]})(?![a-z])", name, re.IGNORECASE)
+    if match is None:
+        return ""
+    minus, blank, unit = match.groups()
+    usual = weight_unit(unit, role) or SPELLINGS[role][unit.lower()]
+    is_clear = (unit == usual or usual in ("gf", "kgf")) and not blank
+    return f"{minus}{{{role}{'' if is_clear else f':{usual}'}}}{blank}{unit}"
+
+
+def pressure_in_name(path: Path, table: str = "") -> float | None:
+    """Pressure [Pa] that the name of a file, or of a `table` in it, states; `None` without one."""
+    pattern = suggest_pattern(table or path.stem, "pressure")
+    return read_name(path, pattern, table)["pressure"] if pattern else None
+
+
+def check_pressures_in_names(
+    files: Sequence[Path], constants: Mapping[str, Any] | None, tables: Sequence[str] = ("",)
+) -> None:
+    """Refuse one pressure of all readings of `files`, or of the `tables` in a file, whose names
+    state several.
+    """
+    if "pressure" not in (constants or {}):
+        return
+    names = [(path, table) for path in files for table in tables]
+    if len({pressure_in_name(*name) for name in names} - {None}) > 1:
+        patterns = (suggest_pattern(table or path.stem, "pressure") for path, table in names)
+        before = f"{files[0]}: one pressure was given, the names state several: give "
+        choice = ("name_pattern", "", next(filter(None, patterns)), " instead")
+        raise MissingMetadataError(before, choice)

@@ -1,21 +1,30 @@
-"""Names in a table's header: the quantity that each names, and its unit.
+"""Names and units in a table's header: the quantity of each column, and its unit.
 
 A column is recognized by its name, in the terms of this field, and by its unit: a
-`contraction [mm]` is a displacement, a `contraction [%]` a strain.
+`contraction [mm]` is a displacement, a `contraction [%]` a strain. `fascicle.units` reads
+quantities strictly, since a person types them; a header comes from an instrument, so `PSI`,
+`bar(g)`, `pct`, `Newtons` and `µm` are understood here as well.
 """
 
 import re
 from collections.abc import Callable
 from typing import Any
 
-from .units import POSITIONS, SPELLINGS, is_absolute, is_unit, strip_brackets
+from ..units import DIMENSIONS as UNITS
+from ..units import parse
 
 
 ROLES = ("pressure", "force", "torque", "strain", "length", "displacement", "angle", "moment_arm",
          "time", "branch", "clipped")  # fmt: skip
 CONSTANTS = ROLES[:8]  # that one file may share
 # of the roles that aren't dimensions themselves
-DIMENSIONS = {"displacement": "length", "torque": "moment", "moment_arm": "length"}
+_DIMENSIONS = {"displacement": "length", "torque": "moment", "moment_arm": "length",
+               "rest_length": "length"}  # fmt: skip
+POSITIONS = ("strain", "length", "displacement", "angle")  # the first in a table is read
+USUAL_UNITS = {
+    "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
+    "torque": "N*m", "angle": "deg", "moment_arm": "mm",
+}  # fmt: skip
 TERMS = {
     "pressure": ("pressure", "p", "press", "pgauge", "druck", "p gauge", "überdruck", "pression"),
     "force": ("force", "f", "load", "tension", "pull", "kraft", "thrust", "mass", "weight",
@@ -53,6 +62,65 @@ _QUALIFIERS = {
     "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
     "umgebungsdruck", "versorgungsdruck",
 }  # fmt: skip
+# spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or the
+# SI units in one; signs and blanks in those of moments are left out
+SPELLINGS: dict[str, dict[str, str | float]] = {
+    "pressure": {
+        "pa": "Pa", "pascal": "Pa", "pascals": "Pa", "hpa": "hPa", "kpa": "kPa",
+        "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
+        "psi": "psi", "lbf/in2": "psi", "lb/in2": "psi", "atm": "atm", "n/mm2": "MPa",
+        "n/m2": "Pa", "kgf/cm2": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "mmhg": "mmHg", "torr": "torr",
+        "inhg": "inHg",
+    },
+    "force": {
+        "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
+        "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "kp": "kgf", "gf": "gf", "dan": "daN",
+        "cn": "cN", "ozf": "ozf", "pound": "lbf", "lb-f": "lbf", "pound-force": "lbf",
+        "kg-f": "kgf", "kilogram-force": "kgf", "gram-force": "gf", "grams-force": "gf",
+    },
+    "length": {
+        "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
+        "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "cm": "cm", "um": "µm",
+        "μm": "µm", "in": "in", "inch": "in", "inches": "in", '"': "in", "ft": "ft",
+    },
+    "angle": {
+        "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "rad": "rad",
+        "radian": "rad", "radians": "rad", "mrad": "mrad",
+    },
+    "moment": {
+        "nm": "N*m", "mnm": "mN*m", "knm": "kN*m", "nmm": "N*mm", "ncm": "N*cm", "kgfm": "kgf*m",
+        "kgfcm": "kgf*cm", "kgcm": "kgf*cm", "lbfft": "lbf*ft", "lbft": "lbf*ft",
+        "ftlb": "lbf*ft", "ftlbf": "lbf*ft", "lbfin": "lbf*in", "lbin": "lbf*in",
+        "inlb": "lbf*in", "inlbf": "lbf*in", "ozfin": "ozf*in", "ozin": "ozf*in",
+    },
+    "strain": {
+        **dict.fromkeys(("%", "percent", "pct", "prozent"), 1e-2),
+        **dict.fromkeys(("", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio",
+                         "dimensionless"), 1.0),
+        **dict.fromkeys(("mm/m", "‰", "permille"), 1e-3),
+        **dict.fromkeys(("µε", "με", "µstrain", "microstrain", "µm/m"), 1e-6),
+    },
+    "time": {
+        **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
+        **dict.fromkeys(("ms", "millis", "msec", "milliseconds"), 1e-3),
+        **dict.fromkeys(("us", "µs", "μs"), 1e-6),
+        **dict.fromkeys(("min", "minutes"), 60.0),
+        **dict.fromkeys(("h", "hours"), 3600.0),
+    },
+}  # fmt: skip
+_GAUGE = re.compile(
+    r"(?:\s*\((?:g(?:auge)?|rel\.?|ü)\)|[\s_]+(?:g(?:auge)?|rel\.?|ü)|(?<=[a-z])[gü])$",
+    re.IGNORECASE,
+)
+_ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
+# of masses that hang from a muscle, the unit of their weight
+_WEIGHTS = {
+    **dict.fromkeys(("g", "gram", "grams", "gramm", "gr"), "gf"),
+    **dict.fromkeys(("oz", "ounce", "ounces"), "ozf"),
+    **dict.fromkeys(
+        ("kg", "kgs", "kilo", "kilos", "kilogram", "kilograms", "kilogramm"), "kgf"
+    ),
+}  # fmt: skip
 
 
 class MissingMetadataError(ValueError):
@@ -80,6 +148,74 @@ class MissingMetadataError(ValueError):
         return type(self), (self.before, *self.choices)
 
 
+def weight_unit(unit: str, dimension: str) -> str:
+    """The unit of force for a column of masses, such as "kgf" for "kg"; empty for other units."""
+    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
+
+
+def is_absolute(unit: str) -> bool:
+    """True for a unit of absolute pressure, such as "psia"."""
+    return bool(absolute_unit(unit))
+
+
+def absolute_unit(unit: str) -> str:
+    """Plain unit of a unit of absolute pressure, such as "psi" of "psia"; empty for other units."""
+    match = _ABSOLUTE.match(unit.strip().lower())
+    return match[1] if match else ""
+
+
+def is_gauge_unit(unit: str) -> bool:
+    """True for a unit that says gauge pressure, such as "psig" or "barü"."""
+    return unit.strip().lower() not in SPELLINGS["pressure"] and bool(_GAUGE.search(unit.strip()))
+
+
+def unit_factor(unit: str, dimension: str) -> float:
+    """SI units in one `unit`, as a header writes it, without brackets.
+
+    `dimension`: a key of `SPELLINGS`. Raises a `ValueError` of a few words for a unit that isn't of
+    that dimension.
+    """
+    text = unit.strip().rstrip(".")  # `in.`
+    if dimension == "moment":
+        text = re.sub(r"[\s·⋅•.*-]+", "", text)
+    if dimension == "pressure":
+        if is_absolute(text):
+            raise ValueError(f"{unit!r} is absolute")
+        text = _GAUGE.sub("", text) if is_gauge_unit(text) else text
+    name = SPELLINGS[dimension].get(text.lower().replace("²", "2").replace("^", ""))
+    if isinstance(name, float):
+        return name
+    if text in UNITS[dimension].factors:  # the case counts where it can: mN and MN
+        name = text
+    if name is None:
+        raise ValueError(f"{unit!r} is no unit of {dimension}")
+    return parse(f"1 {name}", dimension)
+
+
+def is_unit(text: str, dimensions: tuple[str, ...] = tuple(SPELLINGS)) -> bool:
+    """True if `text`, in brackets or not, is a unit of one of the `dimensions`."""
+    for dimension in dimensions:
+        try:
+            unit_factor(strip_brackets(text), dimension)
+        except ValueError:
+            continue
+        return True
+    return False
+
+
+def is_any_unit(text: str) -> bool:
+    """True if `text` is a unit, also of absolute pressure."""
+    return is_unit(text) or is_absolute(text)
+
+
+def strip_brackets(text: str) -> str:
+    """Remove the brackets around a unit, and the "in" of `Force (in N)`."""
+    text = text.strip()
+    pairs = ("[]", "()", "{}", "<>")
+    text = text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in pairs else text
+    return re.sub(r"^in\s+(?=\S)", "", text)
+
+
 def read_header(header: str) -> list[tuple[str, str]]:
     """Possible meanings of a header: its name in lower case, and its unit."""
     meanings = []
@@ -89,7 +225,7 @@ def read_header(header: str) -> list[tuple[str, str]]:
     )
     outside = re.sub(r"[\[({<].*?[\])}>]+", " ", header) if brackets else header
     outside = outside.strip(" _")  # MATLAB makes `Force_N_` of `Force (N)`
-    units = [text for text in brackets if is_unit(text) or is_absolute(text)]
+    units = [text for text in brackets if is_any_unit(text)]
     if brackets:
         # a bracket that is no unit may be a misspelled one, or a remark
         meanings.append((_plain(outside), strip_brackets((units or brackets)[-1])))
@@ -98,9 +234,9 @@ def read_header(header: str) -> list[tuple[str, str]]:
         r"(.+?)[_\s]+(\S+[_\s]+abs(?:olute)?\.?)", r"(.+)[_\s]+(\S+)",
     ):  # fmt: skip
         match = re.fullmatch(pattern, outside)
-        if match and (is_unit(match[2]) or is_absolute(match[2])) and not units:
+        if match and is_any_unit(match[2]) and not units:
             meanings.append((_plain(match[1]), strip_brackets(match[2])))
-    has_unit = any(is_unit(unit) or is_absolute(unit) for _, unit in meanings)
+    has_unit = any(is_any_unit(unit) for _, unit in meanings)
     return meanings if has_unit else [*meanings, (_plain(outside), "")]
 
 
@@ -110,11 +246,11 @@ def score(header: str, unit: str, role: str) -> int:
     A name that is the role's counts more than one that mentions it, and either more with the
     role's unit. A unit of pressure or force is enough where the name says nothing.
     """
-    dimension, best = DIMENSIONS.get(role, role), 0
+    dimension, best = dimension_of(role), 0
     meanings = read_header(header)
     for name, written in meanings:
         # a remark in brackets may follow a strain, or stand above a unit; T [degC] is no time
-        is_remark = not (is_unit(written) or is_absolute(written))
+        is_remark = not is_any_unit(written)
         stated = (unit if is_remark else written) or written or unit
         stated = stated or ("" if role == "strain" else meanings[0][1])
         fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, (dimension,))
@@ -141,7 +277,7 @@ def score(header: str, unit: str, role: str) -> int:
 
 def dimension_of(role: str) -> str:
     """Dimension of a role's quantity, also of the rest length."""
-    return "length" if role == "rest_length" else DIMENSIONS.get(role, role)
+    return _DIMENSIONS.get(role, role)
 
 
 def is_known(header: str) -> bool:

@@ -25,7 +25,7 @@ from ..core.errors import InvalidInputError
 from ..units import parse, parse_list, pretty
 
 
-LEAST_ARM = 0.1  # of the largest arm: below it an error of the torque counts ten times in the force
+_LEAST_ARM = 0.1  # of the largest: below it an error of the torque counts tenfold in the force
 _MARGIN = 0.02  # of a table's range of angles: noise of an angle may exceed its ends by that
 _GROUPS = 50  # of angles: in each, the arm of a joint is nearly constant
 _MAX_SCATTER = 0.1  # of the largest arm: more within a group is no function of the angle
@@ -126,11 +126,11 @@ def sampled_arms(angle: np.ndarray, arm: np.ndarray) -> ArmTable:
 def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Mask of the readings whose `arm` [m] gives a force, and a note of the others."""
     largest = float(np.max(np.abs(arm)))
-    mask = np.abs(arm) > LEAST_ARM * largest
+    mask = np.abs(arm) > _LEAST_ARM * largest
     count = int(np.sum(~mask))
     if not count:
         return mask, ()
-    limit = f"{100 * LEAST_ARM:g} % of the largest, {pretty(largest, 'length')}"
+    limit = f"{100 * _LEAST_ARM:g} % of the largest, {pretty(largest, 'length')}"
     noun = "reading" if count == 1 else "readings"
     return mask, (f"{count} {noun} left out: the moment arm is below {limit}",)
 

@@ -14,8 +14,7 @@ from pydantic import Field, StrictBool, StrictStr, ValidationError
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
 from ..table_model import TableModel, location_message, validation_message
-from .record import COLUMNS, OPTIONAL_COLUMNS, Record, Source, dumps
-from .units import STRAINS
+from .record import COLUMNS, OPTIONAL_COLUMNS, STRAINS, Record, Source, dumps
 
 
 SCHEMA = "fascicle-record/1"

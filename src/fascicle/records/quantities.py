@@ -1,5 +1,8 @@
-"""Columns of a table as quantities [SI]: pressure, force, contraction, branch, time; torque and
-angle of a joint as moment arms and shortening of the muscle.
+"""Columns of a table as quantities [SI]: pressure, force, contraction, branch and time.
+
+Pressures in kPa under `pressure [Pa]` can be parsed, but a fit would give a muscle a thousand times
+too strong. So readings must lie in the range of muscles: gauge pressures up to 1 MPa, contractions
+from −0.2 to 0.9, and a force that a muscle's cross section can bear.
 """
 
 from collections.abc import Mapping
@@ -7,23 +10,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core.validation import HIGHEST_PRESSURE
 from ..units import pretty
-from .headers import MissingMetadataError
+from .columns import Column
+from .headers import POSITIONS, MissingMetadataError, is_gauge_unit, unit_factor
 from .joint import ArmTable, JointReadings, sampled_arms, usable_arms
-from .record import DOWN, UNKNOWN, UP
+from .record import DOWN, STRAINS, UNKNOWN, UP
 from .sidecar import Sidecar
 from .tables import Table, TableColumns
-from .units import (
-    POSITIONS,
-    STRAINS,
-    Column,
-    check_forces,
-    check_pressures,
-    check_strains,
-    to_si_units,
-)
 
 
+_MIN_PRESSURE = 2e3  # Pa: a record that stays below, but pulls, is in another unit
+_MAX_AREA = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a fifth of it
+_NOISE = (0.02, 5e3)  # of the highest pressure, and Pa: a transducer's zero may be off by that
+_MIN_FORCE = 1.0  # N: less is too little to infer a unit from
+# units to suggest where a column's unit makes no sense, the likeliest first
+_SUGGESTIONS = {"pressure": ("kPa", "bar", "psi", "Pa", "MPa"), "force": ("N", "lbf", "kN")}
 _DATE = 1e8  # s since 1970, in 1973
 _PER_SECOND = (("ns", 1e9), ("µs", 1e6), ("ms", 1e3))
 _DAYS = (3e4, 7e4)  # dates of 1982 to 2091 as Excel counts them
@@ -47,6 +49,18 @@ _FLAGS = {
     **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
 }
+
+
+def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
+    """Multiply `values` by the `factor` of their unit, with a single rounding where possible.
+
+    A thousandth has no float, but a division by a thousand rounds only once: 9 mm are the float
+    9e-3, and nine times a thousandth is not.
+    """
+    divisor = round(1 / factor)
+    if factor < 1 and divisor > 1 and 1 / divisor == factor:
+        return values / divisor
+    return values * factor if factor != 1 else values
 
 
 @dataclass(frozen=True)
@@ -160,15 +174,70 @@ def read_force(readings: Readings, joint: JointReadings | None, info: Sidecar) -
 def read_pressure(
     readings: Readings, force: np.ndarray, info: Sidecar
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Gauge pressure [Pa], and notes; pressure and `force` [N] are checked against each other."""
-    columns, raws = readings.columns, readings.raws
-    column = columns["pressure"]
+    """Gauge pressure [Pa], noise below zero set to zero, and notes; refuses lower pressures, and
+    units that can't be right beside the `force` [N].
+    """
+    column, raw = readings.columns["pressure"], readings.raws["pressure"]
     zero = (info.pressure_at_rest or 0.0) + ((info.atmosphere or 0.0) if column.absolute else 0.0)
-    pressure, notes = check_pressures(column, raws["pressure"], force, zero, readings.cell_error)
-    pull = "force" if "force" in columns else "torque"
-    top = float(np.max(pressure))
-    return pressure, notes + check_forces(
-        columns[pull], raws[pull], force, top, readings.cell_error
+    pressure = to_si_units(raw, column.factor) - zero
+    row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
+    top, low, strongest = pressure[row], pressure[lowest], np.max(np.abs(force))
+    highest, rule, notes = _reading_text(raw[row], column), "", []
+    if top > HIGHEST_PRESSURE:
+        rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
+    elif 0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE:
+        rule = f"the highest is {highest}, with forces up to {strongest:.3g} N"
+    if rule:
+        raise readings.cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
+    if low < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
+        rule = f"{_reading_text(raw[lowest], column)} is below zero by more than noise:"
+        remedy = "give the transducer's reading at zero as pressure_at_rest (--zero pressure=…)."
+        raise readings.cell_error(lowest, column, f"{rule} {remedy}")
+    if below := int(np.count_nonzero(pressure < 0)):
+        notes.append(f"{below} pressures below zero, down to {low:.3g} Pa, set to 0")
+    is_gauge = column.absolute or is_gauge_unit(column.unit)
+    if not is_gauge and 90e3 < low < 110e3 and top > 1.5 * low:
+        atmosphere = f"the lowest pressure is {low / 1e3:.4g} kPa"
+        notes.append(f"{atmosphere}: if that is the atmosphere, subtract it")
+    _check_forces(readings, force, max(float(top), 0.0))
+    if np.max(force) <= 0 < -np.min(force):
+        notes.append(
+            "no reading pulls: if they do, turn the sign with --push-positive, or with"
+            ' signs.force = "pushing positive"'
+        )
+    return np.maximum(pressure, 0.0), tuple(notes)
+
+
+def _check_forces(readings: Readings, force: np.ndarray, top: float) -> None:
+    """Refuse a `force` [N] that needs too large an area at the pressure `top` [Pa]."""
+    role = "force" if "force" in readings.columns else "torque"
+    column, raw, row = readings.columns[role], readings.raws[role], int(np.argmax(np.abs(force)))
+    area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0
+    if area > _MAX_AREA:
+        rule = f"{_reading_text(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
+        suggestion = _suggest_unit(column, raw[row], area / _MAX_AREA)
+        message = f"{rule} needs {area:.2g} m² of cross section{suggestion}"
+        raise readings.cell_error(row, column, message)
+
+
+def _reading_text(value: float, column: Column) -> str:
+    return f"{value:.6g} {column.unit}".rstrip()
+
+
+def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
+    """End of an error: `: did you mean kPa?`, a unit in which `worst` makes sense, or `: check its
+    unit.` `excess`: factor by which a force is too large.
+    """
+    for unit in _SUGGESTIONS.get(column.role, ()):
+        factor = unit_factor(unit, column.role)
+        if column.role == "pressure" and not 10e3 <= worst * factor <= HIGHEST_PRESSURE:
+            continue
+        if column.role == "force" and factor > column.factor / excess:
+            continue
+        if factor != column.factor:
+            return f": did you mean {unit}?"
+    return (
+        ": check its unit and the moment arm." if column.role == "torque" else ": check its unit."
     )
 
 
@@ -214,7 +283,16 @@ def read_strain(
         before = f"{cell_error(0, column, '')}{raw[0]:.6g} {column.unit} is far from rest:"
         choice = ("zeros", "displacement", f"{raw[0]:.6g} {column.unit}", ", or its value at rest")
         raise MissingMetadataError(f"{before} give ", choice)
-    check_strains(column, raw, strain, cell_error)
+    low, high = STRAINS
+    row = int(np.argmax(np.maximum(low - strain, strain - high)))
+    if not low <= strain[row] <= high:
+        hint = f"it must lie from {low} to {high}, check its unit and sign (--sign strain=…)."
+        if column.role != "strain":
+            side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
+            arm = "moment arm, " if column.role == "angle" else ""
+            hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, {arm}unit and sign."
+        rule = f"{_reading_text(raw[row], column)} is a contraction of {strain[row]:.4g}: {hint}"
+        raise cell_error(row, column, rule)
     notes, longest = (), float(np.min(strain))
     if longest < _STRETCHED:
         count = int(np.count_nonzero(strain < _STRETCHED))

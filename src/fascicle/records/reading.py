@@ -15,13 +15,19 @@ from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
-from .columns import MissingMetadataError, check_roles, choose_columns, split_names
-from .file_names import check_pressures_in_names, pressure_in_name, read_name
+from .cells import CLOCK_NAME, read_seconds
+from .columns import (
+    Column,
+    check_pressures_in_names,
+    check_roles,
+    choose_columns,
+    pressure_in_name,
+    read_name,
+    split_names,
+)
 from .formats import table_texts
-from .headers import CONSTANTS, ROLES, TERMS, dimension_of, read_header
+from .headers import CONSTANTS, ROLES, TERMS, MissingMetadataError, dimension_of, read_header
 from .joint import read_arm_table
-from .lines import CLOCK_NAME
-from .number_formats import read_seconds
 from .published import from_json
 from .quantities import (
     BRANCHES,
@@ -37,7 +43,6 @@ from .quantities import (
 from .record import Record, Source, join
 from .sidecar import ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, TableColumns, open_table
-from .units import Column
 
 
 LARGEST_FILE = 1_000_000_000  # bytes

@@ -20,6 +20,7 @@ from ..units import exact
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
 COLUMNS = ("pressure", "strain", "force", "censored", "branch")
 OPTIONAL_COLUMNS = ("time", "moment_arm")
+STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
 
 
 @dataclass(frozen=True)

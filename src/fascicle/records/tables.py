@@ -14,10 +14,30 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from .headers import ROLES, MissingMetadataError, differ, is_known, read_header, score
-from .lines import CLOCK_NAME, LONGEST_LINE, decode, is_remark, printable, split_cells, table_lines
-from .number_formats import NumberFormat, detect_format, is_number, is_split_clock, read_seconds
-from .units import is_unit, strip_brackets
+from .cells import (
+    CLOCK_NAME,
+    LONGEST_LINE,
+    NumberFormat,
+    decode,
+    detect_format,
+    is_number,
+    is_remark,
+    is_split_clock,
+    printable,
+    read_seconds,
+    split_cells,
+    table_lines,
+)
+from .headers import (
+    ROLES,
+    MissingMetadataError,
+    differ,
+    is_known,
+    is_unit,
+    read_header,
+    score,
+    strip_brackets,
+)
 from .wide_tables import unfold
 
 

@@ -10,10 +10,17 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from .headers import is_known, read_header, score
-from .lines import is_remark, split_cells
-from .number_formats import is_number
-from .units import POSITIONS, is_absolute, is_unit, strip_brackets, unit_factor
+from .cells import is_number, is_remark, split_cells
+from .headers import (
+    POSITIONS,
+    is_absolute,
+    is_known,
+    is_unit,
+    read_header,
+    score,
+    strip_brackets,
+    unit_factor,
+)
 
 
 _REACH = 3  # rows above the readings: names, pressures and units

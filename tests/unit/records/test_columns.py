@@ -3,8 +3,9 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fascicle.records.columns import choose_columns
+from fascicle.records.headers import is_unit, unit_factor
+from fascicle.records.quantities import to_si_units
 from fascicle.records.tables import open_table
-from fascicle.records.units import is_unit, to_si_units, unit_factor
 
 
 def chosen(header, columns=None, units=None):

@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.core.errors import MissingExtraError
 from fascicle.records import load, loads, runs
-from fascicle.records.columns import MissingMetadataError
-from fascicle.records.file_names import read_name, suggest_pattern
+from fascicle.records.columns import MissingMetadataError, read_name, suggest_pattern
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
