@@ -205,7 +205,8 @@ def _draw_fit(ax: Axes, data: FitPlot) -> None:
             points = _subsample(
                 np.flatnonzero(mask[i] & np.isfinite(data.force[i])), data.strain[i]
             )
-            ax.plot(data.strain[i][points], data.force[i][points], **style, **{paint: color})
+            if points.size:  # an empty line costs as much to draw as a full one
+                ax.plot(data.strain[i][points], data.force[i][points], **style, **{paint: color})
         strain = data.curve_strain[i]
         if data.low is not None and data.high is not None and i in with_band:
             ax.fill_between(strain, data.low[i], data.high[i], color=color, alpha=0.2, linewidth=0)
