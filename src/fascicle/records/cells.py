@@ -1,8 +1,9 @@
 """Lines, cells, numbers and clock times of a text file as instruments write them.
 
 A serial monitor shows a clock before each line, `12:00:01.123 -> ` or `[0.500] `. Behind it, or in
-a log of its own, a board prints cells, `p=200.1 kPa F=3.2 N`, or `200.1 kPa; 3.2 N`. Numbers have
-decimal points or commas, and signs between thousands.
+a log of its own, a board prints cells, `p=200.1 kPa F=3.2 N`, or `200.1 kPa; 3.2 N`, or a line for
+each quantity, `>p:200.1`, as Teleplot reads it. Numbers have decimal points or commas, signs
+between thousands, and exponents with E, or with D as Fortran's.
 """
 
 import csv
@@ -29,8 +30,11 @@ _NAME = r"[^\W\d][\w -]*?(?:\s*[\[(][^\])]*[\])])?"  # a unit in brackets may fo
 _MONITOR = re.compile(
     rf"(?:({_TIME_OF_DAY})\s*->|\[({_TIME_OF_DAY}|{_NUMBER})\]|({_NUMBER})\s*(?::|->)(?=\s)"
     # followed by a blank alone, only before a single number or a named one
-    rf"|({_TIME_OF_DAY})(?=\s+(?:[\d.+-]\S*$|{_NAME}\s*[:=])))\s*"
+    rf"|({_TIME_OF_DAY})(?=\s+(?:[\d.+-]\S*$|{_NAME}\s*[:=]))"
+    r"|[EWIDV] \((?P<ms>\d+)\) [\w.-]+:(?=\s))\s*"  # ESP-IDF: level, time and tag
 )
+_COLORS = re.compile(r"\x1b\[[\d;]*m")  # of a terminal
+_TELEPLOT = re.compile(r"\s*>([^:§|]+):(?:([\d.]+):)?([^:;§|]+)(?:§([^|]*))?(?:\|.*)?")
 _QUANTITY = re.compile(
     rf'"?({_NAME})"?\s*[:=]\s*"?({_TIME_OF_DAY}|{_NUMBER}|[+-]?(?:nan|inf|ovf))"?'
     rf"(?:[ \t]*([a-zA-Z%µ°]+)(?!\w*(?:\s*[\[(][^\])]*[\])])?\s*[:=]))?"  # no further name
@@ -38,7 +42,8 @@ _QUANTITY = re.compile(
 )
 # words between blanks, a unit in brackets with the word before it
 _BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\S+)')
-NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+|[dD][+-]\d+)?", re.ASCII)
+_FORTRAN = str.maketrans("dD", "ee")  # exponents of double precision
 _COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _WITH_UNIT = re.compile(rf"{NUMBER.pattern}\s*[^\W\d_]+", re.ASCII)
 _POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
@@ -73,6 +78,7 @@ def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
     and the names of columns for which no line has a header: the clock's, which comes first, and
     those of quantities in words.
     """
+    text = _COLORS.sub("", text) if "\x1b" in text else text
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     head = [line for line in lines[:50] if line.strip()]
     if not head or any(len(line) > _LONGEST_PRINT for line in head):
@@ -81,8 +87,11 @@ def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
     if 2 * sum(bool(_MONITOR.match(line)) for line in head) > len(head):
         matches = [_MONITOR.match(line) for line in lines]
         clocks = [next(filter(None, match.groups())) if match else "" for match in matches]
+        clocks = [f"{clock}e-3" if match and match["ms"] else clock
+                  for clock, match in zip(clocks, matches, strict=True)]  # fmt: skip
         lines = [line[match.end() :] if match else line
                  for line, match in zip(lines, matches, strict=True)]  # fmt: skip
+    lines = _join_teleplot(lines)
     columns = _quantity_columns(lines[:50])
     if columns:
         lines = [_quantity_cells(line, columns) for line in lines]
@@ -96,6 +105,28 @@ def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
         clocks[header_index] = CLOCK_NAME
     return [f"{clock}{sign}{line}" if line.strip() else ""
             for clock, line in zip(clocks, lines, strict=True)], (CLOCK_NAME, *names)  # fmt: skip
+
+
+def _join_teleplot(lines: list[str]) -> list[str]:
+    """Lines with those of Teleplot, `>name:value` or `>name:milliseconds:value§unit`, joined until
+    a name repeats; blank lines take their places.
+    """
+    matches = [_TELEPLOT.fullmatch(line) for line in lines[:50]]
+    if 2 * sum(map(bool, matches)) <= sum(bool(line.strip()) for line in lines[:50]):
+        return lines
+    lines, names, first = lines.copy(), set[str](), 0
+    for i, match in enumerate(map(_TELEPLOT.fullmatch, lines)):
+        if match is None:
+            continue
+        name, milliseconds, value, unit = match.groups()
+        clock = f"time [ms]: {milliseconds}; " if milliseconds else ""
+        lines[i] = f"{name}: {value} {unit or ''};"
+        if name in names or not names:
+            first, names, lines[i] = i, set[str](), clock + lines[i]
+        else:
+            lines[first], lines[i] = f"{lines[first]} {lines[i]}", ""
+        names.add(name)
+    return lines
 
 
 def _quantity_columns(lines: Sequence[str]) -> dict[tuple[str, int], str]:
@@ -172,6 +203,10 @@ def is_number(cell: str) -> bool:
     return bool(NUMBER.fullmatch(cell) or _GROUPED.fullmatch(cell))
 
 
+def _to_float(text: str) -> float:
+    return float(text.translate(_FORTRAN))
+
+
 @dataclass(frozen=True)
 class NumberFormat:
     """How a table writes numbers.
@@ -209,7 +244,7 @@ class NumberFormat:
         plain = plain.replace(",", ".") if self.decimal == "," else plain
         # Python's own numbers, such as 1_000 and nan, are none here
         is_plain = NUMBER.fullmatch(plain) and "," not in plain
-        return value if is_plain and math.isfinite(value := float(plain)) else None
+        return value if is_plain and math.isfinite(value := _to_float(plain)) else None
 
     def meanings(self, cell: str) -> list[tuple[str, str]]:
         """Decimal sign and condition of each way to read an unclear `cell`; empty for others."""
@@ -294,7 +329,7 @@ def read_seconds(texts: Sequence[str]) -> np.ndarray | None:
     `None` for other texts.
     """
     if all(map(NUMBER.fullmatch, texts)):
-        values = np.array([float(text.replace(",", ".")) for text in texts])
+        values = np.array([_to_float(text.replace(",", ".")) for text in texts])
         return values if np.isfinite(values).all() else None
     clocks = [match.groups() for match in map(_CLOCK.fullmatch, texts) if match]
     if len(clocks) < len(texts):

@@ -70,13 +70,14 @@ SPELLINGS: dict[str, dict[str, str | float]] = {
         "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
         "psi": "psi", "lbf/in2": "psi", "lb/in2": "psi", "atm": "atm", "n/mm2": "MPa",
         "n/m2": "Pa", "kgf/cm2": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "mmhg": "mmHg", "torr": "torr",
-        "inhg": "inHg",
+        "inhg": "inHg", "mh2o": 9806.65, "cmh2o": 98.0665, "mmh2o": 9.80665,
     },
     "force": {
         "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
         "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "kp": "kgf", "gf": "gf", "dan": "daN",
-        "cn": "cN", "ozf": "ozf", "pound": "lbf", "lb-f": "lbf", "pound-force": "lbf",
-        "kg-f": "kgf", "kilogram-force": "kgf", "gram-force": "gf", "grams-force": "gf",
+        "cn": "cN", "kip": "kip", "kips": "kip", "ozf": "ozf", "pound": "lbf", "lb-f": "lbf",
+        "pound-force": "lbf", "kg-f": "kgf", "kilogram-force": "kgf", "gram-force": "gf",
+        "grams-force": "gf",
     },
     "length": {
         "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",

@@ -17,7 +17,7 @@ from .headers import POSITIONS, MissingMetadataError, is_gauge_unit, unit_factor
 from .joint import ArmTable, JointReadings, sampled_arms, usable_arms
 from .record import DOWN, STRAINS, UNKNOWN, UP
 from .sidecar import Sidecar
-from .tables import Table, TableColumns
+from .tables import Table
 
 
 _MIN_PRESSURE = 2e3  # Pa: a record that stays below, but pulls, is in another unit
@@ -65,15 +65,18 @@ def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Readings:
-    """Rows of a `table`: their `cells`, the `columns` that were read and their `raws`, by role.
+    """Rows of a `table`: the `columns` that were read, and their cells by role.
 
-    The raws are numbers in the units of the columns, a constant's for each row.
+    - `raws`: numbers in the units of the columns, a constant's for each row.
+    - `texts`: of branches and flags.
+    - `lines`: the file's line of each row.
     """
 
     table: Table
-    cells: TableColumns
     columns: Mapping[str, Column]
     raws: Mapping[str, np.ndarray]
+    texts: Mapping[str, np.ndarray]
+    lines: np.ndarray
 
     @property
     def position(self) -> Column:
@@ -87,14 +90,15 @@ class Readings:
 
     def only(self, mask: np.ndarray) -> "Readings":
         """Rows in a `mask`."""
-        raws = {role: raw[mask] for role, raw in self.raws.items()}
-        return replace(self, cells=self.cells.only(mask), raws=raws)
+        raws, texts = ({role: cells[mask] for role, cells in columns.items()}
+                       for columns in (self.raws, self.texts))  # fmt: skip
+        return replace(self, raws=raws, texts=texts, lines=self.lines[mask])
 
     def cell_error(self, row: int, column: Column, rule: str) -> ValueError:
         """The error for a row's cell of a `column` that breaks a `rule`."""
         if column.index < 0:
             return ValueError(f"{self.table.source}: constant {column.role}: {rule}")
-        return self.table.cell_error(self.cells.lines[row], column.index, rule)
+        return self.table.cell_error(int(self.lines[row]), column.index, rule)
 
 
 def read_joint(readings: Readings, info: Sidecar) -> JointReadings | None:
@@ -375,7 +379,7 @@ def read_censored(
 def read_branch(readings: Readings) -> np.ndarray:
     """Branch of each reading, unknown without a column."""
     if "branch" not in readings.columns:
-        return np.full(len(readings.cells.lines), UNKNOWN, dtype=np.int8)
+        return np.full(readings.lines.size, UNKNOWN, dtype=np.int8)
     return _meanings(readings, "branch", BRANCHES, "up or down").astype(np.int8)
 
 
@@ -392,9 +396,8 @@ def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
         unit = next(iter(units))
         time, notes = (time - time[0]) * units[unit], (f"time is a date in {unit}, not in s",)
     back = np.flatnonzero(steps < 0)
-    lines = readings.cells.lines
     if back.size:
-        notes += (f"time goes back in line {lines[back[0] + 1]}",)
+        notes += (f"time goes back in line {readings.lines[back[0] + 1]}",)
     return time, notes
 
 
@@ -415,15 +418,15 @@ def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...
     if not is_one or table.origins or any("End_of_Header" in x for x in table.body):
         return None, ()
     start, step = starts.pop() or 0.0, steps.pop() or 0.0
-    time = start + step * (np.array(readings.cells.lines) - table.first)
+    time = start + step * (readings.lines - table.first)
     return time, (f"time from X0 and Delta_X: a reading every {step:g} s",)
 
 
 def _meanings(readings: Readings, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:
     """Meaning of the text in each cell of a column; the error for an unknown one says `rule`."""
-    column, cells, values = readings.columns[role], readings.cells, []
-    for row, text in enumerate(cells.texts[column.index]):
-        if (value := meanings.get(text.lower())) is None:
-            raise readings.cell_error(row, column, f"{text!r} isn't known: write {rule}.")
-        values.append(value)
+    values = [meanings.get(text.lower()) for text in readings.texts[role]]
+    if None in values:
+        row = values.index(None)
+        rule = f"{readings.texts[role][row]!r} isn't known: write {rule}."
+        raise readings.cell_error(row, readings.columns[role], rule)
     return np.array(values)

@@ -292,7 +292,7 @@ def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
     time, time_notes = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]
     all_notes = (
-        *_title_note(table), *column_notes, *readings.cells.notes, *rest_notes,
+        *_title_note(table), *column_notes, *rest_notes,
         *strain_notes, *clip_notes, *warnings, *time_notes,
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
@@ -344,12 +344,14 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
         del columns[column.role]
         note = f"column `{column.header}` not read as {column.role}: it holds something else"
         notes = (*(text for text in notes if text != column.note()), note)
-    raws = {r: cells.numbers[c.index] for r, c in columns.items() if r not in _TEXT_ROLES}
+    texts = {role: np.array(cells.texts[columns[role].index], dtype=object)
+             for role in _TEXT_ROLES if role in columns}  # fmt: skip
+    raws = {role: cells.numbers[c.index] for role, c in columns.items() if role not in texts}
     if constants:
-        raws |= {role: np.full(len(cells.lines), value) for role, value in constants.items()}
+        raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
         columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
         notes += (f"all readings at {_list_values(constants)}",)
-    return Readings(table, cells, columns, raws), notes
+    return Readings(table, columns, raws, texts, cells.lines), notes + cells.notes
 
 
 def _read_cells(
@@ -364,7 +366,15 @@ def _read_cells(
     rows, misread = None if info.rows is None else _row_range(info.rows), []
     time = columns.get("time")
     further = [] if time is None else _further_times(table, time.index, numbers)
-    cells = table.read(numbers, [*texts, *further], None if time is None else time.index, rows)
+    pressure, block = columns.get("pressure"), None
+    # beside times, blanks may be those of a slower transducer
+    if pressure is not None and time is None and table.names_blocks(pressure.index):
+        block = pressure.index
+    clock = None if time is None else time.index
+    cells = table.read(numbers, [*texts, *further], clock, rows, block)
+    if block is not None:
+        note = f"column `{table.header[block]}`: blank cells take the pressure above them"
+        cells = cells._replace(notes=(*cells.notes, note))
     if time is not None and time.index in cells.numbers:
         _check_times(table, time, cells.numbers[time.index], [cells.texts[i] for i in further])
     elif time is not None:

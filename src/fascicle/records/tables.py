@@ -8,8 +8,9 @@ between blocks of readings; a serial monitor's clock; lines of `name: number` pa
 import csv
 import re
 from array import array
-from collections.abc import Iterator, MutableSequence, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -56,8 +57,7 @@ _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECA
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 
 
-@dataclass
-class TableColumns:
+class TableColumns(NamedTuple):
     """A table's columns, `numbers` and `texts`, each keyed by its position in the header.
 
     - `numbers`: as the file writes them; clock times in seconds.
@@ -68,18 +68,8 @@ class TableColumns:
 
     numbers: dict[int, np.ndarray]
     texts: dict[int, list[str]]
-    lines: MutableSequence[int]
-    notes: list[str] = field(default_factory=list)
-
-    def only(self, mask: np.ndarray) -> "TableColumns":
-        """Rows in a `mask`."""
-        rows = np.flatnonzero(mask)
-        return TableColumns(
-            {i: values[rows] for i, values in self.numbers.items()},
-            {i: [texts[row] for row in rows] for i, texts in self.texts.items()},
-            array("q", np.asarray(self.lines)[rows]),
-            self.notes,
-        )
+    lines: np.ndarray
+    notes: tuple[str, ...]
 
 
 class _Layout(NamedTuple):
@@ -137,32 +127,35 @@ class Table:
         texts: Sequence[int],
         time: int | None = None,
         rows: tuple[int, int] | None = None,
+        block: int | None = None,
     ) -> TableColumns:
         """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
 
         Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
         missing in the result if it holds something else. `rows`: first and last row, from 1;
-        default: all rows, unless they are of several specimens. Raises a `ValueError` with line and
+        default: all rows, unless they are of several specimens. Blank cells of the column `block`
+        take the number above them. Raises a `ValueError` with line and
         column for the first bad cell.
         """
         first, last = rows or (1, MAX_ROWS)
         width, count, is_led = len(self.header), 0, False
-        values = array("d")  # row by row
+        values, lines = array("d"), array("q")  # row by row
         texts = [*texts, *([] if time is None else [time])]
-        cells = TableColumns({}, {i: [] for i in texts}, array("q"))
+        columns: dict[int, list[str]] = {i: [] for i in texts}
         left_out: dict[str, list[tuple[int, list[str]]]] = {
             "with holes": [], "of words": [], "of two lines in one": []
         }  # fmt: skip
         holes, text_rows, doubles = left_out.values()
         ends: list[int] = []  # rows above the names of further specimens
-        for line, row in self._rows():
+        for line, row in self._rows(block):
             count += 1
             if not first <= count <= last:
                 continue
             is_short = len(row) < self.row_width
             row.extend([""] * (width - len(row)))
+            # 10:11:12,100 in two cells
             if time is not None and len(row) == width + 1 and is_split_clock(*row[time : time + 2]):
-                row[time : time + 2] = [f"{row[time]}.{row[time + 1]}"]  # 10:11:12,100
+                row[time : time + 2] = [f"{row[time]}.{row[time + 1]}"]
             needed = [row[i] for i in numbers]
             readings = list(map(self.numbers.value, needed))
             is_whole = None not in readings
@@ -178,42 +171,59 @@ class Table:
                 doubles.append((line, row))
             elif has_hole:
                 holes.append((line, row))
+            elif not is_whole:
+                raise self._number_error(line, row, numbers[readings.index(None)])
             else:
                 is_led = is_led or not row[0] or is_number(row[0])
-                values.extend(self._finite(readings, row, line, numbers))
-                cells.lines.append(line)
-                for i in texts:
-                    cells.texts[i].append(self.numbers.plain(row[i]))
+                values.extend(cast("list[float]", readings))
+                lines.append(line)
+                for i, column in columns.items():
+                    column.append(self.numbers.plain(row[i]))
         if ends and rows is None:
             before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
             raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
-        self._check_doubles(doubles, len(cells.lines))
-        self._check_any(cells.lines, numbers, holes, text_rows, count)
-        columns = np.reshape(values, (len(cells.lines), len(numbers))).T
-        cells.numbers = dict(zip(numbers, columns, strict=True))
-        if time is not None and (seconds := read_seconds(cells.texts.pop(time))) is not None:
-            cells.numbers[time] = seconds
-        cells.notes += [
+        self._check_doubles(doubles, len(lines))
+        if not lines:
+            raise self._empty_error(numbers, holes, text_rows, count)
+        data = np.reshape(values, (len(lines), len(numbers))).T
+        numbers_by_index = dict(zip(numbers, data, strict=True))
+        if time is not None and (seconds := read_seconds(columns.pop(time))) is not None:
+            numbers_by_index[time] = seconds
+        notes = tuple(
             f"{len(rows)} {'row' if len(rows) == 1 else 'rows'} {kind} left out, the first in line"
             f" {rows[0][0]}"
             for kind, rows in left_out.items()
             if rows
-        ]
-        return cells
+        )
+        return TableColumns(numbers_by_index, columns, np.array(lines), notes)
 
-    def _rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line and stripped cells of each row that is neither blank, a remark nor a header."""
+    def names_blocks(self, column: int) -> bool:
+        """True for a column with a number in the first row of each of several blocks, and with
+        blanks in their other rows, two or more.
+        """
+        cells = (row[column] if column < len(row) else "" for _, row in self._rows())
+        signs = (("1" if is_number(cell) else "x") if cell else "0" for cell in cells)
+        head = "".join(islice(signs, 3))
+        return head == "100" and bool(re.fullmatch("(?:1000*){2,}", head + "".join(signs)))
+
+    def _rows(self, block: int | None = None) -> Iterator[tuple[int, list[str]]]:
+        """Line and stripped cells of each row that is neither blank, a remark nor a header; blank
+        cells of the column `block` are those above them.
+        """
         lines = ("" if is_remark(line) else line for line in self.body)
         delimiter = self.delimiter
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = (blanks.sub("\t", line.strip()) for line in lines), "\t"
         rows = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
-        repeats = [list(self.header), list(self.units)]
+        repeats, level = [list(self.header), list(self.units)], ""
         try:
             for cells in rows:
                 row = [cell.strip() for cell in cells]
                 if any(row) and row not in repeats:
+                    if block is not None:
+                        row += [""] * (block + 1 - len(row))
+                        level = row[block] = row[block] or level
                     yield self._file_line(self.first + rows.line_num - 1), row
         except csv.Error as error:
             line = self._file_line(self.first + rows.line_num - 1)
@@ -240,26 +250,24 @@ class Table:
     def _file_line(self, line: int) -> int:
         return self.origins[line - 1] if self.origins else line
 
-    def _check_any(
+    def _empty_error(
         self,
-        readings: Sequence[int],
         numbers: Sequence[int],
         holes: Sequence[tuple[int, list[str]]],
         text_rows: Sequence[tuple[int, list[str]]],
         count: int,
-    ) -> None:
-        """Refuse a table of which no row could be read."""
-        if readings:
-            return
-        if text_rows:
-            line, row = text_rows[0]
-            self._finite([self.numbers.value(row[i]) for i in numbers], row, line, numbers)
+    ) -> ValueError:
+        """The error for a table of which none of its `count` rows could be read."""
+        for line, row in text_rows[:1]:
+            for column in numbers:
+                if self.numbers.value(row[column]) is None:
+                    return self._number_error(line, row, column)
         rule = f"no readings below the header in line {self.line}"
         if holes:
             rule = f"no row has a number in each column, the first hole is in line {holes[0][0]}"
         elif count:
             rule = f"no readings in those rows: it has {count}"
-        raise ValueError(f"{self.source}: {rule}.")
+        return ValueError(f"{self.source}: {rule}.")
 
     def _check_doubles(self, doubles: Sequence[tuple[int, list[str]]], count: int) -> None:
         """Refuse rows with more cells than the header, unless a few among `count` readings are
@@ -275,19 +283,14 @@ class Table:
             message = f"{len(row)} cells, where the header has {width}: {remedy}."
             raise ValueError(f"{self.source}, line {line}: {message}")
 
-    def _finite(
-        self, values: Sequence[float | None], row: Sequence[str], line: int, columns: Sequence[int]
-    ) -> Sequence[float]:
-        """The `values` of a row's `columns`; the error for the first `None` names line, column."""
-        if None not in values:
-            return cast("Sequence[float]", values)
-        column = columns[values.index(None)]
+    def _number_error(self, line: int, row: Sequence[str], column: int) -> ValueError:
+        """The error for a cell that holds no number."""
         text = row[column]
         if meanings := self.numbers.meanings(text):
             before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
             choices = (("decimal", "", sign, after) for sign, after in meanings)
-            raise MissingMetadataError(str(before), *choices)
-        raise self.cell_error(line, column, f"{self.numbers.rule(text)}.")
+            return MissingMetadataError(str(before), *choices)
+        return self.cell_error(line, column, f"{self.numbers.rule(text)}.")
 
 
 def open_table(

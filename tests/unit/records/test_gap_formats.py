@@ -1,0 +1,78 @@
+"""Further forms of a board's or a program's output: each row reads as the same three quantities."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.records import loads
+
+
+PRESSURE = np.repeat([100e3, 200e3], 6)
+STRAIN = np.tile(np.linspace(0, 0.2, 6), 2)
+FORCE = 1.2e-3 * PRESSURE * (0.28 - STRAIN)
+ROWS = list(zip(PRESSURE, STRAIN, FORCE, strict=True))
+
+
+def read(text, rtol=1e-3, **options):
+    record = loads(text, **options)
+    for values, expected in ((record.pressure, PRESSURE), (record.force, FORCE)):
+        assert_allclose(values, expected, rtol=rtol)
+    assert_allclose(record.strain, STRAIN, atol=1e-4)
+    return record
+
+
+def test_teleplot():
+    lines = [f">p_kPa:{p / 1e3:.3f}\n>F:{f:.4f}§N|g\n>strain:{e:.5f}" for p, e, f in ROWS]
+    assert read("\n".join(lines)).time is None
+
+
+def test_teleplot_with_times():
+    lines = [
+        f">p_kPa:{1000 + 20 * i}:{p / 1e3:.3f}\n>F:{1000 + 20 * i}:{f:.4f}§N\n"
+        f">strain:{1000 + 20 * i}:{e:.5f}"
+        for i, (p, e, f) in enumerate(ROWS)
+    ]
+    assert_allclose(read("\n".join(lines)).time, 1 + 0.02 * np.arange(12))
+
+
+@pytest.mark.parametrize("color", ["", "\x1b[0;32m"])
+def test_esp_idf_log(color):
+    lines = [
+        f"{color}I ({1234 + 50 * i}) rig: p={p / 1e3:.3f} kPa F={f:.4f} N strain={e:.5f}"
+        + ("\x1b[0m" if color else "")
+        for i, (p, e, f) in enumerate(ROWS)
+    ]
+    assert_allclose(read("\n".join(lines)).time, 1.234 + 0.05 * np.arange(12))
+
+
+def test_meters_of_water_and_kips():
+    lines = [f"{p / 9806.65:.6f},{100 * e:.4f},{f / 4448.2216152605:.8f}" for p, e, f in ROWS]
+    read("\n".join(["pressure [mH2O],strain [%],force [kip]", *lines]))
+
+
+def test_exponents_of_fortran():
+    lines = [f"  {p / 1e6:.7f}D+06  {e:.6f}d+00  {f / 1e2:.6f}D+02" for p, e, f in ROWS]
+    read("\n".join(["  pressure_Pa  strain  force_N", *lines]))
+
+
+def rows_of_blocks(cells):
+    lines = [f"{cell},{e:.5f},{f:.4f}" for cell, (_, e, f) in zip(cells, ROWS, strict=True)]
+    return "\n".join(["pressure [kPa],strain [-],force [N]", *lines])
+
+
+def test_a_pressure_in_the_first_row_of_each_block():
+    text = rows_of_blocks(["100", *[""] * 5, "200", *[""] * 5])
+    record = read(text)
+    assert any("blank cells take the pressure above" in note for note in record.notes)
+    assert_allclose(loads(text, rows="3:").pressure, PRESSURE[2:])
+
+
+def test_blanks_that_may_be_dropouts_are_not_filled():
+    for cells in (["100", *[""] * 11], ["100", "", "100", *["100"] * 9], ["", *["200"] * 11]):
+        record = loads(rows_of_blocks(cells))
+        assert len(record) == sum(map(bool, cells))
+    # a slower transducer beside times
+    lines = rows_of_blocks(["100", "", ""] * 4).split("\n")
+    clocks = ["time [s]", *(f"{0.1 * i:.1f}" for i in range(12))]
+    timed = "\n".join(f"{clock},{line}" for clock, line in zip(clocks, lines, strict=True))
+    assert len(loads(timed)) == 4
