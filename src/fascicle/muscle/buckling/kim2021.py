@@ -138,14 +138,16 @@ def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
     """Ratio $u/\\xi$ [-] of the share that bows the column to the compression, at slenderness `c`
     [-] and compression `xi` [-], (16a): to rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
     """
-    per = 1 / ((1 + xi) * (2 - xi))
-    per_xi, inverse = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
+    # each quotient is used once, in a sum or product: XLA would store one that is used twice
+    per_xi = c * (1 - xi) ** 4 / (1 + xi)
+    inverse = 0.5 + 0.5 * xi / (2 - xi)  # 1/(2 - ξ)
     # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
     # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
     b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
     rho = sqrt(0.5 * (1 - x) * (2 - x))
     denominator = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
-    y = denominator / (b * denominator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
+    rest = b * denominator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b)
+    y = denominator * (1 / rest)  # not one quotient, which the steps would use twice
     for _ in range(2):  # these have derivatives, right up to the third
         y = _halley_step(xi * per_xi, xi, inverse, y)
     return per_xi * y
@@ -232,7 +234,7 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
 
 def _peak_coordinate(c: BatchLike) -> Batch:
     """Variable $1/(1 + c^{1/4})$ [-] of `_PEAK_SERIES` at slenderness `c` [-]."""
-    return 1 / (1 + c**0.25)
+    return 1 / (1 + sqrt(sqrt(c)))
 
 
 _LOW, _HIGH = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
