@@ -11,8 +11,8 @@ from oracle_muscle import LATEX, SILICONE, Muscle, free_strain
 
 from fascicle.design import Designs, Task, evaluate
 from fascicle.design.designs import packed_radius, packing_ratio
+from fascicle.design.evaluation import MIXED, Resolution
 from fascicle.design.objectives import OBJECTIVES
-from fascicle.design.tables import MIXED, Resolution
 
 
 NAMES = tuple(OBJECTIVES)

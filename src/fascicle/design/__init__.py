@@ -12,15 +12,20 @@ if TYPE_CHECKING:
     from .catalog import Catalog, Product
     from .designs import Designs
     from .evaluation import evaluate
-    from .exhaustive_search import SearchResult, hypervolume, non_dominated, search
+    from .exhaustive_search import (
+        SearchResult,
+        hypervolume,
+        judge_safety,
+        non_dominated,
+        search,
+    )
     from .genetic import evolve
     from .objectives import OBJECTIVES, Limit, objective
     from .outcome import Outcome
     from .refine import refine_sizes
     from .remedies import Remedy
-    from .robust import sensitivities
-    from .safety import judge_safety, spread
-    from .scatter import DesignScatter, Spread, Uncertainty
+    from .scatter import DesignScatter, Spread, Uncertainty, spread
+    from .sensitivity import sensitivities
     from .space import Space, compositions, partitions
     from .summary import Cases, Summary, summarize
     from .sweep import Store, Study
@@ -38,16 +43,15 @@ _HOMES = {
     **dict.fromkeys(("Catalog", "Product"), "catalog"),
     "Designs": "designs",
     "evaluate": "evaluation",
-    **dict.fromkeys(("SearchResult", "hypervolume", "non_dominated", "search"),
-                    "exhaustive_search"),
+    **dict.fromkeys(("SearchResult", "hypervolume", "judge_safety", "non_dominated",
+                     "search"), "exhaustive_search"),
     "evolve": "genetic",
     **dict.fromkeys(("OBJECTIVES", "Limit", "objective"), "objectives"),
     "Outcome": "outcome",
     "refine_sizes": "refine",
     "Remedy": "remedies",
-    "sensitivities": "robust",
-    **dict.fromkeys(("judge_safety", "spread"), "safety"),
-    **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty"), "scatter"),
+    **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty", "spread"), "scatter"),
+    "sensitivities": "sensitivity",
     **dict.fromkeys(("Space", "compositions", "partitions"), "space"),
     **dict.fromkeys(("Cases", "Summary", "summarize"), "summary"),
     **dict.fromkeys(("Store", "Study"), "sweep"),

@@ -153,8 +153,15 @@ class Designs:
             uniform &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
         return uniform
 
-    def take(self, index: np.ndarray, units: int | None = None) -> "Designs":
-        """Designs with an `index`, or a mask; their first `units` alone."""
+    @property
+    def single_drawing(self) -> Muscle:
+        """The drawing of all designs; `InvalidInputError` for designs of several."""
+        if len(kinds := set(self.kind.tolist())) != 1:
+            raise InvalidInputError("designs", "must be of one drawing", len(kinds))
+        return list(self.drawings.values())[kinds.pop()]
+
+    def take(self, index: np.ndarray | slice, units: int | None = None) -> "Designs":
+        """Designs with an `index`, a mask or a slice; their first `units` alone."""
         return Designs(
             self.drawings, self.kind[index], self.counts[index, :units], self.length[index],
             self.radius[index, :units], self.wall[index, :units], self.angle[index, :units],

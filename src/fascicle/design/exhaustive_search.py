@@ -10,20 +10,29 @@ on the front or not. The front's *compromise* is the design whose worst objectiv
 the front's best (0) to its worst (1), is least bad; on a tie, the least sum. Where no design
 reaches the task, none is recommended; the *nearest* misses its worst point by the smallest share of
 what is demanded there.
+
+**Safety.** Designs are judged from the cheapest on: first in a few draws, in which those that fail
+too often are dropped, then in all of them. The first that meets the task and all limits in the
+demanded share is recommended. If none does, none is: the surest of those that were judged is the
+nearest.
+
+Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 
 from ..core.types import Bool, Float, Int
-from .catalog import Catalog, cheapest
+from .catalog import Catalog, cheapest, cheapest_first
 from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
 from .objectives import (
+    OBJECTIVES,
     SHARES,
     Limit,
     Limits,
@@ -37,7 +46,7 @@ from .objectives import (
     with_reach_limits,
     within_limits,
 )
-from .scatter import Safety
+from .scatter import Safety, Spread, Uncertainty, spread
 from .space import Space
 from .task import Task
 
@@ -53,6 +62,12 @@ MAX_DESIGNS = 20_000_000  # designs of one search: their objectives are in memor
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
+_FEWER_DRAWS = (64, 512)  # drop designs that fail in a third, and in a tenth of the draws
+_DEVIATIONS = 4.0  # of the share in few draws, by which it may be too low: 3 of 100 000 more
+_TOGETHER = 64  # designs judged in a few draws at once: some 0.1 s
+_MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
+_MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
+_SLOWER = 8  # how many times as long a draw takes of a muscle that few others have
 
 
 def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
@@ -279,4 +294,105 @@ def conclude(
         nearest(values, limits, permitted) if best is None and len(index) else None,
         all_designs, len(index) if judged is None else judged, tuple(extra), catalog,
         least_margin,
+    )  # fmt: skip
+
+
+def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
+    """Recommend the cheapest design that holds the task in most draws.
+
+    **Arguments:**
+
+    - `result`: of a search; one without a recommended design is returned as it is.
+    - `uncertainty`: what is drawn, and the share of draws in which a design must hold.
+
+    **Returns:** the result with `safety`; without a recommended design if none holds, the surest
+    one is the `nearest` then.
+
+    **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
+    """
+    if result.cheapest is None:
+        return result
+    row, probability, judged, complete = _first_that_holds(result, uncertainty)
+    if probability >= uncertainty.share:
+        result = replace(result, cheapest=row)
+    else:
+        result = replace(result, cheapest=None, nearest=row)
+    draws = _budget(uncertainty, _MOST_REPORTED) // len(result.reported)
+    draws = max(_FEWER_DRAWS[0], min(uncertainty.draws, draws))
+    reported = _spread_of_rows(result, result.reported, uncertainty, draws)
+    return replace(result, safety=Safety(uncertainty, probability, judged, complete, reported))
+
+
+def _first_that_holds(
+    result: SearchResult, uncertainty: Uncertainty
+) -> tuple[int, float, int, bool]:
+    """Index of the cheapest design that holds, or of the surest; the share of draws in which it
+    does [-], the number of judged designs, and whether these were enough.
+    """
+    threshold, all_draws = uncertainty.share, uncertainty.draws
+    budget = _budget(uncertainty, _MOST_DRAWN)
+    judged, surest = 0, (0, 0.0, -1)  # draws, share of them that are met, index
+    for block in _blocks(result):
+        if budget <= 0:
+            break
+        rows, positions = block, judged + 1 + np.arange(len(block))
+        judged += len(rows)
+        for draws in (n for n in _FEWER_DRAWS if n < all_draws):
+            probabilities = _spread_of_rows(result, rows, uncertainty, draws, ()).probability
+            budget -= draws * len(rows)
+            best = int(np.argmax(probabilities))
+            surest = max(surest, (draws, float(probabilities[best]), int(rows[best])))
+            deviation = sqrt(threshold * (1 - threshold) / draws)
+            keep = probabilities >= threshold - _DEVIATIONS * deviation
+            rows, positions = rows[keep], positions[keep]
+            if not rows.size:
+                break
+        for row, position in zip(rows, positions, strict=True):
+            probability = _spread_of_rows(
+                result, row[None], uncertainty, all_draws, ()
+            ).probability.item()
+            budget -= all_draws
+            surest = max(surest, (all_draws, probability, int(row)))
+            if probability >= threshold:
+                return int(row), probability, int(position), True
+    row = surest[2]
+    probability = _spread_of_rows(
+        result, np.array([row]), uncertainty, all_draws, ()
+    ).probability.item()
+    return row, probability, judged, judged == int(result.allowed.sum())
+
+
+def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
+    """Blocks of designs that do the task as drawn, from the cheapest on: one design at first, since
+    the cheapest often holds.
+    """
+    count = 0
+    candidates = np.flatnonzero(result.allowed)
+    for group in cheapest_first(candidates, result.values, result.all_designs, result.catalog):
+        remaining = group
+        while len(remaining):
+            block, remaining = np.split(remaining, [min(_TOGETHER, count + 1)])
+            count += len(block)
+            yield block
+
+
+def _budget(uncertainty: Uncertainty, count: int) -> int:
+    """Number of designs in a draw to evaluate; `count`: if NumPy does it, faster than JAX."""
+    return count // (1 if uncertainty.muscles is None else _SLOWER)
+
+
+def _spread_of_rows(
+    result: SearchResult,
+    rows: Int[np.ndarray, " design"],
+    uncertainty: Uncertainty,
+    draws: int,
+    names: tuple[str, ...] | None = None,
+) -> Spread:
+    """Spread of the designs with these `rows`; `names` of objectives: default, the recorded."""
+    names = tuple(result.values) if names is None else names
+    drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
+    limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
+    return spread(
+        result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
+        uncertainty.muscles, draws,
     )  # fmt: skip

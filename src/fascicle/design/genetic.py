@@ -28,7 +28,7 @@ from ..io.atomic import write_text
 from ..io.input_file import read_bytes
 from .catalog import Catalog, cheapest
 from .designs import Designs, scaled_designs
-from .evaluation import Values, evaluate
+from .evaluation import MIXED, Values, evaluate
 from .exhaustive_search import (
     LEAST_MARGIN,
     SearchResult,
@@ -48,7 +48,6 @@ from .objectives import (
 )
 from .space import Space, drawing_sizes
 from .sweep import Study
-from .tables import MIXED
 from .task import Task
 
 

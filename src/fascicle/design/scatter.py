@@ -1,4 +1,4 @@
-r"""Spread of a design's objectives over bundles as they are made, and over the model's error.
+r"""Spread of designs' objectives over bundles as they are made, and over the model's error.
 
 A draw changes the sizes of a bundle's muscles, by fabrication, (D2); the material and the laws'
 numbers, from a calibrated muscle's covariance; and all forces by one factor,
@@ -7,8 +7,6 @@ proportion. **Assumes** that the muscles of a bundle are one batch, whose length
 angles deviate alike, and that the model is wrong by the same share everywhere. Deviations of single
 muscles, which average out over a bundle, aren't drawn: so the same muscles are as safe in one motor
 unit as in several.
-
-Draws are evaluated together, as designs are.
 """
 
 from collections.abc import Mapping
@@ -18,12 +16,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.types import Bool, Float
+from ..core.array_namespace import slices
+from ..core.module import to_numpy, tree_leaves, tree_map
+from ..core.types import Bool, Float, Values
 from ..core.validation import check_interval
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs
-from .objectives import as_minimization, non_dominated
+from .evaluation import MIXED, evaluate
+from .objectives import (
+    Limits,
+    as_minimization,
+    check_objectives,
+    non_dominated,
+    with_reach_limits,
+    within_limits,
+)
+from .task import Task
 
 
 SMALLEST_ANGLE = 1e-3  # rad; no braid is wound so steeply
@@ -32,6 +41,7 @@ USUAL_SHARE = 0.95  # of the draws that must meet the task
 USUAL_DRAWS = 2000  # a share of 95 % is then known within 0.5 %, a standard error
 _THINNEST, _THICKEST = 0.05, 0.95  # of a drawn wall, over drawing and radius: stays a tube
 _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
+_BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 
 
 @dataclass(frozen=True)
@@ -193,3 +203,71 @@ def draw_designs(designs: Designs, draws: Draws) -> Designs:
         wall=np.minimum(drawn.wall * wall[:, None], _THICKEST * drawn.radius),
         angle=np.clip(drawn.angle + angle[:, None], SMALLEST_ANGLE, LARGEST_ANGLE),
     )
+
+
+def spread(
+    designs: Designs,
+    task: Task,
+    objectives: tuple[str, ...],
+    limits: Limits | None = None,
+    scatter: Scatter | None = None,
+    muscles: Muscle | None = None,
+    draws: int = 200,
+    seed: int = 0,
+) -> Spread:
+    """Spread of designs' objectives under fabrication scatter, model error and uncertain constants.
+
+    **Arguments:**
+
+    - `designs`: any; of one drawing, if `muscles` are given.
+    - `task`: what is demanded.
+    - `objectives`: by name.
+    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
+    - `scatter`: of length and braid angle, with a `DesignScatter` also of the wall and of all
+      forces; default: none.
+    - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; default:
+      the drawing itself.
+    - `draws`: their number [-], the same for every design.
+    - `seed`: random seed.
+
+    **Returns:** values over the draws [SI].
+
+    **Raises:** `ValueError` for `muscles` and designs of several drawings, and unknown objectives.
+    """
+    limits, scatter = with_reach_limits(limits), Scatter() if scatter is None else scatter
+    names = check_objectives([*objectives, *limits], task.scheme)
+    sample, muscle_of = sample_draws(scatter, draws, seed), np.zeros(draws, int)
+    if muscles is not None:
+        muscles = to_numpy(muscles)
+        number = max(len(leaf) for leaf in tree_leaves(muscles) if np.ndim(leaf))
+        muscle_of = np.random.default_rng(seed).integers(0, number, draws)
+    values = {name: np.empty((len(designs), draws)) for name in names}
+    for index in np.unique(muscle_of):
+        (members,) = np.nonzero(muscle_of == index)
+        batch = Draws(*(x[members] for x in sample))
+        alike = designs if muscles is None else _calibrated_designs(designs, muscles, int(index))
+        step = max(1, _BATCH // (members.size * designs.counts.shape[1]))
+        for part in slices(len(designs), step):
+            drawn = draw_designs(alike.take(part), batch)
+            factor = np.resize(batch.force, len(drawn))  # all draws of one design after another
+            for name, row in evaluate(drawn, task, names, MIXED, factor).items():
+                values[name][part, members] = row.reshape(-1, members.size)
+    flat = {name: rows.ravel() for name, rows in values.items()}
+    return Spread(values, within_limits(flat, limits).reshape(len(designs), draws))
+
+
+def _calibrated_designs(designs: Designs, muscles: Muscle, index: int) -> Designs:
+    """Designs of the calibrated muscle with an `index`, all sizes changed in proportion to it."""
+    drawing = designs.single_drawing
+
+    def pick(leaf: Values, single: Values) -> Values:
+        return leaf[index] if np.ndim(leaf) > np.ndim(single) else leaf
+
+    muscle = tree_map(pick, muscles, drawing)
+    return Designs(
+        {"calibrated": muscle}, np.zeros(len(designs), int), designs.counts,
+        designs.length * float(muscle.length / drawing.length),
+        designs.radius * float(muscle.outer_radius / drawing.outer_radius),
+        designs.wall * float(muscle.wall_thickness / drawing.wall_thickness),
+        designs.angle + float(muscle.braid_angle - drawing.braid_angle),
+    )  # fmt: skip

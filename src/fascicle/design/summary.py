@@ -33,7 +33,7 @@ from ..muscle import Muscle
 from .catalog import Catalog, Product
 from .cycle import ATMOSPHERE, Cycle, ValveSizing, first_level, size_valves
 from .designs import Designs, Sizes, packed_radius
-from .evaluation import evaluate
+from .evaluation import MIXED, UNIFORM, Resolution, evaluate, every_level_table
 from .exhaustive_search import SearchResult
 from .outcome import (
     FORCE_TOLERANCE,
@@ -43,7 +43,6 @@ from .outcome import (
     state_edges,
     sum_pressurized,
 )
-from .tables import MIXED, UNIFORM, Resolution, every_level_table
 from .task import Task
 
 

@@ -8,11 +8,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
-from fascicle.design.evaluation import design_outcome
+from fascicle.design.evaluation import Resolution, design_outcome
 from fascicle.design.objectives import objective_values
 from fascicle.design.outcome import Demand
 from fascicle.design.space import compositions, partitions
-from fascicle.design.tables import Resolution
 
 
 NAMES = tuple(OBJECTIVES)

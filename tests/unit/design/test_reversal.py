@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.design import Task
 from fascicle.design.designs import Sizes
+from fascicle.design.evaluation import Resolution, every_level_table
 from fascicle.design.outcome import Demand, existing_states, recruitment_states
 from fascicle.design.reversal import (
     chord_zero,
@@ -17,7 +18,6 @@ from fascicle.design.reversal import (
     uniform_reversal_depths,
 )
 from fascicle.design.space import compositions
-from fascicle.design.tables import Resolution, every_level_table
 from fascicle.schemes import Batch, Orderly
 
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
 from fascicle.design.designs import Sizes
+from fascicle.design.evaluation import Resolution, largest_force_table
 from fascicle.design.outcome import Demand
-from fascicle.design.tables import Resolution, largest_force_table
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS

@@ -97,7 +97,7 @@ def run(
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
         if file.uncertainty is not None:
-            from ...design.safety import judge_safety
+            from ...design.exhaustive_search import judge_safety
 
             update("judging designs from the cheapest on in draws of scatter")
             result = judge_safety(result, file.uncertainty)

@@ -91,8 +91,7 @@ def _report_result(store: Any, task: Any, path: Path, overwrite: bool) -> int:
     """Print and write the recommended design and the front; returns the exit code."""
     import numpy as np
 
-    from ...design.exhaustive_search import conclude
-    from ...design.safety import judge_safety
+    from ...design.exhaustive_search import conclude, judge_safety
     from ...reports.design_summary import InfeasibleResult, run_cycle_of, summarize_search
     from ...results.design_tables import case_variables, front_variables
     from ...results.labelled import write

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
-from fascicle.design.robust import sensitivities
-from fascicle.design.safety import spread
+from fascicle.design.scatter import spread
+from fascicle.design.sensitivity import sensitivities
 from fascicle.records.dynamometer import Scatter
 
 
