@@ -148,15 +148,13 @@ class Calibration(Fit):
                 for e, *ends in zip(linear, low, high, strict=True)
             )
         narrow = np.std(boots.coordinates, axis=0) < KNOWN
+        narrow |= [parameter.linear for parameter in self.problem.parameters]
         return tuple(
-            replace(
-                estimate, low=float(boots.low[i]), high=float(boots.high[i]),
-                identifiable=estimate.identifiable and bool(narrow[i] or parameter.linear),
+            replace(e, low=low, high=high, identifiable=e.identifiable and known)
+            for e, low, high, known in zip(
+                linear, boots.low.tolist(), boots.high.tolist(), narrow.tolist(), strict=True
             )
-            for i, (estimate, parameter) in enumerate(
-                zip(linear, self.problem.parameters, strict=True)
-            )
-        )  # fmt: skip
+        )
 
     @property
     def intervals(self) -> str:
@@ -194,10 +192,8 @@ class Calibration(Fit):
         if self.loop is None or self.half_way is None:
             return float("nan")
         both = np.isfinite(self.half_way.width) & ~self.half_way.record.censored
-        readings, rest_length = self.half_way.record.only(both), self.record.rest_length
-        strain = readings.strain * (
-            1.0 if rest_length is None else rest_length / float(self.muscle.length)
-        )
+        readings = self.half_way.record.only(both)
+        strain = readings.strain * self.strain_scale
         force = static_force(self.muscle, np.maximum(readings.pressure, 0.0), strain)
         return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 

@@ -115,19 +115,8 @@ def compare(
 
     **Returns:** a row for each, the smallest AIC first.
     """
-    names = zip((buckling, collapse, post_collapse), _resisting_laws(), strict=True)
-    laws = tuple(default if law is None else law for law, default in names)
+    laws = (buckling, collapse, post_collapse)
     return resisting_law_comparison(record, muscle, parameters, priors, laws, **options).rows
-
-
-def _resisting_laws() -> tuple[Sequence[str], ...]:
-    """Names of the buckling, collapse and post-collapse laws that are compared.
-
-    A buckling law that collapses by itself takes seconds for each force, and ignores the collapse
-    law: it is left out.
-    """
-    buckling = [n for n, law in LAWS["buckling"].items() if getattr(law, "collapses", True)]
-    return buckling, [*LAWS["collapse"]], [*LAWS["post_collapse"]]
 
 
 def resisting_law_comparison(
@@ -135,18 +124,23 @@ def resisting_law_comparison(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    laws: tuple[Sequence[str], ...] | None = None,
+    laws: Sequence[Sequence[str] | None] = (None, None, None),
     **options: Any,
 ) -> LawComparison:
     """Comparison of every combination of buckling, collapse and post-collapse law on a record: rows
     and fits.
 
-    `laws`: names of laws of the three kinds; other arguments as of `compare`.
+    `laws`: names of laws of the three kinds, or `None`; other arguments as of `compare`.
     """
-    laws = _resisting_laws() if laws is None else laws
-    data, fits = select_fit_data(record, muscle), {}
     kinds = ("buckling", "collapse", "post_collapse")
-    for names in itertools.product(*laws):
+    data, fits = select_fit_data(record, muscle), {}
+    # a buckling law that collapses by itself takes seconds for each force
+    usual = [
+        [name for name, law in LAWS[kind].items() if getattr(law, "collapses", True)]
+        for kind in kinds
+    ]
+    chosen = [all_laws if law is None else law for law, all_laws in zip(laws, usual, strict=True)]
+    for names in itertools.product(*chosen):
         pairs = zip(kinds, names, strict=True)
         changes = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
         variant = muscle.replace(**changes)
@@ -199,14 +193,9 @@ def tension_law_comparison(
     data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [comparison_row(label, calibration) for label, calibration in fits.items()]
-    first = next(iter(fits.values()))
-    published = compare_published(first)
-    constants = (SAROSI_DMSP_20_200N, fit_sarosi(first.grid))
-    labels = [entry.label for entry, _ in published]
-    return LawComparison(
-        ranked([*rows, *(entry for entry, _ in published)]), fits,
-        dict(zip(labels, constants, strict=True)),
-    )  # fmt: skip
+    published = compare_published(next(iter(fits.values())))
+    rows += [row for row, _ in published]
+    return LawComparison(ranked(rows), fits, {row.label: values for row, values in published})
 
 
 def tension_fits(
@@ -298,21 +287,21 @@ def deviance(grid: Grid, force: np.ndarray) -> float:
 
 
 def compare_published(calibration: Calibration) -> list[tuple[Row, np.ndarray]]:
-    """Rows of Sárosi's law, as published and refitted, and their forces on the grid [N]."""
+    """Rows of Sárosi's law, as published and refitted, and their six constants."""
     grid, muscle = calibration.grid, calibration.start
-    published = sarosi(SAROSI_DMSP_20_200N, grid)
-    refitted, left_out = sarosi(fit_sarosi(grid), grid), np.full(grid.force.shape, np.nan)
+    constants, left_out = fit_sarosi(grid), np.full(grid.force.shape, np.nan)
+    published, refitted = sarosi(SAROSI_DMSP_20_200N, grid), sarosi(constants, grid)
     for fold in folds(grid):
         left_out[fold] = sarosi(fit_sarosi(grid.without(fold)), grid)[fold]
     label = "Sárosi, as published for a DMSP-20-200N"
     if not is_nominal_diameter(muscle, _DIAMETER):
         widths = (pretty(x, "length") for x in (_DIAMETER, 2 * float(muscle.outer_radius)))
         label += ": {} wide, this muscle {}".format(*widths)
-    again = (refitted, left_out)
-    return [
-        (_row_from_forces(label, 0, (published, published), calibration, "not fitted"), published),
-        (_row_from_forces("Sárosi, refitted", 6, again, calibration, "converged"), refitted),
-    ]
+    rows = (
+        _row_from_forces(label, 0, (published, published), calibration, "not fitted"),
+        _row_from_forces("Sárosi, refitted", 6, (refitted, left_out), calibration, "converged"),
+    )
+    return list(zip(rows, (SAROSI_DMSP_20_200N, constants), strict=True))
 
 
 def sarosi(constants: np.ndarray, grid: Grid) -> np.ndarray:

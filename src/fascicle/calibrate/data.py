@@ -230,12 +230,8 @@ def thin(data: FitData) -> FitData:
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
     rows = np.isin(data.level, chosen)
-    return fit_table(
-        data.record.only(rows), limit, read=data.read, left_out=data.left_out,
-        noise_clipped=data.noise_clipped, pushes_clipped=data.pushes_clipped,
-        faults=data.faults, at_ceiling=None if data.at_ceiling is None else data.at_ceiling[rows],
-        gauge=data.gauge, gauge_deviations=data.gauge_deviations,
-    )  # fmt: skip
+    at_ceiling = None if data.at_ceiling is None else data.at_ceiling[rows]
+    return fit_table(data.record.only(rows), limit, data, at_ceiling=at_ceiling)
 
 
 def pulling_only(data: FitData) -> FitData:
@@ -252,22 +248,21 @@ def pulling_only(data: FitData) -> FitData:
     force = np.where(clipped & ~np.asarray(at_ceiling), 0.0, record.force)
     record = replace(record, force=force, censored=clipped)
     return fit_table(
-        record, read=data.read, left_out=data.left_out,
+        record,
+        previous=data,
         noise_clipped=data.noise_clipped + int(np.sum(noise)),
         pushes_clipped=data.pushes_clipped + int(np.sum(below)),
-        faults=data.faults, at_ceiling=data.at_ceiling,
-        gauge=data.gauge, gauge_deviations=data.gauge_deviations,
-    )  # fmt: skip
+    )
 
 
-def fit_table(record: Record, max_readings: int = MAX_READINGS, **counts: Any) -> FitData:
-    """Table of a record by level of pressure.
-
-    **Arguments:**
-
-    - `record`: the readings.
-    - `max_readings`: of a level; more are averaged in steps of strain.
-    - `counts`: further fields of `FitData`, on readings that were left out.
+def fit_table(
+    record: Record,
+    max_readings: int = MAX_READINGS,
+    previous: FitData | None = None,
+    **changes: Any,
+) -> FitData:
+    """Table of a `record` by level of pressure; with more than `max_readings`, a level is averaged
+    in steps of strain. Further fields are those of `previous` data, with `changes`.
     """
     level = assign_levels(record.pressure)
     order = np.argsort(level, kind="stable")
@@ -292,12 +287,17 @@ def fit_table(record: Record, max_readings: int = MAX_READINGS, **counts: Any) -
     )
     time = np.full(shape, np.nan) if record.time is None else mean(record.time)
     if record.time is not None:
-        start = counts["gauge"].start if "gauge" in counts else float(np.min(record.time))
+        start = float(np.min(record.time)) if previous is None else previous.gauge.start
         grid = replace(grid, elapsed=np.where(count > 0, time - start, 0.0))
-    if counts.get("at_ceiling") is not None:
-        grid = replace(grid, at_least=mean(counts["at_ceiling"]) > 0.5)
+    at_ceiling = changes.get("at_ceiling", None if previous is None else previous.at_ceiling)
+    if at_ceiling is not None:
+        grid = replace(grid, at_least=mean(at_ceiling) > 0.5)
     branch, time = np.round(mean(record.branch)).astype(int), np.where(count > 0, time, np.nan)
-    return FitData(record, grid, level, column, branch, time, **{"read": len(record), **counts})
+    table = {"record": record, "grid": grid, "level": level, "column": column, "branch": branch,
+             "time": time}  # fmt: skip
+    if previous is None:
+        return FitData(**table, **{"read": len(record), **changes})
+    return replace(previous, **table, **changes)
 
 
 def assign_levels(pressure: np.ndarray) -> np.ndarray:

@@ -487,16 +487,9 @@ def _lowest_strain_means(readings: Residuals) -> tuple[tuple[float, float], ...]
         return ()
     # a residual is multiplied by its weight, the root of the number of readings
     count = np.bincount(level, weight**2)
-    force = np.bincount(level, readings.residual[first] * weight)
     P = np.bincount(level, readings.pressure[first] * weight**2)
-    filled = count > 0
-    return tuple(
-        zip(
-            (P[filled] / count[filled]).tolist(),
-            (force[filled] / count[filled]).tolist(),
-            strict=True,
-        )
-    )
+    force = np.bincount(level, readings.residual[first] * weight)
+    return tuple((P[i] / count[i], force[i] / count[i]) for i in np.flatnonzero(count))
 
 
 def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> float:
@@ -673,8 +666,7 @@ def _better_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
     measured = np.isfinite(errors)
     if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise) or not np.any(measured):
         return None
-    scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
-    strain = np.clip(record.strain * scale, 0.0, LARGEST_STRAIN)
+    strain = np.clip(record.strain * fit.strain_scale, 0.0, LARGEST_STRAIN)
     past = measured & (strain > fit.free_strain[fit.fit_data.level])
     if np.sum(errors[past] ** 2) < _MAJORITY * np.sum(errors[measured] ** 2):
         return None

@@ -28,9 +28,8 @@ from .least_squares import (
     LOSSES,
     ROUGH,
     Fit,
-    Minimum,
     Problem,
-    SearchEnds,
+    Solution,
     first_noise,
     minimum_at,
     search_minimum,
@@ -148,7 +147,7 @@ def fit_data(
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
     solution = solve_problem(problem, readings, options)
     data, solution = _with_corrected_readings(data, solution)
-    fields = _fields_of_fit(data, options, *solution)
+    fields = _fields_of_fit(data, options, solution)
     diagnosis = diagnose(Fit(**fields))
     return Calibration(**fields, diagnosis=diagnosis)
 
@@ -231,19 +230,16 @@ def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Pr
     }
 
 
-def _with_corrected_readings(
-    data: FitData, solution: tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]
-) -> tuple[FitData, tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]]:
+def _with_corrected_readings(data: FitData, solution: Solution) -> tuple[FitData, Solution]:
     """Data and `solution` with readings corrected for the fitted gauge."""
-    problem, readings, ends, point, minimum = solution
+    problem, point = solution.problem, solution.point
     gauge = problem.gauge_at(put(problem.parameters, problem.muscle, point))
     if gauge == problem.gauge:
         return data, solution
     data = data.corrected(gauge, problem.rest_length or float(problem.muscle.length))
     noise = problem.noise * float(problem.gauge.force_gain / gauge.force_gain)
     problem = replace(problem, grid=data.grid, gauge=gauge, noise=noise)
-    minimum = minimum_at(problem, point, None)
-    return data, (problem, readings, ends, point, minimum)
+    return data, solution._replace(problem=problem, minimum=minimum_at(problem, point, None))
 
 
 def on_length(data: FitData, muscle: Muscle) -> Grid:
@@ -264,35 +260,28 @@ def starts_of(problem: Problem, options: FitOptions) -> np.ndarray:
     return np.concatenate([near[None], starts])
 
 
-def solve_problem(
-    problem: Problem, readings: Readings | None, options: FitOptions
-) -> tuple[Problem, Readings | None, SearchEnds, np.ndarray, Minimum]:
+def solve_problem(problem: Problem, readings: Readings | None, options: FitOptions) -> Solution:
     """Find the minimum; of a tuning, then jointly with its curves."""
     covariance = None if readings is None else readings.covariance
     starts = starts_of(problem, options)
     if options.thorough:
-        problem, ends, point, minimum = search_minimum(problem, starts, options.seed, covariance)
+        solution = search_minimum(problem, starts, options.seed, covariance)
     else:
-        problem, ends, point, minimum = solve_with_noise(problem, starts, covariance, ROUGH)
-    if readings is not None:
-        joint = fit_jointly(
-            problem, readings, point, options.weights, covariance=minimum.covariance
-        )
-        if joint is not None:
-            return joint.problem, joint.readings, ends, joint.point, joint.minimum
-    return problem, readings, ends, point, minimum
+        solution = solve_with_noise(problem, starts, covariance, ROUGH)
+    if readings is None:
+        return solution
+    joint = fit_jointly(
+        solution.problem, readings, solution.point, options.weights,
+        covariance=solution.minimum.covariance,
+    )  # fmt: skip
+    if joint is None:
+        return solution._replace(readings=readings)
+    return joint._replace(ends=solution.ends)
 
 
-def _fields_of_fit(
-    data: FitData,
-    options: FitOptions,
-    problem: Problem,
-    readings: Readings | None,
-    ends: SearchEnds,
-    point: np.ndarray,
-    minimum: Minimum,
-) -> dict[str, Any]:
+def _fields_of_fit(data: FitData, options: FitOptions, solution: Solution) -> dict[str, Any]:
     """Fields of the `Fit` at a minimum."""
+    problem, ends, point, minimum, readings = solution
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")

@@ -22,14 +22,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..muscle.hysteresis import MaxwellSlip
-from ..records.hysteresis import averaged
+from ..records.hysteresis import averaged, group_by_level
 from ..records.record import DOWN, UP, Record
 from ..records.segmentation import Run, runs
 
 
 _MAX_SPRINGS = 3  # springs: the ends of loops hardly distinguish more
 _CLEAR = 3.0  # standard errors by which a mean width must exceed zero
-_SAME_PRESSURE = 5e-3  # of the largest pressure: closer runs share a level, as in `averaged`
 _MAX_READINGS = 200  # of a level, more than of a half-way curve: the ends of loops are short
 _MIN_ERROR = 1e-4  # of the width: a smaller error is no reason for another spring
 
@@ -107,12 +106,7 @@ def fit_friction(record: Record, length: float) -> Friction | None:
 
 def _loops(record: Record, length: float) -> _Loops | None:
     """Both branches at constant pressures; `None` without any."""
-    tolerance, levels = _SAME_PRESSURE * max(float(np.max(record.pressure)), 1.0), list[list[Run]]()
-    for run in sorted((r for r in runs(record) if r.kind == "pressure"), key=lambda r: r.level):
-        if levels and run.level - levels[-1][-1].level <= tolerance:
-            levels[-1].append(run)
-        else:
-            levels.append([run])
+    levels = group_by_level(record, [run for run in runs(record) if run.kind == "pressure"])
     rows = [row for level in levels if (row := _loop(record, level)) is not None]
     if not rows:
         return None

@@ -26,10 +26,8 @@ fit has reached. For such a constant the quantiles of the draws are used directl
 **Source:** Raue et al. (2009); Efron and Tibshirani (1993), chapters 6 and 13.
 """
 
-import itertools
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -139,22 +137,15 @@ def _profile(
 
 def _crossings(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:
     """Values where a profile first crosses the critical rise on either side of its lowest point."""
-    middle = int(np.argmin(rise))
-    cross = partial(_interval_end, value, rise)
-    return cross(range(middle, -1, -1), -np.inf), cross(range(middle, rise.size), np.inf)
-
-
-def _interval_end(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: float) -> float:
-    """Value where the `rise` [-] first exceeds the critical one along the `indices`;
-    `otherwise`, if it never does.
-    """
-    for inner, outer in itertools.pairwise(indices):
-        if rise[outer] > _CRITICAL:
-            # deviations are nearly linear in the value, their squares are not
-            a, b, c = np.sqrt([max(rise[inner], 0.0), rise[outer], _CRITICAL])
-            fraction = (c - a) / (b - a)
-            return float(value[inner] + fraction * (value[outer] - value[inner]))
-    return otherwise
+    middle, ends = int(np.argmin(rise)), []
+    for side, otherwise in ((np.s_[middle::-1], -np.inf), (np.s_[middle:], np.inf)):
+        # deviations are nearly linear in the value, their squares are not
+        x, deviation = value[side], np.sqrt(np.maximum(rise[side], 0.0))
+        outer = int(np.argmax(deviation**2 > _CRITICAL))
+        pair = slice(outer - 1, outer + 1)
+        crossing = np.interp(np.sqrt(_CRITICAL), deviation[pair], x[pair]) if outer else otherwise
+        ends.append(float(crossing))
+    return ends[0], ends[1]
 
 
 def bootstrap(
@@ -223,7 +214,7 @@ def refit(calibration: Calibration, grid: Grid) -> np.ndarray:
         joint = readings.pulling is not None
         return refit_tuning(problem, point, grid, calibration.weights, joint)[0]
     again = replace(problem, grid=grid, weight=grid.weights(calibration.weights))
-    return solve_with_noise(again, point[None])[2]
+    return solve_with_noise(again, point[None]).point
 
 
 def _bootstrap_ends(

@@ -30,7 +30,7 @@ prior taken off, know it to a deviation below 1, a factor of e either way.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import leastsq
@@ -211,13 +211,8 @@ class Problem:
     ) -> tuple[Table, np.ndarray]:
         """Forces [N] at a `point`, and their Jacobian [N] by its numbers, by finite differences.
 
-        Differences are one-sided: constants that can't fall below zero have a kink there.
-
-        **Arguments:**
-
-        - `point`: where both are taken.
-        - `columns`: indices of the numbers; all by default.
-        - `fine`: use differences of second order.
+        Differences are one-sided: constants that can't fall below zero have a kink there; `fine`
+        ones are of second order. `columns`: indices of the numbers, by default all.
         """
         columns = np.arange(len(point)) if columns is None else columns
         # curves' coefficients are newtons, the others logarithms
@@ -336,8 +331,7 @@ def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linea
     )
 
 
-@dataclass(frozen=True, eq=False)
-class SearchEnds:
+class SearchEnds(NamedTuple):
     """Ends of a search, one for each start: point, half the sum of squares [-], status, and number
     of steps.
     """
@@ -364,19 +358,14 @@ def solve(
     free_columns: np.ndarray | None = None,
     tolerance: float = FINE,
 ) -> SearchEnds:
-    """Minimize a problem by Levenberg-Marquardt from each row of `starts`.
+    """Minimize a `problem` by Levenberg-Marquardt from each row of `starts`.
 
-    **Arguments:**
-
-    - `problem`: the problem.
-    - `starts`: points to begin from, one a row.
-    - `free_columns`: indices of the numbers that move; left out, all.
-    - `tolerance`: a walk ends where a step wins no more of the cost [-].
+    `free_columns`: indices of the numbers that move, by default all; `tolerance`: a walk ends where
+    a step wins no more of the cost [-].
     """
     columns = np.arange(starts.shape[1]) if free_columns is None else free_columns
     ends = [_walk(problem, start, columns, tolerance) for start in np.asarray(starts, float)]
-    points, cost, status, steps = zip(*ends, strict=True)
-    return SearchEnds(np.array(points), np.array(cost), np.array(status), np.array(steps))
+    return SearchEnds(*map(np.array, zip(*ends, strict=True)))
 
 
 def _walk(
@@ -440,14 +429,8 @@ def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
 def starts_around(
     center: np.ndarray, count: int, seed: int = 0, covariance: np.ndarray | None = None
 ) -> np.ndarray:
-    """Starts of a search: the `center`, then random ones about it.
-
-    **Arguments:**
-
-    - `center`: coordinates of the first.
-    - `count`: how many.
-    - `seed`: random seed.
-    - `covariance`: others lie about twice its deviations away; left out, within a factor of 2.
+    """A `count` of starts of a search: the `center`, then random ones about it; about twice the
+    deviations of a `covariance` away, without one within a factor of 2.
     """
     rng = np.random.default_rng(seed)
     if covariance is None:
@@ -473,6 +456,18 @@ class Minimum:
     noise: float
     solved_noise: float
     linear: Linearization
+
+
+class Solution(NamedTuple):
+    """Best `point` of a search [-], its `minimum`, the `problem` with the noise there, and all
+    `ends`; of a tuning also the `readings`.
+    """
+
+    problem: Problem
+    ends: SearchEnds
+    point: np.ndarray
+    minimum: Minimum
+    readings: Readings | None = None
 
 
 def minimum_at(
@@ -516,13 +511,11 @@ def solve_with_noise(
     starts: np.ndarray,
     curves_covariance: np.ndarray | None = None,
     tolerance: float = FINE,
-) -> tuple[Problem, SearchEnds, np.ndarray, Minimum]:
+) -> Solution:
     """Solve a problem, and find the noise that its own solution leaves.
 
     What a clipped reading says depends on the noise, and the noise on the fit; where none is
     clipped, only priors weigh against it, and one round is enough.
-
-    **Returns:** the problem with that noise, all ends, the best point, and the minimum there.
     """
     # which start leads lowest shows long before each has settled: only that one goes on
     ends = solve(problem, starts, tolerance=ROUGH)
@@ -538,40 +531,34 @@ def solve_with_noise(
         if len(starts) > 1 and tolerance < ROUGH:
             # the others follow with the noise as it is now, so that their ends can be compared
             again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
-            ends = replace(again, steps=again.steps + np.append(ends.steps, 0))
+            ends = again._replace(steps=again.steps + np.append(ends.steps, 0))
             best = ends.best_point
     if tolerance < ROUGH:
         best = solve(problem, best[None], tolerance=tolerance).points[0]
-    return problem, ends, best, minimum_at(problem, best, curves_covariance)
+    return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))
 
 
 def search_minimum(
     problem: Problem, starts: np.ndarray, seed: int, curves_covariance: np.ndarray | None
-) -> tuple[Problem, SearchEnds, np.ndarray, Minimum]:
+) -> Solution:
     """Search from `starts`, then a second time about the best end.
 
     Each collapse is a kink in strain, which passes from one reading to the next as its place
     moves: that leaves shallow minima side by side, within the fit's own uncertainty. A record that
     only pulls has none.
-
-    **Returns:** as `solve_with_noise`.
     """
-    problem, first, best, minimum = solve_with_noise(problem, starts, curves_covariance)
+    solution = solve_with_noise(problem, starts, curves_covariance)
+    problem, first, best, minimum, _ = solution
     if problem.pulls:
-        return problem, first, best, minimum
+        return solution
     nearby_starts = starts_around(best, len(starts), seed, minimum.covariance)
     # the second takes the noise that the first one left: priors weigh against it
-    scale = (problem.noise / minimum.noise) ** 2
+    first = first._replace(cost=first.cost * (problem.noise / minimum.noise) ** 2)
     problem = replace(problem, noise=minimum.noise)
-    nearby_ends = solve(problem, nearby_starts, tolerance=ROUGH)
-    best = solve(problem, nearby_ends.best_point[None]).points[0]
-    ends = SearchEnds(
-        np.concatenate([first.points, nearby_ends.points]),
-        np.concatenate([first.cost * scale, nearby_ends.cost]),
-        np.concatenate([first.status, nearby_ends.status]),
-        np.concatenate([first.steps, nearby_ends.steps]),
-    )
-    return problem, ends, best, minimum_at(problem, best, curves_covariance)
+    nearby = solve(problem, nearby_starts, tolerance=ROUGH)
+    best = solve(problem, nearby.best_point[None]).points[0]
+    ends = SearchEnds(*map(np.concatenate, zip(first, nearby, strict=True)))
+    return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))
 
 
 @dataclass(frozen=True, eq=False)
@@ -609,6 +596,12 @@ class Fit:
     def record(self) -> Record:
         """The readings that were fitted."""
         return self.fit_data.record
+
+    @property
+    def strain_scale(self) -> float:
+        """Contraction of the fitted muscle over the record's strain [-]."""
+        length = self.record.rest_length
+        return 1.0 if length is None else length / float(self.muscle.length)
 
     @property
     def grid(self) -> Grid:

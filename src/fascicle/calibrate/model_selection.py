@@ -171,16 +171,10 @@ def make_trial(
     readings: str = "pulling",
     violation: str = "",
 ) -> Trial:
-    """Trial of a candidate, with the size of its errors.
+    """Trial of a `candidate`, its label, names, method and number of constants.
 
-    **Arguments:**
-
-    - `candidate`: its label, names, method and number of constants.
-    - `errors`: of the fit, reading by reading [N]; NaN for clipped ones.
-    - `left_out`: of fits without the reading [N].
-    - `loss`: of the fits.
-    - `top_force`: the largest measured force [N].
-    - `readings`, `violation`: as of `Candidate` and `Trial`.
+    `errors`: of the fit, `left_out`: of fits without the reading [N]; NaN for clipped ones.
+    `top_force`: the largest measured force [N].
     """
     rmse, left_out_rmse = error_size(errors, loss), error_size(left_out, loss)
     # candidates are compared on all readings: one that can't predict some of them is out
@@ -194,14 +188,8 @@ def select(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """Select the trial with the fewest constants among those that are no worse than the best.
 
     Its squared errors may exceed the best one's by a standard error of their sum; by 2 % of the
-    best one's error beyond the noise; or by one reading's average share, which any constant gains
-    on noise.
-
-    **Arguments:**
-
-    - `trials`: compared on the same readings.
-    - `noise`: of a reading [N]; 0 where it is unknown.
-    - `loss`: of the fits.
+    best one's error beyond the `noise` of a reading [N], 0 where it is unknown; or by one reading's
+    average share, which any constant gains on noise.
 
     **Raises:** `InvalidInputError` if no fit has a left-out error.
     """
@@ -284,14 +272,9 @@ def stepwise_selection(
     required: Collection[str],
     attempt: Callable[[Names], object],
 ) -> None:
-    """Add optional constants to the best candidate, and remove those that do not improve it.
-
-    **Arguments:**
-
-    - `best`: returns the names of the best candidate so far.
-    - `optional`: constants that may be added.
-    - `required`: constants that are never removed.
-    - `attempt`: tries a candidate, unless it was tried before.
+    """Add `optional` constants to the best candidate, and remove those that do not improve it; the
+    `required` ones stay. `best` returns the names of the best candidate so far, `attempt` tries
+    one, unless it was tried before.
     """
     for _ in range(_ROUNDS):
         names = best()
@@ -338,6 +321,7 @@ def _pulling_trials(
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # errors that readings without pressure show are fitted with every candidate
     required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
+    few = replace(options, starts=min(options.starts, _STARTS))
     trials: dict[frozenset[str], Trial] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
 
@@ -347,13 +331,9 @@ def _pulling_trials(
         steps.begin("selecting the constants")
         # a search that begins at the end of a subset's search can't end with a larger error
         subsets = [key for key in ends if key <= set(names)]
-        start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=None)
-        closest_end = {} if start is None else ends[start]
-        starts = min(options.starts, _STARTS)
-        trial, end = _try_constants(
-            data, muscle, names, _priors_of(priors, names),
-            replace(options, near=closest_end, starts=starts),
-        )  # fmt: skip
+        start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=frozenset[str]())
+        settings = replace(few, near=ends.get(start, {}))
+        trial, end = _try_constants(data, muscle, names, _priors_of(priors, names), settings)
         trials[frozenset(names)] = trial
         if names and not trial.violation:
             ends[frozenset(names)] = end
@@ -385,19 +365,15 @@ def _try_constants(
     problem, _ = set_up_problem(data, muscle, names, priors, options)
     point, violation = problem.center, ""
     if names:
-        problem, _, point, _ = solve_with_noise(
-            problem, starts_of(problem, options), tolerance=ROUGH
-        )
+        starts = starts_of(problem, options)
+        problem, _, point, *_ = solve_with_noise(problem, starts, tolerance=ROUGH)
         fitted = put(problem.parameters, problem.muscle, point)
         violation = _active_length_message(data, muscle, fitted, names, priors)
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force
     candidate = ", ".join(names) or AS_GIVEN, names, "constants", len(names)
-    top_force = largest_force(data.record)
-    trial = make_trial(
-        candidate, data.errors(force), data.errors(left_out), options.loss, top_force,
-        violation=violation,
-    )  # fmt: skip
+    sizes = data.errors(force), data.errors(left_out), options.loss, largest_force(data.record)
+    trial = make_trial(candidate, *sizes, violation=violation)
     free = (parameter.name for parameter in problem.parameters)
     return trial, dict(zip(free, point.tolist(), strict=True))
 
@@ -430,9 +406,8 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Tr
     if loop:
         weight = data.grid.weights("uniform")
         forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
-    errors = data.errors(forces[0]), data.errors(forces[1])
-    top_force = largest_force(data.record)
-    return [make_trial((TUNING, (), "tuning", fitted[1]), *errors, loss, top_force)]
+    sizes = data.errors(forces[0]), data.errors(forces[1]), loss, largest_force(data.record)
+    return [make_trial((TUNING, (), "tuning", fitted[1]), *sizes)]
 
 
 def _full_trials(
@@ -449,6 +424,7 @@ def _full_trials(
     the factors on the resisting force and without; and these factors alone.
     """
     options = replace(options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES))
+    top_force = largest_force(data.record)
     label, suffix = ", ".join(names) or AS_GIVEN, "and the factors on the resisting force"
     attempts: list[tuple[str, Names, bool]] = [
         (f"{label} {suffix}", _union(names, FACTOR_NAMES), False), (label, names, False)
@@ -465,21 +441,16 @@ def _full_trials(
         options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
         end = dict(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
-        searches.append(replace(options, near=end, starts=min(options.starts, _STARTS)))
         # the next search begins at this end, too: few other points are enough
-        options = replace(
-            options, near={**options.near, **end}, starts=min(options.starts, _STARTS)
-        )
+        options = replace(options, starts=min(options.starts, _STARTS))
+        searches.append(replace(options, near=end))
+        options = replace(options, near={**options.near, **end})
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         candidate = title, free, fitted.method, len(free) + curves
         left_out = data.errors(left_out_force(fitted))
         violation = _active_length_message(data, muscle, fitted.muscle, free, priors)
-        top_force = largest_force(data.record)
-        trials.append(
-            make_trial(
-                candidate, fitted.errors, left_out, options.loss, top_force, "all", violation
-            )
-        )
+        sizes = fitted.errors, left_out, options.loss, top_force
+        trials.append(make_trial(candidate, *sizes, "all", violation))
     if all(trial.violation for trial in trials):  # one is returned all the same, with a warning
         trials = [replace(trial, violation="") for trial in trials]
     return trials, searches

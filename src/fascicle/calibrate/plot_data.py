@@ -76,12 +76,8 @@ def fit_plot(
 ) -> plot.FitPlot:
     """Data of a fit's figure: readings, residuals [N], fitted curves and their 90 % bands [N].
 
-    A band holds 90 % of the readings, to first order.
-
-    **Arguments:**
-
-    - `calibration`, `posterior`: as of `figures`.
-    - `points`: number of points of each curve.
+    A band holds 90 % of the readings, to first order. `posterior`: as of `figures`; `points`:
+    number of points of each curve.
     """
     grid, readings = calibration.grid, calibration.readings
     P, noise = grid.pressure[:, 0], calibration.problem.noise
@@ -112,10 +108,7 @@ def fit_plot(
 
 
 def curves_csv(calibration: Calibration, posterior: "Posterior | None" = None) -> str:
-    """CSV of the fitted curves, with the band of 90 % of the readings; units in the headers.
-
-    **Arguments:** as of `figures`.
-    """
+    """CSV of the fitted curves, with the band of 90 % of the readings; units in the headers."""
     data = fit_plot(calibration, posterior, _ROWS)
     assert data.low is not None
     assert data.high is not None
@@ -129,14 +122,7 @@ def curves_csv(calibration: Calibration, posterior: "Posterior | None" = None) -
 
 
 def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.FitPlot:
-    """Readings with the curves of any muscle.
-
-    **Arguments:**
-
-    - `record`: the readings.
-    - `muscle`: the muscle.
-    - `label`: of its curves.
-    """
+    """Readings of a `record` with the curves of any `muscle`, and their `label`."""
     grid = fit_table(record).grid
     P = np.clip(grid.pressure, 0.0, HIGHEST_PRESSURE)
     strain, force, curve = _plot_strains(grid)
@@ -215,9 +201,7 @@ def _curve_forces(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     """Forces [N] of the fitted muscle; without measured pushes, up to the free strain only."""
     # a corrected pressure may lie a little below zero
     muscle, P = calibration.muscle, np.maximum(calibration.grid.pressure, 0.0)
-    rest_length = calibration.record.rest_length
-    if rest_length is not None:
-        strain = strain * (rest_length / float(muscle.length))
+    strain = strain * calibration.strain_scale
     if not calibration.problem.pulls:
         return static_force(muscle, P, strain)
     force = pulling_force(muscle, P, strain)
@@ -290,13 +274,7 @@ def readings_plot(calibration: Calibration) -> plot.ReadingsPlot:
 
 
 def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list[plot.ProfilePlot]:
-    """Profiles in the units of the figure.
-
-    **Arguments:**
-
-    - `calibration`: the calibration.
-    - `profiles`: of some of its parameters.
-    """
+    """Profiles of some parameters of a `calibration`, in the units of the figure."""
     estimates = {estimate.name: estimate for estimate in calibration.parameters}
     rows = []
     for profile in profiles:

@@ -23,7 +23,7 @@ of 7: pull and resisting force then belong to different muscles.
 **Source:** Kim, Mazzoleni and Bryant (2021), section 5.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from .least_squares import (
     ROUGH,
     Minimum,
     Problem,
+    Solution,
     linearize,
     residual_noise,
     solve,
@@ -50,15 +51,8 @@ _MAX_ERROR = 1.5  # of the readings' own scatter: a larger error is the law's, n
 
 
 def with_readings(problem: Problem, grid: Grid, weights: str) -> tuple[Readings, Problem]:
-    """Read a `grid`, and limit a problem to the factors past the free strain.
-
-    **Arguments:**
-
-    - `problem`: with the muscle, the parameters and their priors.
-    - `grid`: readings, with strains relative to the muscle's length.
-    - `weights`: of the levels, one of `WEIGHTS`.
-
-    **Returns:** the readings and the problem.
+    """Read a `grid`, its strains relative to the muscle's length, and limit a `problem` to the
+    factors past the free strain; `weights` of the levels, one of `WEIGHTS`.
     """
     readings = read_curves(problem.muscle, grid)
     curves = SmoothCurves(problem.muscle, readings.pressure, top_pressure(grid))
@@ -77,34 +71,16 @@ def with_readings(problem: Problem, grid: Grid, weights: str) -> tuple[Readings,
 def refit_tuning(
     problem: Problem, point: np.ndarray, grid: Grid, weights: str, joint: bool
 ) -> tuple[np.ndarray, Problem]:
-    """Repeat a tuning with another `grid`.
+    """Repeat a tuning with another `grid`, of the same strains and pressures or fewer, from a
+    `point`; `joint`: fit curves and factors together.
 
-    **Arguments:**
-
-    - `problem`, `weights`: of the first tuning.
-    - `point`: coordinates to begin from.
-    - `grid`: other readings at the same strains and pressures, or fewer.
-    - `joint`: fit curves and factors together.
-
-    **Returns:** the coordinates, and the problem with its curves.
+    **Returns:** the coordinates [-], and the problem with its curves.
     """
     readings, refit = with_readings(problem, grid, weights)
     end = fit_jointly(refit, readings, point, weights, starts=1) if joint else None
     if end is not None:
         return end.point, end.problem
     return solve(refit, point[None], tolerance=ROUGH).points[0], refit
-
-
-@dataclass(frozen=True, eq=False)
-class JointFit:
-    """End of the joint search: `problem` with its curves, `readings` with these and their
-    covariance, `point` of the coordinates alone, and `minimum`.
-    """
-
-    problem: Problem
-    readings: Readings
-    point: np.ndarray
-    minimum: Minimum
 
 
 def fit_jointly(
@@ -115,7 +91,7 @@ def fit_jointly(
     starts: int = 4,
     seed: int = 0,
     covariance: np.ndarray | None = None,
-) -> JointFit | None:
+) -> Solution | None:
     """Fit coordinates and curves together, (C14).
 
     **Arguments:**
@@ -127,8 +103,9 @@ def fit_jointly(
     - `seed`: random seed of these.
     - `covariance`: of the factors' own search; left out, the end is not compared with it.
 
-    **Returns:** the end; `None` if nothing was read, the law does not describe the shape of the
-    pull, or the factors change too much.
+    **Returns:** the solution with the curves and the readings of the joint search, and the factors
+    alone as its point; `None` if nothing was read, the law does not describe the shape of the pull,
+    or the factors change too much.
     """
     pulling = problem.grid.measured & (problem.weight == 0)
     if problem.curves is None or not np.any(readings.valid) or not np.any(pulling):
@@ -145,7 +122,8 @@ def fit_jointly(
         deviation=np.concatenate([problem.deviation, deviation]),
     )
     first = np.concatenate([best, readings.coefficients])[None]
-    point = solve(joint, first, tolerance=ROUGH).points[0]
+    ends = solve(joint, first, tolerance=ROUGH)
+    point = ends.points[0]
     end = linearize(joint, point)
     if starts > 1 and np.all(np.isfinite(end.slopes)):
         inverse = np.linalg.inv(end.slopes.T @ end.slopes)
@@ -178,4 +156,4 @@ def fit_jointly(
         pulling=(point[k:] - C_pull @ J[rows, k:].T @ residuals, C_pull),
     )  # fmt: skip
     minimum = Minimum(C[:k, :k], from_curves, noise, noise, linear)
-    return JointFit(problem, joint_readings, point[:k], minimum)
+    return Solution(problem, ends, point[:k], minimum, joint_readings)

@@ -89,7 +89,7 @@ def judge(calibration: Calibration, selection: Selection | None = None) -> Verdi
 
     The size of the errors comes first: a fit is good only if they are small.
     """
-    record, diagnosis = calibration.record, calibration.diagnosis
+    diagnosis = calibration.diagnosis
     chosen = [c for c in selection.candidates if c.chosen] if selection else []
     left_out = chosen[-1].relative_left_out_rmse if chosen else float("nan")
     relative, errors = calibration.relative_rmse, calibration.errors
@@ -108,10 +108,8 @@ def judge(calibration: Calibration, selection: Selection | None = None) -> Verdi
     else:
         overfits = left_out > _OVERFIT * relative
         fit = "noise" if diagnosis.is_white_noise and not overfits else "well"
-    scale = 1.0
-    if record.rest_length is not None:
-        scale = record.rest_length / float(calibration.muscle.length)
-    past = record.strain * scale > calibration.free_strain[calibration.fit_data.level]
+    strain = calibration.record.strain * calibration.strain_scale
+    past = strain > calibration.free_strain[calibration.fit_data.level]
     past &= not calibration.fit_data.pulls
     parts = [errors[mask & np.isfinite(errors)] for mask in (~past, past)]
     pulling, resisting = (

@@ -80,7 +80,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
             "record", "has no runs at constant pressure or length to average", None
         )
     pieces, widths, loops = [], [], 0
-    for level in _group_by_level(record, segments):
+    for level in group_by_level(record, segments):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
         loops += loop is not None
@@ -130,7 +130,7 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
     )
 
 
-def _group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
+def group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
     """Runs in groups, each of one kind at about one level, in order of kind and level."""
     levels: list[list[Run]] = []
     scales = {kind: np.max(np.abs(getattr(record, kind))) for kind in ("pressure", "force")}
