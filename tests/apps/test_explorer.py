@@ -657,6 +657,15 @@ def move_finger(page, x, y, dx, dy):
     send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
 
 
+def test_only_a_page_with_a_pointer_speaks_of_a_key(phone, visit):
+    text = "node => getComputedStyle(node, '::after').content"
+    for page, hint in ((phone, "none"), (visit(), '" (Ctrl for several)"')):
+        label = page.get_by_text("Compare with")
+        label.first.wait_for()
+        assert "Ctrl" not in label.first.inner_text()
+        assert label.first.evaluate(text) == hint
+
+
 def test_nothing_leaves_a_phones_page_or_overlaps(phone):
     for tab in tabs_one_by_one(phone):
         assert (tab, untidy(phone, 390)) == (tab, [])

@@ -154,10 +154,13 @@ class CompareView(Tab):
         self._table = pane(sizing_mode="stretch_width", margin=(8, 8))
         pinned = (self._strain.panel, self._legend, chart.new_pane(), self._table)
         downloads = row(
-            *download_buttons(lambda: comparison_downloads(session.view, session.input_names)),
+            *download_buttons(
+                lambda: comparison_downloads(session.view, session.input_names),
+                self.download_message,
+            ),
             kind="wrapped", sizing_mode=None,
         )  # fmt: skip
-        self._comparison = column(self.notes, *pinned, downloads)
+        self._comparison = column(self.notes, *pinned, downloads, self.download_message.pane)
         example = button("Try two braid angles", self.pin_example)
         self._empty = column(pane(_EMPTY), example, kind="framed")
         side = side_column(

@@ -170,7 +170,8 @@ class DataView(Tab):
         self._download_row = row(
             *self.record_downloads, kind="wrapped", visible=False, margin=(0, 8)
         )
-        parts = (self.empty_state, self.chart.new_pane(), self._download_row)
+        parts = (self.empty_state, self.chart.new_pane(), self._download_row,
+                 self.download_message.pane)  # fmt: skip
         self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
@@ -189,7 +190,7 @@ class DataView(Tab):
                  _BY_NAME: _BY_NAME}  # fmt: skip
         self.kind = dropdown("What to fit", kinds)
         self.constants = widget(
-            pn.widgets.MultiSelect, "Constants (Ctrl for several)", size=6, visible=False
+            pn.widgets.MultiSelect, "Constants", size=6, visible=False, css_classes=["several"]
         )
         self.kind.param.watch(
             lambda event: self.constants.param.update(visible=event.new == _BY_NAME), "value"
@@ -205,14 +206,15 @@ class DataView(Tab):
         self.saves = [
             download_button(
                 "Download tuned muscle", "toml",
-                lambda: self._as_file("tuned", self._tuned_muscle_toml()), disabled=True, width=184,
+                lambda: self._as_file("tuned", self._tuned_muscle_toml()), self.download_message,
+                disabled=True, width=184,
             ),
             download_button(
                 "Download report", "html", lambda: self._as_file("report", self._shown_fit.report),
-                disabled=True,
+                self.download_message, disabled=True,
             ),
         ]  # fmt: skip
-        self.record_downloads = download_buttons(self.export, disabled=True)
+        self.record_downloads = download_buttons(self.export, self.download_message, disabled=True)
 
     def draw(self, view: View) -> None:
         """Show force curves of the muscle and the fit, at the record's pressures, if any."""

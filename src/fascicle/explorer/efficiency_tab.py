@@ -1,27 +1,25 @@
 """Tab of efficiency: maps over the force-strain space, and averages by number of motor units."""
 
 from functools import lru_cache
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 import panel as pn
 from bokeh.models import ColorBar, LinearColorMapper, Title
 from bokeh.palettes import Cividis256
 
-from ..bundle import Bundle
 from ..bundle.energetics import (
     PATHS,
-    EfficiencyMap,
     average_efficiency,
     constant_cross_section,
-    efficiency_map,
 )
+from ..bundle.resistance_loss import Maps, efficiency_maps
 from ..bundle.schemes import SCHEMES
 from ..muscle import Muscle
 from ..plot.theme import CLEAR, FIGURES, Colors
 from .chart import Chart, screen_height
 from .remarks import remarks_html, words_html
-from .state import Session, View, scaled_muscle
+from .state import MAPS, Session, View, changed, scaled_muscle
 from .tab import LatestResult, Tab
 from .theme import column, pane, row
 from .widgets import dropdown, html_table, status_line
@@ -29,83 +27,13 @@ from .widgets import dropdown, html_table, status_line
 
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
 _LEAST_SCALE = 0.001  # of efficiency: less can't be read from a map
-_THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
 _NO_PATH = (
     "With free recruitment, many pressures of the motor units give one force and contraction, so"
     " that no path is isobaric: choose the path isotonic."
 )
-_KINDS = {"with resistance": "resisted", "without resistance": "free",
-          "loss due to resistance": "difference"}  # fmt: skip
-
-
-Outline = tuple[np.ndarray, np.ndarray]
-
-
-class Maps(NamedTuple):
-    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points.
-
-    `resistance_gaps`: outlines (strain [-], force [N]) of the points that a recruitment state
-    reaches without resistance, but not with it.
-    """
-
-    resisted: EfficiencyMap
-    free: EfficiencyMap
-    resistance_gaps: tuple[Outline, ...]
-
-    @property
-    def difference(self) -> np.ndarray:
-        """Efficiency lost to resistance [-], at points that both reach."""
-        return self.free.efficiency - self.resisted.efficiency
-
-    @property
-    def changes_state(self) -> np.ndarray:
-        """True at points where resistance makes another recruitment state the best."""
-        return np.isfinite(self.difference) & (self.free.state != self.resisted.state)
-
-    @property
-    def filled_difference(self) -> np.ndarray:
-        """Efficiency lost to resistance [-]; where resistance changes the state, in strips thinner
-        than a cell, that of the nearest point below or above where it doesn't.
-        """
-        values, empty = self.difference, self.changes_state.copy()
-        for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
-            for i in rows:
-                fill = empty[i] & ~empty[i + step] & np.isfinite(values[i + step])
-                values[i, fill], empty[i, fill] = values[i + step, fill], False
-        return np.where(empty, np.nan, values)
-
-
-@lru_cache(maxsize=16)  # visitors share it
-def efficiency_maps(bundle: Bundle, path: str) -> Maps:
-    """Efficiency maps with the resistance of inactive muscles and without, on the same grid.
-
-    `path`: isobaric or isotonic.
-    """
-    resisted = efficiency_map(bundle, path=path, resistance=True)
-    force, strain = resisted.force, resisted.strain
-    free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)
-    return Maps(resisted, free, _resistance_gaps(bundle, strain))
-
-
-def _resistance_gaps(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
-    """Outlines of the points that a recruitment state reaches without resistance alone, over the
-    strains [-] of a map; none for units of independent pressures.
-    """
-    if bundle.scheme.independent:
-        return ()
-    strain = np.r_[0.0, strain]
-    with_resistance, without = (
-        np.maximum(bundle.workspace(levels=2, strain=strain, resistance=resistance).high, 0.0)
-        for resistance in (True, False)
-    )
-    outlines = []
-    for low, high in zip(with_resistance, without, strict=True):
-        inside = np.flatnonzero(high - low > _THIN * without.max())
-        if inside.size:
-            column = slice(inside[0], inside[-1] + 1)
-            x = strain[column]
-            outlines.append((np.r_[x, x[::-1]], np.r_[high[column], low[column][::-1]]))
-    return tuple(outlines)
+_LABELS: dict[str, str] = dict(zip(
+    MAPS, ("with resistance", "without resistance", "loss due to resistance"), strict=True
+))  # fmt: skip
 
 
 def equivalent_muscle(view: View) -> Muscle:
@@ -140,8 +68,8 @@ class EfficiencyView(Tab):
         self._result: Maps | None = None
         self._path = dropdown("Path", list(PATHS), width=200)
         self._path.param.watch(lambda event: session.change(path=event.new), "value")
-        self._kind = dropdown("Map", _KINDS, width=230)
-        self._kind.param.watch(lambda _: self._show_map(), "value")
+        self._kind = dropdown("Map", {label: kind for kind, label in _LABELS.items()}, width=230)
+        self._kind.param.watch(lambda event: session.change(map=event.new), "value")
         self._add_map_chart()
         self._make_averages_chart()
         self._numbers, self._strip_note = pane(), pane(width=330)
@@ -162,7 +90,7 @@ class EfficiencyView(Tab):
 
     def draw(self, view: View) -> None:
         """Draw all that the tab shows of a `view`."""
-        self._path.value = view.path
+        self._path.value, self._kind.value = view.path, view.map
         self.notes.object = remarks_html(view, "efficiency")
         if SCHEMES[view.scheme].independent and view.path == "isobaric":
             self.fail(_NO_PATH)
@@ -171,6 +99,12 @@ class EfficiencyView(Tab):
         for figure in self.figures:
             figure.visible = figure.loading = True
         self.maps.request(lambda: efficiency_maps(view.bundle, view.path))
+
+    def follow(self, before: View, after: View) -> None:
+        """Show another map."""
+        if changed(before, after, "map"):
+            self._kind.value = after.map
+            self._show_map()
 
     def fail(self, error: ValueError | str) -> None:
         """Show the error of a computation in place of the figures."""
@@ -247,10 +181,10 @@ class EfficiencyView(Tab):
     def _show_map(self) -> None:
         if self._result is None:
             return
-        result, kind = self._result, self._kind.value
+        result, kind = self._result, self.session.view.map
         unit, scale = self.unit("force")
-        is_loss, loss = kind == "difference", result.difference[result.changes_state]
-        values = result.filled_difference if is_loss else getattr(result, kind).efficiency
+        is_loss, loss = kind == "loss", result.difference[result.changes_state]
+        values = getattr(result, kind).efficiency
         strips = result.resistance_gaps if is_loss else ()
         note = (
             (
@@ -284,9 +218,8 @@ class EfficiencyView(Tab):
             )
             self.map_chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
             point = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
-            label = next(label for label, value in _KINDS.items() if value == kind)
             self.map_chart.describe(
-                f"Map of the efficiency over contraction and force, {label}: {low:.3g} to"
+                f"Map of the efficiency over contraction and force, {_LABELS[kind]}: {low:.3g} to"
                 f" {high:.3g}, up to {force[-1]:.4g} {unit}."
             )
             self._hover.tooltips = [("η", "@image{0.000}"), *point]

@@ -5,6 +5,7 @@ of the command line, where there is one of that kind, else labeled variables. Th
 a reader; it is never run here.
 """
 
+import asyncio
 import io
 import re
 import tempfile
@@ -19,6 +20,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from .. import plot
 from ..bundle import Bundle
+from ..bundle.resistance_loss import efficiency_maps
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
@@ -27,15 +29,16 @@ from ..plot.calibration import fit as draw_fit
 from ..plot.curves import force_comparison
 from ..plot.theme import to_bytes
 from ..plot.workspace import efficiency as draw_efficiency
+from ..plot.workspace import efficiency_loss as draw_loss
 from ..records.record import Record
 from ..results import Table, Variable, tables
-from .efficiency_tab import efficiency_maps
 from .measured import AUTOMATIC, STARTS, TUNING
 from .muscle_curves import strain_limit
 from .pins import top_strain
 from .reversal_tab import POINTS, split_curves
 from .state import View
-from .widgets import widget
+from .widgets import Message, widget
+from .worker import result_and_error
 
 
 _STRAINS = 201  # along a muscle's curve
@@ -112,15 +115,18 @@ def reversal_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
 
 
 def efficiency_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Downloads of the bundle's efficiency maps, with resistance and without."""
+    """Downloads of the bundle's efficiency, with resistance and without, and the view's map."""
     stem = output_stem(view.name, "efficiency", input_names)
     maps = efficiency_maps(view.bundle, view.path)
     key, about = "efficiency_without_resistance", "muscles past their free strain don't push back"
     variables = tables.efficiency([maps.resisted])
     values = maps.free.efficiency[None]
     variables[key] = variables["efficiency"]._replace(values=values, about=about)
-    script = _script("efficiency", stem, view.bundle, path=view.path, key=key, about=about)
-    return Export(stem, variables, lambda: draw_efficiency(maps.resisted), script)
+    options = {"path": view.path, "map": view.map, "key": key, "about": about}
+    script = _script("efficiency", stem, view.bundle, **options)
+    if view.map == "loss":
+        return Export(stem, variables, lambda: draw_loss(maps.loss, maps.resistance_gaps), script)
+    return Export(stem, variables, lambda: draw_efficiency(getattr(maps, view.map)), script)
 
 
 def comparison_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
@@ -176,7 +182,7 @@ EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
 _FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Python"}
 
 
-def download_buttons(export: Callable[[], Export], **options: Any) -> list[Any]:
+def download_buttons(export: Callable[[], Export], message: Message, **options: Any) -> list[Any]:
     """Buttons that download the files of an `export`, made when one is pressed."""
 
     def make_button(suffix: str, label: str) -> Any:
@@ -184,19 +190,31 @@ def download_buttons(export: Callable[[], Export], **options: Any) -> list[Any]:
             result = export()
             return result.stem, result.content(suffix)
 
-        return download_button(f"Download {label}", suffix, stem_and_bytes, **options)
+        return download_button(f"Download {label}", suffix, stem_and_bytes, message, **options)
 
     return [make_button(suffix, label) for suffix, label in _FILES.items()]
 
 
 def download_button(
-    label: str, suffix: str, content: Callable[[], tuple[str, bytes]], **options: Any
+    label: str,
+    suffix: str,
+    content: Callable[[], tuple[str, bytes]],
+    message: Message,
+    **options: Any,
 ) -> Any:
-    """Button that downloads a file with a `suffix`; `content` gives its stem and its bytes."""
+    """Button that downloads a file with a `suffix`; `content` gives its stem and its bytes.
 
-    def make_file() -> io.BytesIO:
+    If there is no file, `message` says why.
+    """
+
+    async def make_file() -> io.BytesIO:
         """Content of the file; also sets the button's filename."""
-        stem, raw = content()
+        result, error = result_and_error(content)
+        if error is not None:
+            message.show(f"{label}: the file can't be made. {error}")
+            raise asyncio.CancelledError  # nothing to send
+        stem, raw = result
+        message.show("")
         button.filename = f"{stem}.{suffix}"
         return io.BytesIO(raw)
 

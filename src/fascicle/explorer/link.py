@@ -23,7 +23,7 @@ from ..units import exact, parse
 from .muscle_curves import check_alternatives
 from .pins import parse_pins, pins_text, shipped_muscle
 from .scenario_setup import open_setup, read_setup, setup_query
-from .state import DISPLAY_UNITS, MOST_UNITS, TABS, Unit, View, check_units, view_of
+from .state import DISPLAY_UNITS, MAPS, MOST_UNITS, TABS, Unit, View, check_units, view_of
 from .widgets import message_in_units, unit_factor
 
 
@@ -35,18 +35,24 @@ TOO_LARGE = "left-out"  # instead of a larger file
 _SETUP_KEYS = ("scenario_file", "scenario", "set", "policies")
 # in this order: the muscle's file has the number of units
 _KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "load", "pressures",
-         "resistance", "path", "splits", "show", "tab", "compare", "pins",
+         "resistance", "path", "map", "splits", "show", "tab", "compare", "pins",
          *_SETUP_KEYS)  # fmt: skip
 _LABELS = {
     "muscle": "the example", "file": "the muscle's file", "supply": "the supply pressure",
     "units": "the motor units", "scheme": "the recruitment", "pressure": "the pressure",
     "strain": "the contraction", "load": "the load", "pressures": "each motor unit's pressure",
-    "resistance": "the resistance", "path": "the path", "splits": "the splits",
+    "resistance": "the resistance", "path": "the path", "map": "the map of efficiency",
+    "splits": "the splits",
     "show": "the units shown", "tab": "the tab", "compare": "the laws to compare with",
     "pins": "the list of pinned curves", "scenario_file": "the scenario's file",
     "scenario": "the scenario", "set": "the scenario's fields", "policies": "the policies",
 }  # fmt: skip
-_CHOICES: Mapping[str, tuple[str, ...]] = {"scheme": tuple(SCHEMES), "path": PATHS, "tab": TABS}
+_CHOICES: Mapping[str, tuple[str, ...]] = {
+    "scheme": tuple(SCHEMES),
+    "path": PATHS,
+    "map": MAPS,
+    "tab": TABS,
+}
 
 
 def to_query(view: View) -> dict[str, str]:
@@ -72,6 +78,7 @@ def to_query(view: View) -> dict[str, str]:
         "pressures": ",".join(pressure_text(P) for P in view.pressures),
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
+        "map": view.map,
         "splits": ",".join("-".join(map(str, split)) for split in view.splits),
         "show": ",".join(view.display_units[kind] for kind in DISPLAY_UNITS),
         "tab": view.tab,

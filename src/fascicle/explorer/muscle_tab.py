@@ -74,8 +74,9 @@ class MuscleView(Tab):
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
         self._numbers = pane(sizing_mode="stretch_width")
         self._sweep = Sweep("the strain", self._advance)
-        label = "Compare with (Ctrl for several)"
-        self.compare = widget(pn.widgets.MultiSelect, label, size=4)
+        self.compare = widget(
+            pn.widgets.MultiSelect, "Compare with", size=4, css_classes=["several"]
+        )
         self.compare.param.watch(self._choose_alternatives, "value")
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
         explanations = pane(

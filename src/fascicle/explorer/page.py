@@ -262,16 +262,19 @@ class Page:
         self._views[name].refresh()
 
     def _download_rows(self, name: str, view: Tab) -> list[Any]:
-        """Download buttons of the tab with a `name` as a list of one row; empty for those with
-        buttons of their own. The first tab's row also starts the story.
+        """Download buttons of the tab with a `name`, in a row, and their message; empty for those
+        with buttons of their own. The first tab's row also starts the story.
         """
         if name not in EXPORTS:
             return []
         session, story = self._session, []
-        view.downloads = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
+        view.downloads = download_buttons(
+            lambda: EXPORTS[name](session.view, session.input_names), view.download_message
+        )
         if name == TABS[0]:
             story = [self._story.start_button("The story in four steps", margin=(2, 4))]
-        return [row(*view.downloads, *story, kind="wrapped", sizing_mode=None, margin=(0, 8))]
+        buttons = row(*view.downloads, *story, kind="wrapped", sizing_mode=None, margin=(0, 8))
+        return [buttons, view.download_message.pane]
 
     def _follow(self, before: View, after: View) -> None:
         if before.tab != after.tab:

@@ -25,6 +25,7 @@ TABS = ("muscle", "bundle", "reversal", "efficiency", "compare", "time", "data")
 DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
+MAPS = ("resisted", "free", "loss")  # of efficiency
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
 _DISPLAY_FIELDS = ("tab", "display_units")  # that undo and reset leave as they are
@@ -60,7 +61,8 @@ class View:
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
     `load` on the bundle [N], if any; `distance` between the plates [m], where muscles differ;
     `alternatives` to the muscle's laws, such as `buckling:elastica`; `pins` to compare, the first
-    is the reference; `display_units` by dimension; the `setup` of a simulation.
+    is the reference; `map` of efficiency that is shown; `display_units` by dimension; the `setup`
+    of a simulation.
     """
 
     name: str
@@ -77,6 +79,7 @@ class View:
     alternatives: tuple[str, ...] = ()
     pins: tuple[Pin, ...] = ()
     path: str = "isobaric"
+    map: str = MAPS[0]
     splits: tuple[tuple[int, ...], ...] = ((1, 4), (2, 3), (4, 1))
     display_units: Mapping[str, str] = field(
         default_factory=lambda: {kind: units[0] for kind, units in DISPLAY_UNITS.items()}
@@ -117,7 +120,7 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        names = ("display_units", "tab", "resistance", "path", "splits", "pins", "setup")
+        names = ("display_units", "tab", "resistance", "path", "map", "splits", "pins", "setup")
         view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
         units = tuple(map(Unit, _COUNTS))

@@ -43,6 +43,7 @@ class Tab:
         self.notes = pane(margin=(2, 8), sizing_mode="stretch_width")
         self.message = Message()
         self.downloads: list[Any] = []  # buttons of files of what is drawn
+        self.download_message = Message()  # where a file can't be made
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
@@ -54,6 +55,7 @@ class Tab:
         self._drawn = view
         if before is None or changed(before, view, *self.fields):
             self.enable(self.downloads, True)
+            self.download_message.show("")
             self.draw(view)
         else:
             self.follow(before, view)

@@ -126,13 +126,15 @@ class TimeView(Tab):
         self.drawn.param.watch(self._choose_drawn, "value")
         self.saves = [
             *(download_button(f"Save charts ({kind.upper()})", kind,
-                              lambda kind=kind: self._charts_file(kind), disabled=True)
+                              lambda kind=kind: self._charts_file(kind), self.download_message,
+                              disabled=True)
               for kind in ("png", "svg")),
             self._film_button(),
-            download_button("Save table (CSV)", "csv", self._table_file, disabled=True),
+            download_button("Save table (CSV)", "csv", self._table_file, self.download_message,
+                            disabled=True),
         ]  # fmt: skip
         self.save_scenario = download_button(
-            "Save scenario", "toml", self._scenario_file, width=118
+            "Save scenario", "toml", self._scenario_file, self.message, width=118
         )
 
     def _film_button(self) -> Any:
@@ -248,6 +250,7 @@ class TimeView(Tab):
         drawing = column(
             self.drawn, self._scene.new_pane(), self._drawing_legend, self._table,
             row(*self.saves, kind="wrapped", sizing_mode=None, margin=(4, 4)),
+            self.download_message.pane,
             kind="equal", styles={"flex": "2 1 0"},
         )  # fmt: skip
         charts = column(

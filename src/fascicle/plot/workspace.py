@@ -1,5 +1,6 @@
 """The force-strain plane of a bundle: states, their overlap, demands of a task, efficiency."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -119,6 +120,26 @@ def efficiency(*maps: EfficiencyMap) -> Figure:
             letter(ax, mark, title)
         else:
             ax.set_title(title, loc="left")
+    return figure
+
+
+@styled
+def efficiency_loss(loss: EfficiencyMap, gaps: Sequence[tuple[np.ndarray, np.ndarray]]) -> Figure:
+    """Figure of the efficiency lost to resistance over force and strain.
+
+    **Arguments:**
+
+    - `loss`: the efficiency lost [-].
+    - `gaps`: outlines (strain [-], force [N]) of what a state reaches without resistance alone.
+    """
+    figure, axes = new_figure(1, 1, SINGLE, 0.72 * SINGLE)
+    ax = axes[0, 0]
+    highest = float(np.nanmax(loss.efficiency)) if np.isfinite(loss.efficiency).any() else 1.0
+    image = draw_efficiency(ax, loss, highest or 1.0)
+    for strain, force in gaps:
+        ax.plot(strain, force, color=VERMILION, linewidth=0.8)
+    figure.colorbar(image, ax=ax, label="Loss of η [–]", pad=0.02)
+    ax.set_title(f"{loss.path}: average loss {loss.average:.3f}", loc="left")
     return figure
 
 

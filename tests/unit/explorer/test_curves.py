@@ -9,6 +9,7 @@ from matplotlib.path import Path
 
 import fascicle as fs
 from fascicle.bundle import reversal
+from fascicle.bundle.resistance_loss import efficiency_maps
 from fascicle.bundle.reversal import Reversal
 from fascicle.explorer import bundle_curves, efficiency_tab
 from fascicle.explorer.muscle_curves import (
@@ -283,7 +284,7 @@ def test_a_curve_goes_through_its_turning_point_and_breaks_at_a_jump(jump, turn)
 @pytest.mark.parametrize("name", ["kim2021_bundle_1_4", "kim2021_bundle_five"])
 def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
     view = replace(view_of(fs.example(name), name), tab="efficiency")
-    maps = efficiency_tab.efficiency_maps(view.bundle, "isobaric")
+    maps = efficiency_maps(view.bundle, "isobaric")
     i, j = np.nonzero(maps.changes_state)
     points = np.c_[maps.free.strain[j], maps.free.force[i]]
     inside = [
@@ -292,7 +293,7 @@ def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
     assert len(points) and np.all(np.any(inside, axis=0))
     tab = efficiency_tab.EfficiencyView(Session(view), LIGHT)
     tab.refresh()
-    tab._kind.value = "difference"
+    tab._kind.value = "loss"
     (image,) = tab._image.data["image"]
     others = maps.difference[~maps.changes_state]
     assert np.nanmax(np.abs(image)) == pytest.approx(np.nanmax(np.abs(others)), rel=1e-6)
@@ -305,7 +306,7 @@ def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
 def test_the_equivalent_muscle_has_the_bundles_cross_section():
     muscle = efficiency_tab.equivalent_muscle(VIEW)
     assert float(muscle.outer_radius) == pytest.approx(np.sqrt(5) * float(VIEW.muscle.outer_radius))
-    maps = efficiency_tab.efficiency_maps(VIEW.bundle, "isotonic")
+    maps = efficiency_maps(VIEW.bundle, "isotonic")
     assert maps.difference.shape == maps.resisted.efficiency.shape
     average = fs.energetics.average_efficiency(VIEW.bundle, path="isotonic")
     assert maps.resisted.average == pytest.approx(average)

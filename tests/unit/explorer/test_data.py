@@ -1,5 +1,6 @@
 """The data tab and the records that it reads: its content is the last record's, or nothing."""
 
+import asyncio
 from types import SimpleNamespace
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
 def test_downloads_are_named_after_the_record_and_never_as_it(tab, name):
     send(tab, GOOD, name)
     for button in tab.record_downloads:
-        button.callback()
+        asyncio.run(button.callback())
     names = [button.filename for button in tab.record_downloads]
     assert len({*names, name}) == len(names) + 1
     assert all(other.startswith(f"{name.rpartition('.')[0]}_comparison.") for other in names)

@@ -1,20 +1,25 @@
 """Downloads: the Python runs as it is and makes the same data; pictures and netCDF parse."""
 
+import asyncio
 import runpy
 import subprocess
 import sys
 import xml.etree.ElementTree as ET  # of our own pictures
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import panel as pn
 import pytest
 
 import fascicle as fs
+from fascicle.bundle.resistance_loss import efficiency_maps
 from fascicle.cli import main
 from fascicle.explorer.exports import EXPORTS, data, output_stem
 from fascicle.explorer.measured import AUTOMATIC, TUNING, read_record
-from fascicle.explorer.state import view_of
+from fascicle.explorer.page import Page
+from fascicle.explorer.state import TABS, Pin, Session, view_of
 from fascicle.results.labelled import read
 
 
@@ -41,6 +46,17 @@ def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
         runpy.run_path(str(script), run_name="__main__")
     assert (tmp_path / f"{export.stem}.csv").read_bytes() == export.content("csv")
     assert is_svg(tmp_path / f"{export.stem}.svg")
+
+
+@pytest.mark.parametrize("kind", ["resisted", "free", "loss"])
+def test_the_picture_of_efficiency_is_that_of_the_map_shown(kind, tmp_path, monkeypatch):
+    export = EXPORTS["efficiency"](replace(VIEW, map=kind), ())
+    maps = efficiency_maps(VIEW.bundle, VIEW.path)
+    image = export.figure().axes[0].collections[0].get_array()
+    np.testing.assert_array_equal(np.ma.filled(image, np.nan), getattr(maps, kind).efficiency)
+    monkeypatch.chdir(tmp_path)
+    exec(export.script, {})  # noqa: S102 what is tested
+    assert is_svg(f"{export.stem}.svg")
 
 
 @pytest.mark.parametrize(
@@ -126,6 +142,28 @@ def test_pictures_and_datasets_parse(tmp_path):
     assert dataset["force"].attrs["units"] == "N"
     expected = np.asarray(VIEW.muscle.force(VIEW.pressure, dataset["strain"].values))
     assert dataset["force"].values[0] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("tab", TABS)
+@pytest.mark.parametrize("error", [ValueError("no such muscle"), OSError("no room")])
+def test_a_file_that_cannot_be_made_is_told_on_the_page(tab, error, monkeypatch, capsys):
+    def fail(*_):
+        raise error
+
+    view = replace(VIEW, tab=tab, pins=(Pin("one", VIEW.muscle, VIEW.pressure),))
+    page = Page(Session(view))
+    monkeypatch.setattr("fascicle.explorer.exports.Export.content", fail)
+    monkeypatch.setattr("fascicle.explorer.time_tab.TimeView._charts_file", fail)
+    buttons = page._contents[tab].select(pn.widgets.FileDownload)
+    message = page._views[tab].download_message
+    (button,) = [button for button in buttons if "PNG" in button.label]
+    if tab == "data":
+        page._views[tab].open_example()
+    with pytest.raises(asyncio.CancelledError):
+        asyncio.run(button.callback())
+    assert message.pane in page.panel.select(pn.pane.HTML) and message.pane.visible
+    reason = "no such muscle" if isinstance(error, ValueError) else "see the server"
+    assert button.label in message.text and reason in message.text
 
 
 def test_no_output_has_the_name_of_a_file_that_was_read():

@@ -1,0 +1,81 @@
+"""Efficiency that a bundle loses to the resistance of inactive muscles, as maps on one grid."""
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from .bundle import Bundle
+from .energetics import EfficiencyMap, efficiency_map
+
+
+_THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
+Outline = tuple[np.ndarray, np.ndarray]
+
+
+class Maps(NamedTuple):
+    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points.
+
+    `resistance_gaps`: outlines (strain [-], force [N]) of the points that a recruitment state
+    reaches without resistance, but not with it.
+    """
+
+    resisted: EfficiencyMap
+    free: EfficiencyMap
+    resistance_gaps: tuple[Outline, ...]
+
+    @property
+    def difference(self) -> np.ndarray:
+        """Efficiency lost to resistance [-], at points that both reach."""
+        return self.free.efficiency - self.resisted.efficiency
+
+    @property
+    def changes_state(self) -> np.ndarray:
+        """True at points where resistance makes another recruitment state the best."""
+        return np.isfinite(self.difference) & (self.free.state != self.resisted.state)
+
+    @property
+    def loss(self) -> EfficiencyMap:
+        """Map of the efficiency lost to resistance [-]; where resistance changes the state, in
+        strips thinner than a cell, that of the nearest point below or above where it doesn't.
+        """
+        values, empty = self.difference, self.changes_state.copy()
+        for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
+            for i in rows:
+                fill = empty[i] & ~empty[i + step] & np.isfinite(values[i + step])
+                values[i, fill], empty[i, fill] = values[i + step, fill], False
+        return replace(self.resisted, efficiency=np.where(empty, np.nan, values))
+
+
+@lru_cache(maxsize=16)  # visitors of the explorer share it
+def efficiency_maps(bundle: Bundle, path: str) -> Maps:
+    """Efficiency maps with the resistance of inactive muscles and without, on the same grid.
+
+    `path`: "isobaric" or "isotonic".
+    """
+    resisted = efficiency_map(bundle, path=path, resistance=True)
+    force, strain = resisted.force, resisted.strain
+    free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)
+    return Maps(resisted, free, _resistance_gaps(bundle, strain))
+
+
+def _resistance_gaps(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
+    """Outlines of the points that a recruitment state reaches without resistance alone, over the
+    strains [-] of a map; none for units of independent pressures.
+    """
+    if bundle.scheme.independent:
+        return ()
+    strain = np.r_[0.0, strain]
+    with_resistance, without = (
+        np.maximum(bundle.workspace(levels=2, strain=strain, resistance=resistance).high, 0.0)
+        for resistance in (True, False)
+    )
+    outlines = []
+    for low, high in zip(with_resistance, without, strict=True):
+        inside = np.flatnonzero(high - low > _THIN * without.max())
+        if inside.size:
+            column = slice(inside[0], inside[-1] + 1)
+            x = strain[column]
+            outlines.append((np.r_[x, x[::-1]], np.r_[high[column], low[column][::-1]]))
+    return tuple(outlines)
