@@ -28,6 +28,7 @@ from .headers import (
     absolute_unit,
     dimension_of,
     is_absolute,
+    is_any_unit,
     is_gauge_unit,
     is_unit,
     list_words,
@@ -254,62 +255,51 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     """The column with its unit (`override`, else the header's), factor and sign; an absolute
     pressure is refused unless the `atmosphere` is known.
     """
-    if column.role in {"branch", "clipped"}:
+    role, header = column.role, table.header[column.index]
+    if role in {"branch", "clipped"}:
         return column
-    header, row_unit = table.header[column.index], strip_brackets(table.units[column.index])
-    meanings = read_header(header)
-    dimension = dimension_of(column.role)
-    units = [unit for _, unit in meanings if unit]
-    units.sort(key=lambda unit: not is_unit(unit, (dimension,)))
-    header_unit = row_unit or next(iter(units), "")
-    unit = override or header_unit or None
+    dimension, words = dimension_of(role), list_words(header)
+    header_unit = _stated_unit(table, column.index, dimension)
+    unit = override or header_unit
     where = f"{table.where}, column `{header}`"
-    if unit is None and column.role in USUAL_UNITS:
-        if column.role == "time":
-            unit = header if is_unit(header, ("time",)) else "s"
-        else:
-            header_words = list_words(header)
-            weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
-            if not weights and column.role == "force" and header_words & MASSES:
-                weights = ["kgf", "gf", "N"]
-            best, *alternatives = weights or [USUAL_UNITS[column.role]]
-            how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
-            after = f", or {' or '.join(alternatives)}" if alternatives else ""
-            raise MissingMetadataError(how, ("units", column.role, best, after))
-    calls_absolute = is_absolute(header_unit) or bool(list_words(header) & ABSOLUTE)
-    absolute = column.role == "pressure" and (
-        is_absolute(unit or "") or (calls_absolute and not is_gauge_unit(unit or ""))
+    if not unit and role == "time":
+        unit = header if is_unit(header, ("time",)) else "s"
+    elif not unit and role in USUAL_UNITS:
+        weights = [unit for word in words if (unit := weight_unit(word, dimension))]
+        if not weights and role == "force" and words & MASSES:
+            weights = ["kgf", "gf", "N"]
+        best, *alternatives = weights or [USUAL_UNITS[role]]
+        how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
+        after = f", or {' or '.join(alternatives)}" if alternatives else ""
+        raise MissingMetadataError(how, ("units", role, best, after))
+    calls_absolute = is_absolute(header_unit) or bool(words & ABSOLUTE)
+    absolute = role == "pressure" and (
+        is_absolute(unit) or (calls_absolute and not is_gauge_unit(unit))
     )
-    if absolute:
-        if not atmosphere:
-            label = unit if is_absolute(unit or "") else header
-            how = (
-                f"{where}: {label!r} is absolute, muscles are computed in gauge pressure: to"
-                " subtract the atmosphere, give "
-            )
-            choices: list[tuple[str, str, str, str]] = [
-                ("atmosphere", "", "1.013 bar", " as measured then")
-            ]
-            if not is_absolute(unit or ""):  # its name may be wrong
-                choices.append(("units", "pressure", f"{unit} (g)", ", if it is gauge"))
-            raise MissingMetadataError(how, *choices)
-        unit = absolute_unit(unit or "") or unit
+    if absolute and not atmosphere:
+        how = (
+            f"{where}: {unit if is_absolute(unit) else header!r} is absolute, muscles are computed"
+            " in gauge pressure: to subtract the atmosphere, give "
+        )
+        choices = [("atmosphere", "", "1.013 bar", " as measured then")]
+        if not is_absolute(unit):  # its name may be wrong
+            choices.append(("units", "pressure", f"{unit} (g)", ", if it is gauge"))
+        raise MissingMetadataError(how, *choices)
+    unit = (absolute and absolute_unit(unit)) or unit
     try:
-        factor = unit_factor(unit or "", dimension)
+        factor = unit_factor(unit, dimension)
     except ValueError as error:
         # a remark in brackets is no unit of a strain
-        if column.role != "strain" or override is not None or is_unit(unit or ""):
-            raise _wrong_unit(where, column.role, unit or "", dimension, error) from None
+        if role != "strain" or override is not None or is_unit(unit):
+            raise _wrong_unit(where, role, unit, error) from None
         unit, factor = "", 1.0
-    is_valid = is_unit(header_unit) or is_absolute(header_unit)
-    meaning = header_unit if is_valid else weight_unit(header_unit, dimension)
-    terms = list_words(header)
-    longer = column.role in {"strain", "displacement"} and terms & LONGER
-    longer = longer and not terms & {"compressive", "compression"}
+    meaning = header_unit if is_any_unit(header_unit) else weight_unit(header_unit, dimension)
+    longer = role in {"strain", "displacement"} and words & LONGER
+    longer = longer and not words & {"compressive", "compression"}
     return replace(
         column,
         header=header,
-        unit=unit or "",
+        unit=unit,
         factor=factor,
         sign=-1 if longer else 1,
         replaced_unit=header_unit if override and meaning not in ("", override) else "",
@@ -317,9 +307,16 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     )
 
 
-def _wrong_unit(where: str, role: str, unit: str, dimension: str, error: ValueError) -> ValueError:
+def _stated_unit(table: Table, index: int, *dimensions: str) -> str:
+    """Unit of a column: of the row of units, or else of its name, best one of the `dimensions`."""
+    units = [strip_brackets(table.units[index])]
+    units = units if units[0] else [unit for _, unit in read_header(table.header[index])]
+    return next((unit for unit in units if unit and is_unit(unit, dimensions)), units[0])
+
+
+def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueError:
     """The error for a unit of another dimension than its column's."""
-    if best := weight_unit(unit, dimension):
+    if best := weight_unit(unit, dimension_of(role)):
         how = f"{where}: {error}: write `[{best}]` in the header, the weight of that mass, or give "
         return MissingMetadataError(how, ("units", role, best, ""))
     return ValueError(
@@ -350,22 +347,20 @@ def _columns_in_order(table: Table, repeat: int) -> str:
             entries.append("-")
             continue
         roles.add(role)
-        units = [strip_brackets(table.units[i]), *(unit for _, unit in read_header(header))]
-        units = [unit for unit in units if unit and is_unit(unit, (dimension_of(role),))]
-        entries.append(f"{role}[{units[0]}]" if units else role)
+        unit = _stated_unit(table, i, dimension_of(role))
+        is_stated = unit and is_unit(unit, (dimension_of(role),))
+        entries.append(f"{role}[{unit}]" if is_stated else role)
     return ",".join(entries).rstrip(",-")
 
 
 def _check_position_units(table: Table, roles: Sequence[str]) -> None:
     """Refuse a column named as one of the `roles` whose unit is unknown."""
     for i, header in enumerate(table.header):
-        name, unit = read_header(header)[0]
-        unit = table.units[i] or unit
+        name, unit = read_header(header)[0][0], _stated_unit(table, i)
         role = next((role for role in roles if name in TERMS[role]), None)
-        if role is not None and unit and not is_unit(unit) and role in POSITIONS:
-            dimension = dimension_of(role)
-            error = ValueError(f"{unit!r} is no unit of {dimension}")
-            raise _wrong_unit(f"{table.where}, column `{header}`", role, unit, dimension, error)
+        if role in POSITIONS and unit and not is_unit(unit):
+            error = ValueError(f"{unit!r} is no unit of {dimension_of(role)}")
+            raise _wrong_unit(f"{table.where}, column `{header}`", role, unit, error)
 
 
 def _missing(table: Table, role: str, used: set[int]) -> ValueError:
@@ -376,9 +371,9 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     quantities = {"length": "length, strain, displacement or angle", "force": "force or torque"}
     quantity = quantities.get(role, role)
     dimension, names = dimension_of(role), []
+    dimensions = ("length", "strain", "angle") if role == "length" else (dimension,)
     for i, name in enumerate(table.header):
-        stated = table.units[i] or read_header(name)[0][1]
-        dimensions = ("length", "strain", "angle") if role == "length" else (dimension,)
+        stated = _stated_unit(table, i)
         fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimension)
         if name and i not in used and (fits or (role == "pressure" and is_absolute(stated))):
             names.append(name)
@@ -408,7 +403,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     if pattern or not names:
         named = ("name_pattern", "", pattern, ", as the name says")
         return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
-    unit = table.units[table.header.index(names[0])] or read_header(names[0])[0][1]
+    unit = _stated_unit(table, table.header.index(names[0]))
     roles = [role for role in ("length", "displacement", "strain", "angle")
              if unit and is_unit(unit, (dimension_of(role),))]  # fmt: skip
     if len(names) == 1 and role == "length" and roles:

@@ -53,7 +53,6 @@ _LEVELS = tuple(413.7e3 * i / 12 for i in range(13))  # Pa, 0 to 60 psi in steps
 _MAX_SCATTER = 0.2  # of the length, and rad: more is no scatter of one drawing
 _NOT_NEGATIVE = ("noise", "resolution", "pressure_noise", "displacement_noise", "hysteresis",
                  "mullins", "length_scatter", "angle_scatter")  # fmt: skip
-_SCATTERS = {"length": "length_scatter", "braid_angle": "angle_scatter"}
 _UNITS = {"pressures": "Pa", "speed": "m/s", "resolution": "N", "pressure_noise": "Pa",
           "displacement_noise": "m", "angle_scatter": "rad"}  # fmt: skip
 
@@ -93,19 +92,8 @@ class Scatter:
 
     def __post_init__(self):
         """**Raises:** `InvalidInputError` for a scatter that is negative or huge."""
-        both = (True, True)
-        check_interval(self.length, 0.0, _MAX_SCATTER, "length", "-", "of the length", both)
-        try:
-            angle = check_interval(
-                self.braid_angle, 0.0, _MAX_SCATTER, "braid_angle", "rad", closed=both
-            )
-        except InvalidInputError as error:
-            if not isinstance(error.value, float):
-                raise
-            rule = f"must lie in [0, {np.degrees(_MAX_SCATTER):.4g}] deg"
-            text = pretty(error.value, "angle")
-            raise InvalidInputError("braid_angle", rule, error.value, shown=text) from None
-        object.__setattr__(self, "braid_angle", float(angle))
+        angle = _check_scatters(self.length, self.braid_angle, "length", "braid_angle")
+        object.__setattr__(self, "braid_angle", angle)
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
         """Muscle with a random length and braid angle, or a batch of them of shape `size`.
@@ -205,12 +193,8 @@ class VirtualDynamometer:
             rule = "must be at least 2 and `preconditioning` at least 0"
             values = self.samples, self.preconditioning
             raise InvalidInputError("samples", rule, values, shown=f"{values[0]} and {values[1]}")
-        try:
-            Scatter(self.length_scatter, self.angle_scatter)
-        except InvalidInputError as error:
-            text = pretty(error.value, "angle") if error.argument == "braid_angle" else None
-            name = _SCATTERS[error.argument]
-            raise InvalidInputError(name, error.rule, error.value, error.remedy, text) from None
+        names = ("length_scatter", "angle_scatter")
+        _check_scatters(self.length_scatter, self.angle_scatter, *names)
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
         """Simulate a test of one muscle: a synthetic record of its readings.
@@ -432,6 +416,22 @@ def agreements(
             for scatter in scatters
         ]
     )
+
+
+def _check_scatters(length: float, angle: Values, length_name: str, angle_name: str) -> float:
+    """The `angle` [rad] as a float, if it and the `length` [-] are no too large scatters."""
+    both = (True, True)
+    check_interval(length, 0.0, _MAX_SCATTER, length_name, "-", "of the length", both)
+    try:
+        return float(check_interval(angle, 0.0, _MAX_SCATTER, angle_name, "rad", closed=both))
+    except InvalidInputError as error:
+        if not isinstance(error.value, float):
+            raise
+        rule, text = (
+            f"must lie in [0, {np.degrees(_MAX_SCATTER):.4g}] deg",
+            pretty(error.value, "angle"),
+        )
+        raise InvalidInputError(angle_name, rule, error.value, shown=text) from None
 
 
 def _streams(seed: int) -> list[np.random.Generator]:

@@ -10,6 +10,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,10 +120,8 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
             cells.append("" if value is None else " ".join(str(value).split()).replace('"', ""))
         return cells
 
-    try:
+    with _refusal(f"{source}: can't be read as .xlsx"):
         book = load_workbook(io.BytesIO(raw), data_only=True)
-    except Exception as error:  # noqa: BLE001 of several libraries
-        raise ValueError(f"{source}: can't be read as .xlsx: {_message_line(error)}") from None
     for sheet in book.worksheets:
         if sheet.max_row * sheet.max_column > _MAX_CELLS:
             size = f"{sheet.max_row} rows and {sheet.max_column} columns"
@@ -148,10 +147,8 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
     import pandas as pd
     from nptdms import TdmsFile
 
-    try:
+    with _refusal(f"{source}: can't be read as .tdms"):
         file = TdmsFile.read(io.BytesIO(raw))
-    except Exception as error:  # noqa: BLE001 of the library's own kinds
-        raise ValueError(f"{source}: can't be read as .tdms: {_message_line(error)}") from None
     tables: dict[str, dict[str, pd.Series]] = {}
     for group in file.groups():
         steps = {channel.properties.get("wf_increment") for channel in group.channels()}
@@ -173,13 +170,9 @@ def _structures(raw: bytes, source: str) -> dict[str, bytes]:
     """Tab-separated text of each structure with columns in a .mat file, by name."""
     from scipy.io import loadmat
 
-    try:
+    remedy = ": save it with save(…, '-v7'), or export its readings as CSV."
+    with _refusal(f"{source}: can't be read as .mat", remedy):
         content = loadmat(io.BytesIO(raw), simplify_cells=True)
-    except Exception as error:  # noqa: BLE001 of SciPy's own kinds
-        remedy = "save it with save(…, '-v7'), or export its readings as CSV"
-        raise ValueError(
-            f"{source}: can't be read as .mat: {_message_line(error)}: {remedy}."
-        ) from None
     tables: dict[str, bytes] = {}
     _visit({k: v for k, v in content.items() if not k.startswith("__")}, ("variables",), tables)
     return tables
@@ -262,6 +255,11 @@ def _tabbed_text(frame: "pd.DataFrame", *, header: bool = True) -> bytes:
     return frame.to_csv(sep="\t", index=False, header=header).encode()
 
 
-def _message_line(error: Exception) -> str:
-    """Message of an `error` on one line, without its last period."""
-    return " ".join(str(error).split()).rstrip(".")
+@contextmanager
+def _refusal(before: str, after: str = "") -> Iterator[None]:
+    """Turn any error of a library into one line between the texts `before` and `after`."""
+    try:
+        yield
+    except Exception as error:  # noqa: BLE001 of several libraries
+        line = " ".join(str(error).split()).rstrip(".")
+        raise ValueError(f"{before}: {line}{after}") from None

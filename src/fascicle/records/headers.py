@@ -281,6 +281,11 @@ def dimension_of(role: str) -> str:
     return _DIMENSIONS.get(role, role)
 
 
+def si_unit(role: str) -> str:
+    """SI unit of a role's quantity, "-" of a strain."""
+    return UNITS[dimension_of(role)].si or "-"
+
+
 def is_known(header: str) -> bool:
     """True for a header that names a quantity of a record."""
     return any(score(header, "", role) > 1 for role in ROLES)

@@ -82,23 +82,17 @@ def to_json(record: Record) -> str:
 
     **Raises:** `ValueError` in one line for a record that the schema doesn't allow.
     """
-    data: dict[str, Any] = {
-        "schema": SCHEMA,
-        "synthetic": bool(record.synthetic),
-        "rest_length": None if record.rest_length is None else float(record.rest_length),
-        "sources": [vars(source) for source in record.sources],
-        "notes": list(record.notes),
-    }
-    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
-        values = getattr(record, name)
-        data[name] = None if values is None else values.tolist()
+    columns = {n: getattr(record, n) for n in (*COLUMNS, *OPTIONAL_COLUMNS)}
+    fields = vars(record) | {n: x.tolist() for n, x in columns.items() if x is not None}
     for name in ("censored", "branch"):
-        data[name] = data[name] if any(data[name]) else []
-    data = {name: value for name, value in data.items() if value is not None and value != []}
-    _validate(data, "the record")
+        fields[name] = fields[name] if any(fields[name]) else []
+    length = None if record.rest_length is None else float(record.rest_length)
+    fields |= {"schema": SCHEMA, "synthetic": bool(record.synthetic), "rest_length": length}
+    fields |= {"sources": list(map(vars, record.sources)), "notes": list(record.notes)}
+    table = _validate(fields, "the record").model_dump(by_alias=True, exclude_defaults=True)
     lines = (
         f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
-        for key, value in data.items()
+        for key, value in table.items()
     )
     return "{\n" + ",\n".join(lines) + "\n}\n"
 

@@ -26,7 +26,15 @@ from .columns import (
     split_names,
 )
 from .formats import table_texts
-from .headers import CONSTANTS, ROLES, TERMS, MissingMetadataError, dimension_of, read_header
+from .headers import (
+    CONSTANTS,
+    ROLES,
+    TERMS,
+    MissingMetadataError,
+    dimension_of,
+    read_header,
+    si_unit,
+)
 from .joint import read_arm_table
 from .published import from_json
 from .quantities import (
@@ -48,8 +56,6 @@ from .tables import MAX_ROWS, Table, TableColumns, open_table
 LARGEST_FILE = 1_000_000_000  # bytes
 _TEXT_ROLES = ("branch", "clipped")
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
-_SI_UNITS = {"pressure": "Pa", "force": "N", "torque": "N*m", "length": "m", "displacement": "m",
-             "angle": "rad", "moment_arm": "m", "strain": "-"}  # fmt: skip
 
 
 def load(
@@ -197,11 +203,11 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
         # a constant's name alone would be that of the muscle's size
         label = f"constant {name}" if name == role != "moment_arm" else name
         number = parse(value, dimension_of(role), label) if isinstance(value, str) else value
-        number = float(to_si(number, role, _SI_UNITS[role]))
+        number = float(to_si(number, role, si_unit(role)))
         is_size = name in ("rest_length", "moment_arm")
         if not np.isfinite(number) or (is_size and number <= 0):
             rule = f"must be {'positive and ' if is_size else ''}finite"
-            raise InvalidInputError(name, rule, number, shown=f"{number} {_SI_UNITS[role]}")
+            raise InvalidInputError(name, rule, number, shown=f"{number} {si_unit(role)}")
         changes[name] = number
     return info.model_copy(update=changes)
 
@@ -349,7 +355,7 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     raws = {role: cells.numbers[c.index] for role, c in columns.items() if role not in texts}
     if constants:
         raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
-        columns |= {role: Column(role, -1, role, _SI_UNITS[role]) for role in constants}
+        columns |= {role: Column(role, -1, role, si_unit(role)) for role in constants}
         notes += (f"all readings at {_list_values(constants)}",)
     return Readings(table, columns, raws, texts, cells.lines), notes + cells.notes
 

@@ -8,7 +8,6 @@ for each length (`180 mm`) beside one of pressures are turned likewise.
 
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from .cells import is_number, is_remark, split_cells
 from .headers import (
@@ -32,35 +31,11 @@ _LEVEL = re.compile(
 _PLAIN = re.compile(r"\d+(?:[.,]\d+)?")
 
 
-class WideHeader(NamedTuple):
-    """Columns of a wide table.
-
-    - `names`: of the columns of the long table: the shared ones, those of a group, the pressure.
-    - `shared`: indices of columns that hold for all pressures.
-    - `groups`: pressure and indices of the columns of each.
-    """
-
-    names: tuple[str, ...]
-    shared: tuple[int, ...]
-    groups: tuple[tuple[str, tuple[int, ...]], ...]
-
-    def long_rows(self, rows: Sequence[Sequence[str]]) -> list[tuple[int, list[str]]]:
-        """Index of the row, and cells of each reading, pressure by pressure."""
-        readings = []
-        for level, indices in self.groups:
-            for i, row in enumerate(rows):
-                cells = [row[j] if j < len(row) else "" for j in indices]
-                if any(cells):
-                    shared = [row[j] if j < len(row) else "" for j in self.shared]
-                    readings.append((i, [*shared, *cells, level]))
-        return readings
-
-
-def read_wide_header(
+def _read_header(
     rows: Sequence[Sequence[str]], readings: Sequence[Sequence[str]]
-) -> WideHeader | None:
-    """Columns of a table, from the `rows` above its first `readings`; `None` if its header has no
-    two pressures.
+) -> tuple[list[str], list[tuple[str, list[int]]]] | None:
+    """Names of the long table's columns, and for each pressure its text and the indices of shared
+    columns and its own; from the `rows` above the first `readings`. `None` without two pressures.
 
     Raises a `ValueError` of a few words for pressures with different numbers of columns.
     """
@@ -92,14 +67,12 @@ def read_wide_header(
     else:
         unit = "Pa" if kind == "pressure" else "m"
         factors = [unit_factor(unit, kind) for _, unit, _ in groups]
-    return WideHeader(
-        (*header, f"{kind} [{unit}]" if unit else kind), tuple(shared),
-        # an exponent, since points between digits may separate thousands
-        tuple(
-            (f"{number * factor:.16e}", indices)
-            for (number, _, indices), factor in zip(groups, factors, strict=True)
-        ),
-    )  # fmt: skip
+    # an exponent, since points between digits may separate thousands
+    columns = [
+        (f"{number * factor:.16e}", [*shared, *indices])
+        for (number, _, indices), factor in zip(groups, factors, strict=True)
+    ]
+    return [*header, f"{kind} [{unit}]" if unit else kind], columns
 
 
 def unfold(
@@ -118,32 +91,43 @@ def unfold(
     start += firsts == [False, True]  # a row of pressures that begins with their name
     header_start = max(start - _REACH, 0)
     try:
-        header = read_wide_header(rows[header_start:start], rows[start:])
+        header = _read_header(rows[header_start:start], rows[start:])
     except ValueError as error:
         raise ValueError(f"{source}, line {head[start - 1][0]}: {error}.") from None
-    if header is None or len(names) >= len(header.names):
+    if header is None or len(names) >= len(header[0]):
         return None
+    header_names, groups = header
     first, top = head[start][0] if start < len(head) else len(lines) + 1, head[header_start][0]
     body = [
         [] if is_remark(line) else split_cells(line, delimiter, trim=False)
         for line in lines[first - 1 :]
     ]
     is_led = any(is_number(row[0]) for row in body if row)
-    is_row = [any(map(is_number, row)) and not (is_led and row[0][:1].isalpha()) for row in body]
-    number_rows = [row if flag else [] for row, flag in zip(body, is_row, strict=True)]
-    readings = header.long_rows(number_rows)
-    texts = [(i, row[:1]) for i, row in enumerate(body) if any(row) and not is_row[i]]
-    below, titles = [*readings, *texts], [
+    width = 1 + max(index for _, indices in groups for index in indices)
+    readings, texts = [], []
+    for line, row in enumerate(body, first):
+        if any(map(is_number, row)) and not (is_led and row[0][:1].isalpha()):
+            readings.append((line, [*row, *[""] * (width - len(row))]))
+        elif any(row):
+            texts.append((line, row[0]))
+    shared = len(set(groups[0][1]) & set(groups[1][1]))
+    below = [
+        (line, "\t".join([*(row[j] for j in indices), level]))
+        for level, indices in groups
+        for line, row in readings
+        if any(row[j] for j in indices[shared:])
+    ]
+    titles = [
         (line, text)
         for (line, text), row in zip(
             head[header_start:start], rows[header_start:start], strict=True
         )
         if sum(map(bool, row)) == 1
-    ]  # fmt: skip
-    text = [*lines[: top - 1], *(title for _, title in titles), "\t".join(header.names)]
-    text += ["\t".join(row) for _, row in below]
+    ]
+    text = [*lines[: top - 1], *(title for _, title in titles), "\t".join(header_names)]
     origins = [*range(1, top), *(line for line, _ in titles), head[start - 1][0]]
-    return "\n".join(text), (*origins, *(first + i for i, _ in below))
+    below += texts
+    return "\n".join([*text, *(row for _, row in below)]), (*origins, *(line for line, _ in below))
 
 
 def _column_names(rows: Sequence[Sequence[str]], i: int, kind: str) -> list[str]:
