@@ -1,21 +1,22 @@
 """Results: a calibration with the uncertainty of its constants, and the selection of a model."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..core.lazy import import_late
+from ..muscle import Muscle
 from ..records.hysteresis import Averaged, Loop, averaged, loop_of
 from ..records.record import Record
 from ..repr_table import ReprTable, with_table_repr
-from .diagnostics import Diagnosis
+from .data import FitData, Grid
 from .friction import Friction, fit_friction
 from .gauges import GAUGE_NAMES, Gauge, default_deviations
-from .least_squares import KNOWN, NORMAL, Fit, Problem
+from .least_squares import KNOWN, NORMAL, Minimum, Problem, SearchEnds
 from .parameters import GAUGE_UNITS, WEAK, Parameter, put, values
-from .readings import static_force
+from .readings import Readings, static_force
 
 
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
@@ -89,20 +90,180 @@ class Profile:
     known: bool = False
 
 
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """Result of a test for a trend of the residuals.
+
+    - `along`: "strain", "pressure", "strain and pressure", "branch" or "time".
+    - `share`: fraction of the residuals' squares it explains [-], after more significant trends.
+    - `chance`: probability of at least this share in noise [-].
+    - `found`: the trend is significant.
+    - `columns`: polynomials at the residuals' rows, of mean square 1.
+    """
+
+    along: str
+    share: float
+    chance: float
+    found: bool
+    columns: np.ndarray
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Result of a test for runs of one sign among neighboring residuals.
+
+    - `along`: "strain" or "pressure".
+    - `pairs`, `changes`: number of neighboring pairs, and of those that change sign.
+    - `chance`, `found`: as of a `Trend`.
+    """
+
+    along: str
+    pairs: int
+    changes: int
+    chance: float
+    found: bool
+
+
+@dataclass(frozen=True)
+class SignCounts:
+    """Numbers of residuals near a `strain` [-]: `count` in all, `below` of them negative."""
+
+    strain: float
+    count: int
+    below: int
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A likely cause: its `name`, the `remedy`, and the `share` of the residuals' squares that it
+    would explain [-].
+    """
+
+    name: str
+    remedy: str
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Residual diagnostics of a fit.
+
+    - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
+    - `signs`: strains at which nearly all residuals have one sign.
+    - `lowest_strain_means`: pressure [Pa], rising, and mean residual [N] of each level, at the
+      lowest strain of all readings.
+    - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
+      readings remain.
+    - `inflation`: factor on the covariance from noise for correlated residuals [-].
+    - `from_pressure`: contribution of the pressures' scatter to the covariance of the coordinates.
+    - `covariance`: contribution of the model's error to the covariance of the coordinates; `None`
+      without a significant trend.
+    - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
+      standard normal deviate.
+    - `causes`: likely causes, the likeliest first.
+    - `confounded`: constants that were not fitted, and that the data can't distinguish from the
+      fitted ones.
+    """
+
+    trends: tuple[Trend, ...] = ()
+    runs: tuple[Runs, ...] = ()
+    signs: tuple[SignCounts, ...] = ()
+    lowest_strain_means: tuple[tuple[float, float], ...] = ()
+    noise: float = float("nan")
+    inflation: float = 1.0
+    from_pressure: np.ndarray | float = 0.0
+    covariance: np.ndarray | None = None
+    discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
+    causes: tuple[Cause, ...] = ()
+    confounded: tuple[str, ...] = ()
+
+    @property
+    def significant(self) -> tuple[Trend, ...]:
+        """Significant trends."""
+        return tuple(trend for trend in self.trends if trend.found)
+
+    @property
+    def autocorrelated(self) -> tuple[Runs, ...]:
+        """Directions along which neighbors share their sign more often than noise does."""
+        return tuple(run for run in self.runs if run.found)
+
+    @property
+    def is_white_noise(self) -> bool:
+        """Residuals are compatible with noise."""
+        return not self.significant and not self.autocorrelated
+
+
 @with_table_repr(_calibration_table)
 @dataclass(frozen=True, eq=False)
-class Calibration(Fit):
+class Calibration:
     """A muscle fitted to a record, with diagnostics.
 
+    - `muscle`: the fitted muscle; `start`: the muscle that the fit began with.
+    - `fit_data`: the readings that were fitted, and what became of the rest.
+    - `problem`: the least-squares problem, its noise that of the residuals.
+    - `coordinates`: of the fitted parameters at the minimum [-].
+    - `readings`: of a tuning, blocked forces and free strains, or `None`.
+    - `minimum`: covariance and noise there, as far as noise goes.
+    - `free_strain`: the fitted muscle's at each level of the grid [-].
+    - `solutions`: ends of all starts.
+    - `weights`: how levels count.
     - `diagnosis`: residual diagnostics, likely causes, and the model's own error.
     - `bootstrapped`: fits of simulated records, which give the intervals of `parameters`; `None`
       for the linear intervals of (C3).
     - `profiles`: of the parameters that the linear interval leaves undetermined.
     """
 
-    diagnosis: Diagnosis
+    muscle: Muscle
+    start: Muscle
+    fit_data: FitData
+    problem: Problem
+    coordinates: np.ndarray
+    readings: Readings | None
+    minimum: Minimum
+    free_strain: np.ndarray
+    solutions: SearchEnds
+    weights: str
+    diagnosis: Diagnosis = Diagnosis()
     bootstrapped: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
+
+    @property
+    def method(self) -> str:
+        """Method of the fit: "tuning", the paper's, or "constants"."""
+        return "constants" if self.readings is None else "tuning"
+
+    @property
+    def record(self) -> Record:
+        """The readings that were fitted."""
+        return self.fit_data.record
+
+    @property
+    def strain_scale(self) -> float:
+        """Contraction of the fitted muscle over the record's strain [-]."""
+        length = self.record.rest_length
+        return 1.0 if length is None else length / float(self.muscle.length)
+
+    @property
+    def grid(self) -> Grid:
+        """The readings by level of pressure."""
+        return self.problem.grid
+
+    @cached_property
+    def force(self) -> np.ndarray:
+        """Force of the fitted muscle at each place of the grid [N], without a loop."""
+        if self.problem.branch is None:
+            return self.minimum.linear.force
+        return replace(self.problem, branch=None).force(self.coordinates)
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Measured less fitted force [N] at the places of the grid, NaN where none was measured."""
+        return np.where(self.grid.measured, self.grid.force - self.force, np.nan)
+
+    @cached_property
+    def errors(self) -> np.ndarray:
+        """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
+        return self.fit_data.errors(self.force)
 
     @cached_property
     def warnings_by_topic(self) -> Mapping[str, tuple[str, ...]]:

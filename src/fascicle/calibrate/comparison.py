@@ -34,6 +34,7 @@ from scipy.special import log_ndtr
 
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
+from ..muscle.tension.empirical import Sarosi
 from ..muscle.validation import is_nominal_diameter
 from ..records.record import Record
 from ..units import pretty
@@ -44,10 +45,7 @@ from .model_selection import folds, left_out_force
 from .parameters import parameters_of, with_optional_laws
 
 
-# a to f of (C5), of a Festo DMSP-20-200N; its diameter in m
-SAROSI_DMSP_20_200N = np.array([
-    -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
-])  # fmt: skip
+SAROSI_DMSP_20_200N = np.array(Sarosi.published)  # a to f of (C5), of a Festo DMSP-20-200N
 _DIAMETER = 20e-3  # m, of that muscle
 _MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
 _RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150

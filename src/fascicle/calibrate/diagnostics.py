@@ -43,7 +43,7 @@ other buckling laws, each with its own best factors on Young's modulus and on th
 (2001) for the discrepancy; Henderson (1953) for its size.
 """
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,7 +52,8 @@ from scipy.special import bdtr, fdtrc, stdtrit
 
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
-from .least_squares import KNOWN, NORMAL, Fit, Problem
+from .calibration import Calibration, Cause, Diagnosis, Runs, SignCounts, Trend
+from .least_squares import KNOWN, NORMAL, Problem
 from .parameters import FACTORS, Parameter, coordinates, put, select_parameters
 
 
@@ -102,109 +103,6 @@ _MAJORITY = 0.5  # of the residuals' squares past the free strain, which puts th
 _MAX_COMPARED = 300  # readings: enough to distinguish laws within a second
 _MAX_CALLS = 30  # evaluations of a law's forces in the search for its two factors
 _MAX_LOG_FACTOR = np.log(20)  # as wide as the weak prior of a parameter
-
-
-@dataclass(frozen=True, eq=False)
-class Trend:
-    """Result of a test for a trend of the residuals.
-
-    - `along`: "strain", "pressure", "strain and pressure", "branch" or "time".
-    - `share`: fraction of the residuals' squares it explains [-], after more significant trends.
-    - `chance`: probability of at least this share in noise [-].
-    - `found`: the trend is significant.
-    - `columns`: polynomials at the residuals' rows, of mean square 1.
-    """
-
-    along: str
-    share: float
-    chance: float
-    found: bool
-    columns: np.ndarray
-
-
-@dataclass(frozen=True)
-class Runs:
-    """Result of a test for runs of one sign among neighboring residuals.
-
-    - `along`: "strain" or "pressure".
-    - `pairs`, `changes`: number of neighboring pairs, and of those that change sign.
-    - `chance`, `found`: as of a `Trend`.
-    """
-
-    along: str
-    pairs: int
-    changes: int
-    chance: float
-    found: bool
-
-
-@dataclass(frozen=True)
-class SignCounts:
-    """Numbers of residuals near a `strain` [-]: `count` in all, `below` of them negative."""
-
-    strain: float
-    count: int
-    below: int
-
-
-@dataclass(frozen=True)
-class Cause:
-    """A likely cause: its `name`, the `remedy`, and the `share` of the residuals' squares that it
-    would explain [-].
-    """
-
-    name: str
-    remedy: str
-    share: float
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
-    """Residual diagnostics of a fit.
-
-    - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
-    - `signs`: strains at which nearly all residuals have one sign.
-    - `lowest_strain_means`: pressure [Pa], rising, and mean residual [N] of each level, at the
-      lowest strain of all readings.
-    - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
-      readings remain.
-    - `inflation`: factor on the covariance from noise for correlated residuals [-].
-    - `from_pressure`: contribution of the pressures' scatter to the covariance of the coordinates.
-    - `covariance`: contribution of the model's error to the covariance of the coordinates; `None`
-      without a significant trend.
-    - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
-      standard normal deviate.
-    - `causes`: likely causes, the likeliest first.
-    - `confounded`: constants that were not fitted, and that the data can't distinguish from the
-      fitted ones.
-    """
-
-    trends: tuple[Trend, ...] = ()
-    runs: tuple[Runs, ...] = ()
-    signs: tuple[SignCounts, ...] = ()
-    lowest_strain_means: tuple[tuple[float, float], ...] = ()
-    noise: float = float("nan")
-    inflation: float = 1.0
-    from_pressure: np.ndarray | float = 0.0
-    covariance: np.ndarray | None = None
-    discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
-    causes: tuple[Cause, ...] = ()
-    confounded: tuple[str, ...] = ()
-
-    @property
-    def significant(self) -> tuple[Trend, ...]:
-        """Significant trends."""
-        return tuple(trend for trend in self.trends if trend.found)
-
-    @property
-    def autocorrelated(self) -> tuple[Runs, ...]:
-        """Directions along which neighbors share their sign more often than noise does."""
-        return tuple(run for run in self.runs if run.found)
-
-    @property
-    def is_white_noise(self) -> bool:
-        """Residuals are compatible with noise."""
-        return not self.significant and not self.autocorrelated
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +178,7 @@ class Residuals:
         return np.where(self.is_reading[:, None], columns * self.weight[:, None], 0.0)
 
 
-def diagnose(fit: Fit) -> Diagnosis:
+def diagnose(fit: Calibration) -> Diagnosis:
     """Diagnose the residuals of a `fit`."""
     residuals = residuals_of(fit)
     diagnosis = find_trends(residuals)
@@ -303,7 +201,7 @@ def diagnose(fit: Fit) -> Diagnosis:
     return replace(diagnosis, causes=(buckling, *stronger))
 
 
-def residuals_of(fit: Fit) -> Residuals:
+def residuals_of(fit: Calibration) -> Residuals:
     """Residuals of a `fit`, with the rows of its priors."""
     problem, data, linear = fit.problem, fit.fit_data, fit.minimum.linear
     # residuals and priors are relative to the noise that the problem was solved with
@@ -511,7 +409,7 @@ def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> flo
     return (1 + rho) / (1 - rho) if rho > 3 / np.sqrt(max(y.size, 1)) else 1.0
 
 
-def pressure_covariance(fit: Fit, residuals: Residuals) -> np.ndarray:
+def pressure_covariance(fit: Calibration, residuals: Residuals) -> np.ndarray:
     """Covariance of the coordinates [-] from the standard errors of the levels' mean pressures.
 
     All readings of a level are fitted at its mean pressure, so its error is common to them: more
@@ -548,7 +446,7 @@ def discrepancy_sizes(residuals: Residuals, diagnosis: Diagnosis) -> list[tuple[
 
 
 def _model_error(
-    fit: Fit, residuals: Residuals, diagnosis: Diagnosis
+    fit: Calibration, residuals: Residuals, diagnosis: Diagnosis
 ) -> tuple[np.ndarray | None, np.ndarray]:
     """Covariance that the model's error adds to that of the coordinates, (C12), and columns of the
     error on the grid [N]; `None` and no columns without a significant trend.
@@ -586,7 +484,7 @@ def force_slopes_of(
     return varied.force_and_slopes(z, fine=True)[1]
 
 
-def _effects_of_constants(fit: Fit, residuals: Residuals) -> dict[Parameter, np.ndarray]:
+def _effects_of_constants(fit: Calibration, residuals: Residuals) -> dict[Parameter, np.ndarray]:
     """Change of the force [N] with the coordinate of each constant that was not free."""
     problem = fit.problem
     constants = tuple(parameter for parameter in problem.held if parameter not in FACTORS)
@@ -600,7 +498,7 @@ def _effects_of_constants(fit: Fit, residuals: Residuals) -> dict[Parameter, np.
 
 
 def _confounded_constants(
-    fit: Fit, residuals: Residuals, effects: dict[Parameter, np.ndarray]
+    fit: Calibration, residuals: Residuals, effects: dict[Parameter, np.ndarray]
 ) -> tuple[str, ...]:
     """Names of constants that were not fitted and that the data can't tell from the fitted ones."""
     names = []
@@ -613,7 +511,10 @@ def _confounded_constants(
 
 
 def _likely_causes(
-    fit: Fit, residuals: Residuals, diagnosis: Diagnosis, effects: dict[Parameter, np.ndarray]
+    fit: Calibration,
+    residuals: Residuals,
+    diagnosis: Diagnosis,
+    effects: dict[Parameter, np.ndarray],
 ) -> tuple[Cause, ...]:
     """Causes that would explain much of the residuals, the likeliest first; none of noise."""
     if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise):
@@ -656,7 +557,7 @@ def _likely_causes(
     return tuple(cause for cause in likely if cause.share >= _TIED_SHARE * likely[0].share)
 
 
-def _better_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
+def _better_buckling_law(fit: Calibration, diagnosis: Diagnosis) -> Cause | None:
     """Buckling law that explains much of the residuals past the free strain better than the fitted
     one.
 

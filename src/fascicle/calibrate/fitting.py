@@ -27,7 +27,6 @@ from .gauges import GAUGE_NAMES, default_deviations, gauge_of, with_gauge
 from .least_squares import (
     LOSSES,
     ROUGH,
-    Fit,
     Problem,
     Solution,
     first_noise,
@@ -147,9 +146,8 @@ def fit_data(
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
     solution = solve_problem(problem, readings, options)
     data, solution = _with_corrected_readings(data, solution)
-    fields = _fields_of_fit(data, options, solution)
-    diagnosis = diagnose(Fit(**fields))
-    return Calibration(**fields, diagnosis=diagnosis)
+    calibration = _calibration(data, options, solution)
+    return replace(calibration, diagnosis=diagnose(calibration))
 
 
 def set_up_problem(
@@ -279,9 +277,9 @@ def solve_problem(problem: Problem, readings: Readings | None, options: FitOptio
     return joint._replace(ends=solution.ends)
 
 
-def _fields_of_fit(data: FitData, options: FitOptions, solution: Solution) -> dict[str, Any]:
-    """Fields of the `Fit` at a minimum."""
-    problem, ends, point, minimum, readings = solution
+def _calibration(data: FitData, options: FitOptions, solution: Solution) -> Calibration:
+    """The calibration at a minimum, without a diagnosis."""
+    problem, _, point, minimum, readings = solution
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
@@ -297,18 +295,12 @@ def _fields_of_fit(data: FitData, options: FitOptions, solution: Solution) -> di
         curves = SmoothCurves(muscle, P, top_pressure(grid))
         free_strain = curves.free_strain(readings.coefficients)
     fits_ends = not END_PARAMETERS.isdisjoint(parameter.name for parameter in problem.parameters)
-    return {
-        "muscle": with_fitted_length(muscle, float(muscle.length), fits_ends),
-        "start": problem.muscle,
-        "fit_data": data,
-        "problem": replace(problem, noise=minimum.noise),
-        "coordinates": point,
-        "readings": readings,
-        "minimum": minimum,
-        "free_strain": free_strain,
-        "solutions": ends,
-        "weights": options.weights,
-    }
+    muscle = with_fitted_length(muscle, float(muscle.length), fits_ends)
+    problem = replace(problem, noise=minimum.noise)
+    return Calibration(
+        muscle, solution.problem.muscle, data, problem, point, readings, minimum, free_strain,
+        solution.ends, options.weights,
+    )  # fmt: skip
 
 
 def _check_data(data: FitData, free: Sequence[Parameter]) -> None:

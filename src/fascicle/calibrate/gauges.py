@@ -157,34 +157,25 @@ def default_deviations(
     }
 
 
-@dataclass(frozen=True)
-class VentedReadings:
-    """Errors of the gauges from readings without pressure.
-
-    - `gauge`: significant zeros and drift; all other errors are zero.
-    - `deviations`: standard deviations of what the readings determine [SI unit of each].
-    - `count`: number of the readings.
+class VentedReadings(NamedTuple):
+    """Errors of the gauges from readings without pressure: a `gauge` with significant zeros and
+    drift, and standard `deviations` of what the readings determine [SI unit of each].
     """
 
     gauge: Gauge
     deviations: dict[str, float]
-    count: int
 
 
 def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
-    """Zeros of the gauges from a record's readings without pressure.
-
-    **Arguments:**
-
-    - `record`: readings as the gauges gave them.
-    - `muscle`: whose law predicts the push without pressure.
+    """Zeros of the gauges from a record's readings without pressure, as the gauges gave them; the
+    law of the `muscle` predicts the push without pressure.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
     vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
     count = int(np.sum(vented))
     if count < _MIN_VENTED or top <= 0:
-        return VentedReadings(replace(PERFECT, start=start), {}, count)
+        return VentedReadings(replace(PERFECT, start=start), {})
     zeros: dict[str, float] = {}
     P, F, strain = record.pressure[vented], record.force[vented], record.strain[vented]
     # a transducer that writes its noise without the negative half has a mean below its deviation
@@ -226,7 +217,7 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
             zeros[name] = float(best[i])
     if "force_drift" in zeros:  # it is the change of a zero
         zeros["force_zero"] = float(best[0])
-    return VentedReadings(Gauge(**zeros, start=start), deviations, count)
+    return VentedReadings(Gauge(**zeros, start=start), deviations)
 
 
 class _PushFit(NamedTuple):

@@ -40,8 +40,7 @@ from ..core.array_namespace import array_namespace, maximum, slices, where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Float
 from ..muscle import Muscle
-from ..records.record import Record
-from .data import FitData, Grid, Table
+from .data import Grid, Table
 from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
 from .parameters import FACTORS, Parameter, put
 from .readings import Readings, SmoothCurves, top_pressure
@@ -559,68 +558,3 @@ def search_minimum(
     best = solve(problem, nearby.best_point[None]).points[0]
     ends = SearchEnds(*map(np.concatenate, zip(first, nearby, strict=True)))
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A muscle fitted to a record, as the search found it.
-
-    - `muscle`: the fitted muscle; `start`: the muscle that the fit began with.
-    - `fit_data`: the readings that were fitted, and what became of the rest.
-    - `problem`: the least-squares problem, its noise that of the residuals.
-    - `coordinates`: of the fitted parameters at the minimum [-].
-    - `readings`: of a tuning, blocked forces and free strains, or `None`.
-    - `minimum`: covariance and noise there, as far as noise goes.
-    - `free_strain`: the fitted muscle's at each level of the grid [-].
-    - `solutions`: ends of all starts.
-    - `weights`: how levels count.
-    """
-
-    muscle: Muscle
-    start: Muscle
-    fit_data: FitData
-    problem: Problem
-    coordinates: np.ndarray
-    readings: Readings | None
-    minimum: Minimum
-    free_strain: np.ndarray
-    solutions: SearchEnds
-    weights: str
-
-    @property
-    def method(self) -> str:
-        """Method of the fit: "tuning", the paper's, or "constants"."""
-        return "constants" if self.readings is None else "tuning"
-
-    @property
-    def record(self) -> Record:
-        """The readings that were fitted."""
-        return self.fit_data.record
-
-    @property
-    def strain_scale(self) -> float:
-        """Contraction of the fitted muscle over the record's strain [-]."""
-        length = self.record.rest_length
-        return 1.0 if length is None else length / float(self.muscle.length)
-
-    @property
-    def grid(self) -> Grid:
-        """The readings by level of pressure."""
-        return self.problem.grid
-
-    @cached_property
-    def force(self) -> np.ndarray:
-        """Force of the fitted muscle at each place of the grid [N], without a loop."""
-        if self.problem.branch is None:
-            return self.minimum.linear.force
-        return replace(self.problem, branch=None).force(self.coordinates)
-
-    @property
-    def residual(self) -> np.ndarray:
-        """Measured less fitted force [N] at the places of the grid, NaN where none was measured."""
-        return np.where(self.grid.measured, self.grid.force - self.force, np.nan)
-
-    @cached_property
-    def errors(self) -> np.ndarray:
-        """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
-        return self.fit_data.errors(self.force)
