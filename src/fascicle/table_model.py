@@ -45,7 +45,8 @@ _RULES = {
 class TableModel(BaseModel):
     """A table of a file; unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # built at its first use: a command reads one kind of file
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @classmethod
     def known_keys(cls, table: Any) -> list[str]:

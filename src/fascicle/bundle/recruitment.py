@@ -156,7 +156,7 @@ def workspace(
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
     strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
     states = states_of(scheme, len(bundle.motor_units))
-    fine = np.union1d(np.linspace(0.0, supply, _LEVELS), levels)
+    fine = np.sort(np.append(np.linspace(0.0, supply, _LEVELS), levels))
     forces, *ends = unit_tables(bundle, supply, fine, strain, resistance)
     curves = states.sums(forces[np.searchsorted(fine, levels)], *ends)
     return Workspace(scheme.name, supply, strain, levels, curves, *states.edges(forces, *ends))

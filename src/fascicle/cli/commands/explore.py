@@ -1,6 +1,5 @@
 """`fascicle explore`: the explorer, in a browser."""
 
-import multiprocessing
 import os
 import sys
 from pathlib import Path
@@ -31,6 +30,8 @@ def run(
     target = read_target(file)
     for name, value in jax_environment().items():  # of the processes that simulate
         os.environ.setdefault(name, value)
+    import multiprocessing  # no other command needs it
+
     from ...explorer.server import serve
     from ...explorer.state import view_of
     from ...explorer.tab import is_computing
