@@ -120,12 +120,9 @@ def cheapest(
     name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
     indices; `catalog`: prices [-].
     """
-
-    def first(indices: Int[np.ndarray, " index"]) -> int:
-        return int(next(cheapest_first(indices, values, designs, catalog))[0])
-
-    blocks = np.split(candidates, range(_BLOCK, len(candidates), _BLOCK))
-    return first(np.array([first(block) for block in blocks])) if candidates.size else None
+    if not candidates.size:
+        return None
+    return int(next(cheapest_first(candidates, values, designs, catalog))[0])
 
 
 def cheapest_first(
@@ -144,7 +141,9 @@ def cheapest_first(
         valves = values["valves"][candidates]
         groups = (candidates[valves == number] for number in np.unique(valves))
     for indices in groups:
-        yield indices[np.lexsort(_price_keys(indices, values, designs(indices), catalog)[::-1])]
+        blocks = np.split(indices, range(_BLOCK, len(indices), _BLOCK))
+        keys = [_price_keys(block, values, designs(block), catalog) for block in blocks]
+        yield indices[np.lexsort(np.concatenate(keys, axis=1)[::-1])]
 
 
 def _price_keys(

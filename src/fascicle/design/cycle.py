@@ -104,7 +104,7 @@ class ValveSizing:
     - `conductance`: that each unit's valve needs at the `cycle`'s b [m³/(s·Pa)]; 0 for a unit that
       is never filled; infinite where no valve is enough.
     - `fill`, `vent`: times of the unit with the largest conductance in that case [s].
-    - `bore`: of the hoses [m], or `None` for none, or none wide enough.
+    - `line`: hose of each unit, or `None` for none, or none wide enough.
     - `valves`: the smallest of the catalog that is enough for each unit, or `None`.
     - `time`: in which valves do the cycle without the load's inertia [s]; less than the `cycle`'s
       if they were enlarged.
@@ -117,7 +117,7 @@ class ValveSizing:
     conductance: Float[np.ndarray, " unit"]
     fill: float
     vent: float
-    bore: float | None
+    line: Line | None
     valves: tuple[CatalogValve | None, ...]
     time: float
 
@@ -127,18 +127,18 @@ class ValveSizing:
         return bool(np.all(np.isfinite(self.conductance)))
 
     @property
-    def line(self) -> Line | None:
-        """Hose of each unit, or `None`."""
-        if self.bore is None or self.cycle.hose_length is None:
-            return None
-        return Line(self.cycle.hose_length, self.bore)
+    def bore(self) -> float | None:
+        """Inner diameter of the hoses [m], or `None`."""
+        return None if self.line is None else float(self.line.diameter)
 
     @property
     def hose_volume(self) -> float:
         """Volume of a unit's hose [m³]."""
-        if self.bore is None or self.cycle.hose_length is None:
-            return 0.0
-        return np.pi / 4 * self.bore**2 * self.cycle.hose_length
+        return _volume(self.line)
+
+
+def _volume(line: Line | None) -> float:
+    return 0.0 if line is None else float(np.pi / 4 * line.diameter**2 * line.length)
 
 
 class _Contraction:
@@ -152,12 +152,10 @@ class _Contraction:
     def __init__(self, pressure: np.ndarray, volume: np.ndarray, supply: float):
         self.pressure, self.volume, self.supply = pressure[..., None], volume, supply
 
-    def times(
-        self, supply: SonicValve, exhaust: SonicValve, hose_volume: float = 0.0
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Times to fill and to vent each unit in each case [s]."""
+    def times(self, supply: SonicValve, exhaust: SonicValve) -> tuple[np.ndarray, np.ndarray]:
+        """Times to fill and to vent each unit in each case [s], with the hose of `supply`."""
         p = self.pressure
-        content = ((p + ATMOSPHERE) * self.volume + p * hose_volume) / ATMOSPHERE
+        content = ((p + ATMOSPHERE) * self.volume + p * _volume(supply.line)) / ATMOSPHERE
         rise, middle = np.diff(content, axis=0), (p[1:] + p[:-1]) / 2 + ATMOSPHERE
         T, released = ROOM_TEMPERATURE, len(p) - _STEPS + _LEFT - 1
         inflow = supply.flow(self.supply + ATMOSPHERE, middle, T, T) / REFERENCE_DENSITY
@@ -229,26 +227,23 @@ def size_valves(
     filled = pressurized[cases]
     contraction = _contraction(designs, index, task, cases, filled)
     time = cycle.time if time is None else time
-    C, bore, volume = _conductances(contraction, replace(cycle, time=time), filled)
+    C, line = _conductances(contraction, replace(cycle, time=time), filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
     needed = C.max(axis=0)
     works = (task.force * task.strain_of(float(designs.length[index])))[cases] > 0
     run_case = int(np.argmax(np.where(works, C.max(axis=1), -1.0)))
-    line = None if cycle.hose_length is None or bore is None else Line(cycle.hose_length, bore)
     fill = vent = np.inf
     valves: list[CatalogValve | None] = [None] * len(needed)
     if np.isfinite(needed).all():
         valve = SonicValve(np.where(needed > 0, needed, needed.max()), cycle.b, line=line)
-        fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve, volume))
+        fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve))
         for candidate in reversed(catalog_valves()):
             supply, exhaust = (with_fields(valve, line=line) for valve in candidate[1:3])
-            enough = np.all(
-                ~filled | (sum(contraction.times(supply, exhaust, volume)) <= time), axis=0
-            )
+            enough = np.all(~filled | (sum(contraction.times(supply, exhaust)) <= time), axis=0)
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
     return ValveSizing(
         cycle, int(cases[case]), int(cases[run_case]) if works.any() else None, filled[run_case],
-        needed, fill, vent, bore, tuple(valves), time,
+        needed, fill, vent, line, tuple(valves), time,
     )  # fmt: skip
 
 
@@ -288,9 +283,9 @@ def _contraction(
 
 def _conductances(
     contraction: _Contraction, cycle: Cycle, filled: np.ndarray
-) -> tuple[np.ndarray, float | None, float]:
-    """Conductance that each unit needs in each case [m³/(s·Pa)], and the hoses' bore [m] and volume
-    [m³]; infinite conductances if no hose is wide enough.
+) -> tuple[np.ndarray, Line | None]:
+    """Conductance that each unit needs in each case [m³/(s·Pa)], and the hoses; infinite if no hose
+    is wide enough.
     """
     # times are inverse to the conductance, so any will do: 1 L/(s·bar)
     unit_valve = SonicValve(1e-8, cycle.b)
@@ -298,17 +293,17 @@ def _conductances(
         filled, 1e-8 * sum(contraction.times(unit_valve, unit_valve)) / cycle.time, 0.0
     )
     if cycle.hose_length is None:
-        return valve_conductance, None, 0.0
+        return valve_conductance, None
     for bore in _BORES:
-        line, volume = Line(cycle.hose_length, bore), np.pi / 4 * bore**2 * cycle.hose_length
+        line = Line(cycle.hose_length, float(bore))
         # a conductance half the hose's must be enough, and one without hose isn't too much
         low = valve_conductance
         high = np.broadcast_to(line.conductance / _HOSE_SHARE, low.shape)
 
-        def time(C: np.ndarray, line: Line = line, volume: float = volume) -> np.ndarray:
+        def time(C: np.ndarray, line: Line = line) -> np.ndarray:
             # a unit that stays empty has no time below, so any conductance will do
             valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
-            return np.where(filled, sum(contraction.times(valve, valve, volume)), 0.0)
+            return np.where(filled, sum(contraction.times(valve, valve)), 0.0)
 
         if np.any(low > high) or np.any(time(high) > cycle.time):
             continue
@@ -316,8 +311,8 @@ def _conductances(
             middle = (low + high) / 2
             enough = time(middle) <= cycle.time
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-        return np.where(filled, high, 0.0), float(bore), float(volume)
-    return np.where(filled, np.inf, 0.0), None, 0.0
+        return np.where(filled, high, 0.0), line
+    return np.where(filled, np.inf, 0.0), None
 
 
 class CycleRun(NamedTuple):

@@ -26,7 +26,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
-from .catalog import Catalog, cheapest
+from .catalog import Catalog
 from .designs import Designs, scaled_designs
 from .evaluation import MIXED, Values, evaluate
 from .exhaustive_search import (
@@ -34,8 +34,6 @@ from .exhaustive_search import (
     SearchResult,
     as_minimization,
     conclude,
-    nearest,
-    non_dominated,
 )
 from .objectives import (
     Limits,
@@ -44,7 +42,6 @@ from .objectives import (
     reaches_task,
     recorded_objectives,
     with_reach_limits,
-    within_limits,
 )
 from .space import Space, drawing_sizes
 from .sweep import Study
@@ -271,7 +268,14 @@ def evolve(
         evaluated += len(new)
         genomes = np.concatenate([genomes, new])
         values = {name: np.concatenate([values[name], new_values[name]]) for name in names}
-        best = _best_indices(genomes, values, senses, limits, decoder, catalog)
+        result = conclude(
+            space, task, senses, limits, np.full(len(genomes), -1), values, catalog=catalog,
+            designs=decoder.designs(genomes),
+        )  # fmt: skip
+        # of equal points the first is enough
+        _, first = np.unique(result.points, axis=0, return_index=True)
+        others = [row for row in (result.cheapest, result.nearest) if row is not None]
+        best = np.union1d(result.front[first], others).astype(int)
         genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
         if not resumed:
             if store:
@@ -297,24 +301,3 @@ def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design lim
         excess = limit.excess(values[name])
         columns.append(np.where(np.isfinite(excess), excess, -1.0))
     return np.stack(columns, axis=1)
-
-
-def _best_indices(
-    genomes: Genomes,
-    values: Values,
-    senses: Mapping[str, str],
-    limits: Limits,
-    decoder: GenomeDecoder,
-    catalog: Catalog,
-) -> np.ndarray:
-    """Indices of the front and the cheapest design; where none is allowed, of the nearest."""
-    good = np.flatnonzero(within_limits(values, limits))
-    if not good.size:
-        return np.array([nearest(values, limits)])
-    points = as_minimization(values, senses)[good]
-    best = np.zeros(len(genomes), bool)
-    # of equal points the first is enough
-    best[good[np.unique(points, axis=0, return_index=True)[1]]] = True
-    best[good] &= non_dominated(points)
-    best[cheapest(good, values, lambda i: decoder.designs(genomes[i]), catalog)] = True
-    return np.flatnonzero(best)

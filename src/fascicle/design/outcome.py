@@ -134,13 +134,16 @@ class Outcome(NamedTuple):
 
 class StateChoice(NamedTuple):
     """Choice of a recruitment state at each point: mask of `reached` points, their `shortfall` and
-    `spare` force [N], and the `state` used, counted from 0; the last one where none reaches.
+    `spare` force [N], and the `state` used, counted from 0; the last one where none reaches;
+    the `largest` force of any state [N], and the `fluid` that the one used takes [m³].
     """
 
     reached: Marks
     shortfall: Numbers
     spare: Numbers
     state: Whole
+    largest: Numbers
+    fluid: Numbers
 
 
 @cache
@@ -167,54 +170,49 @@ def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
     return with_axes(np.arange(states.size), exists.ndim - 1) < size
 
 
-def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbers, Numbers]:
-    """Least and largest force of each state [N], states first, then points.
-
-    `counts`: muscles in each unit, units first; `table`: forces of a muscle of each unit. The least
-    is right only if the table has every level.
-    """
-    empty, full, levels = (
-        array_namespace(x).moveaxis(counts * x, -counts.ndim, -1)
-        for x in (table.unfed, table.full, table.levels)
-    )
-    return states.edges(levels, empty, full)
-
-
 def choose_states(
-    demand: Demand,
+    counts: Whole,
+    table: ForceTable,
     length: Numbers,
-    high: Numbers,
+    demand: Demand,
+    states: States,
     exists: Marks,
-    low: Numbers | None = None,
-    cost: Numbers | None = None,
+    gaps: bool,
 ) -> StateChoice:
     """Choose the recruitment state at each point of a demand, and its shortfall and spare force
-    [N].
+    [N]: the cheapest in fluid that gives the demanded force, which is the lowest if states are
+    nested.
 
-    The state is the cheapest that gives the demanded force, or without `cost` the lowest.
-
-    `length`: of the bundles at rest [m], one or of every design; `high` and `low`: largest and
-    least force of each state [N], states first, then points, designs last; no `low` where no gap is
-    between states; `exists`: mask of the states that designs have; `cost`: of each state [any
-    unit].
+    `counts`: muscles in each unit, units first, designs last; `table`: of a muscle of each unit, of
+    every level where `states` have `gaps` between them; `length`: of the bundles at rest [m], one
+    or of every design; `exists`: mask of the states that designs have.
     """
-    xp, axes = array_namespace(high), np.ndim(high) - 2
+    xp, axes = array_namespace(counts, table.full), counts.ndim - 1
+    unfed, full, levels, volume = (
+        xp.moveaxis(counts * x, -counts.ndim, -1)
+        for x in (table.unfed, table.full, table.levels, table.volume)
+    )
+    low, high = states.edges(levels, unfed, full)
     F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
     high = where(exists[:, None], high, -np.inf)
     covers, miss = F - high <= FORCE_TOLERANCE, F - high
-    if low is not None:
+    if gaps:
         covers, miss = covers & (low - F <= FORCE_TOLERANCE), maximum(miss, low - F)
-    state = (where(covers, -1.0, 0.0) if cost is None else where(covers, cost, np.inf)).argmin(0)
+    # what flows back counts as nothing, as a set that feeds more isn't cheaper
+    cost = -1.0 if states.nested else sum_pressurized(maximum(volume, 0.0), states)
+    state = where(covers, cost, np.inf).argmin(0)
     top, miss = high.max(axis=0), maximum(miss.min(axis=0), 0.0)
     reached = (miss <= FORCE_TOLERANCE) & is_possible
     # where it can't be that short it is short of the force, and of what it pushes with there
     miss = where(is_possible, miss, maximum(miss, F))
-    spare = where(is_possible, top, minimum(top, -2 * FORCE_TOLERANCE)) - F
-    if low is not None:
-        # in a gap a larger force is no help
+    largest = where(is_possible, top, minimum(top, -2 * FORCE_TOLERANCE))
+    spare = largest - F
+    if gaps:  # a larger force is no help there
         spare = where(reached, spare, minimum(spare, -miss))
     last = xp.broadcast_to(exists.sum(axis=0) - 1, state.shape)
-    return StateChoice(reached, where(reached, 0.0, miss), spare, where(reached, state, last))
+    used, miss = where(reached, state, last), where(reached, 0.0, miss)
+    fluid = xp.take_along_axis(sum_pressurized(volume, states), used[None], axis=0)[0]
+    return StateChoice(reached, miss, spare, used, largest, fluid)
 
 
 def sum_pressurized(values: Numbers, states: States) -> Numbers:
@@ -239,17 +237,10 @@ def outcome(
     of one for all units; `length`: of the bundles at rest [m], one or of every design; `depth` of
     reversal [-] and `overlap` of states [N], if computed.
     """
-    xp, exists, axes = array_namespace(counts, table.full), counts > 0, np.ndim(counts) - 1
+    exists, axes = counts > 0, np.ndim(counts) - 1
     states = recruitment_states(demand.scheme, len(counts))
-    low, high = state_edges(counts, table, states)
-    volume = xp.moveaxis(counts * table.volume, 1, -1)
-    # what flows back counts as nothing, as a set that feeds more isn't cheaper
-    cost = None if states.nested else sum_pressurized(maximum(volume, 0.0), states)
-    choice = choose_states(
-        demand, length, high, existing_states(demand.scheme, exists),
-        None if states.gapless else low, cost,
-    )  # fmt: skip
-    fluid = xp.take_along_axis(sum_pressurized(volume, states), choice.state[None], axis=0)[0]
+    existing = existing_states(demand.scheme, exists)
+    choice = choose_states(counts, table, length, demand, states, existing, not states.gapless)
     units, size = exists.sum(axis=0), None
     if table.radius is not None and table.bulge is not None:
         # a lone unit is fed, and doesn't bow
@@ -258,7 +249,7 @@ def outcome(
     return Outcome(
         with_axes(demand.force, axes), with_axes(demand.weight, axes),
         with_axes(demand.work(length), axes), choice.reached, choice.shortfall, choice.spare,
-        demand.supply * fluid, counts * table.blocked, units, size, depth, overlap,
+        demand.supply * choice.fluid, counts * table.blocked, units, size, depth, overlap,
     )  # fmt: skip
 
 

@@ -40,8 +40,6 @@ from .outcome import (
     MAX_FED_SETS,
     Demand,
     choose_states,
-    state_edges,
-    sum_pressurized,
 )
 from .task import Task
 
@@ -147,9 +145,7 @@ def _case_fields(
     table, _ = every_level_table(drawing, sizes, demand, (), resolution)
     table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
     sets, state_of = states_of(demand.scheme, len(counts)).sets(max_sets=MAX_FED_SETS)
-    low, high = state_edges(counts, table, sets)
-    cost = None if sets.nested else sum_pressurized(np.maximum(counts * table.volume, 0.0), sets)
-    choice = choose_states(demand, length, high, np.ones(sets.size, bool), low, cost)
+    choice = choose_states(counts, table, length, demand, sets, np.ones(sets.size, bool), True)
     full, throttled = sets.full[choice.state], sets.throttled[choice.state]
     pressurized, forces = full | throttled, counts * table.levels
     if sets.independent:
@@ -165,10 +161,8 @@ def _case_fields(
     if fluid == "air":
         filling = levels * demand.supply / ATMOSPHERE
         content = (1 + filling) * content + filling * sizes.muscle(drawing).volume(0 * sizes.length)
-    top = high.max(axis=0)
-    largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * FORCE_TOLERANCE))
     content = np.where(pressurized, counts * content, 0.0)
-    return largest, choice.spare, state_of[choice.state], pressure, content
+    return choice.largest, choice.spare, state_of[choice.state], pressure, content
 
 
 def _independent_levels(
