@@ -15,7 +15,12 @@ $$\mathrm{cov}\left[c, c'\right] = \frac{1}{N} \sum_{draws} \Delta F\, \Delta F'
   - \frac{(\varepsilon - \varepsilon')^2}{2 l_\varepsilon^2}\right],
   \qquad x = \sqrt{P/P_s}, \tag{K10}$$
 
-on a small grid, linear between its nodes. The mean after a run is the next run's correction.
+on a small grid, linear between its nodes. The mean after a run is the next run's correction. That
+run begins with a share $\lambda$ of it, and with the rest of the covariance,
+
+$$c \sim \mathcal{N}\left[\lambda\, c_{before},\; (1 - \lambda)\, \mathrm{cov}\right]: \tag{K11}$$
+
+equal runs lead to what one of them teaches, instead of fitting their noise more closely each time.
 
 **Assumes** force and pressures that are measured together, and muscles without hysteresis.
 **Source:** Gaussian process on a linear basis: Rasmussen and Williams (2006), Gaussian Processes
@@ -47,12 +52,13 @@ from .uncertainty import draw_bundles
 from .units import ControlledUnits
 
 
-_CELLS = 32  # of pressure, even in √P: of 11 kPa at a dip at 72 kPa
+_CELLS = 48  # of pressure, even in √P: of 7 kPa at a dip at 72 kPa, which 11 kPa would miss
 _COLUMNS = 17  # nodes of strain over the table's: of 2 % of strain
 _REST = 3e-3  # of a muscle's largest force at zero strain, s: a tenth of what draws make
-_ROOT = 0.3  # l_x: shorter ones take errors of one unit for another's
+_ROOT = 0.05  # l_x, two nodes: as narrow as a dip's bend
 _STRAIN = 0.04  # l_ε: two nodes
 _FORMAT = "correction 1"  # of a file
+_MEMORY = 0.5  # λ: share of earlier runs' correction that a run begins with
 _LIMIT = 2**26  # bytes of a file: a hundred units
 _SAMPLES = 5000  # of a run, thinned evenly: 5 s at 1 kHz, and a basis of some 100 MB
 _NOISE = 2e-3  # of the same force, of a sample: what the grid can't follow
@@ -228,13 +234,14 @@ class Learner(NamedTuple):
         by_strain = _interpolation_weights(eps, grid.strains)
         basis = np.einsum("u,tup,tus->tups", arms, by_pressure, by_strain).reshape(len(F), -1)
         residual = F - np.asarray(plant.muscles.at(P, eps).force) @ arms
-        residual = residual - basis @ before.forces.ravel()
+        mean = _MEMORY * before.forces.ravel()
+        residual = residual - basis @ mean
         indices = np.flatnonzero(np.any(basis != 0, axis=0))
-        basis, K = basis[:, indices], self.covariance[:, indices]
+        basis, K = basis[:, indices], (1 - _MEMORY) * self.covariance[:, indices]
         noise = (_NOISE * np.max(np.abs(arms * _blocked_forces(plant)) / plant.counts)) ** 2
         A = basis.T @ basis @ K[indices] + noise * np.eye(len(indices))
         change = K @ np.linalg.solve(A, basis.T @ residual)
-        return grid._replace(forces=before.forces + change.reshape(grid.forces.shape))
+        return grid._replace(forces=(mean + change).reshape(grid.forces.shape))
 
 
 def correct_units(
@@ -271,7 +278,7 @@ def _muscle_forces(bundle: Bundle, grid: Correction) -> Numbers:
         with np.errstate(all="ignore"):  # of branches that aren't selected
             force, _ = law.force(grid.strains)
         forces.append(np.where(np.isfinite(force), force, 0.0))
-    return np.stack(forces)[indices]
+    return np.stack(forces)[list(indices)]  # a tuple would index axes instead of muscles
 
 
 def _residual_covariance(full: Numbers, roots: Numbers, strains: Numbers) -> Numbers:

@@ -67,7 +67,50 @@ def test_the_next_units_force_is_learned_from_one_crossing(learner, truths, pair
         )
         before.append(np.max(np.abs(other - model)))
         after.append(np.max(np.abs(other - model - learned + learned[0])))
-    # noise, nodes 10 kPa apart at a kink, and units that can't be told apart leave some of it
+    # noise, nodes 7 kPa apart at a kink, and units that can't be told apart leave some of it
+    assert np.mean(after) < 0.15 * np.mean(before)
+
+
+def test_draws_say_how_units_deviate_together(learner, pair):
+    grid, draws = learner.grid, control.draw_bundles(pair, 20)
+    row, column = len(grid.pressures) - 1, 10
+
+    def forces(bundle):
+        P, strain = grid.pressures[row], grid.strains[column]
+        return np.array([unit.muscle.force(P, strain) for unit in bundle.motor_units])
+
+    errors = np.stack([forces(bundle) - forces(pair) for bundle in draws])
+    N, shape = learner.covariance.shape[0], grid.forces.shape
+    first, second = np.ravel_multi_index(([0, 1], [row] * 2, [column] * 2), shape)
+    assert shape[0] * shape[1] * shape[2] == N
+    # equal muscles deviate alike; only what draws don't explain is each unit's own
+    assert_allclose(learner.covariance[first, second], np.mean(errors[:, 0] * errors[:, 1]))
+    assert learner.covariance[first, first] > np.mean(errors[:, 0] ** 2)
+
+
+def test_repeated_runs_of_one_muscle_teach_nothing_twice(learner, truths):
+    rows = sampled(truths[2])
+    corrections = [learner.learn(*rows)]
+    for _ in range(8):
+        corrections.append(learner.learn(*rows, corrections[-1]))
+    first, *_, before, last = (correction.forces for correction in corrections)
+    largest = np.max(np.abs(first[:, :, 2:]))  # but at the table's longest muscles
+    assert np.max(np.abs(last - before)[:, :, 2:]) < 0.01 * largest
+    assert np.max(np.abs(last - first)[:, :, 2:]) < 0.3 * largest
+
+
+def test_a_run_at_one_strain_improves_forces_at_others(learner, truths, pair):
+    grid = learner.grid
+    columns = (grid.strains > -0.05) & (grid.strains < 0.3)
+    P, strains = grid.pressures[:, None], grid.strains[columns]
+    before, after = [], []
+    for truth in truths:
+        correction = learner.learn(*sampled(truth))
+        for _ in range(3):
+            correction = learner.learn(*sampled(truth), correction)
+        other, model = (b.motor_units[1].muscle.force(P, strains) for b in (truth, pair))
+        before.append(np.sqrt(np.mean((other - model) ** 2)))
+        after.append(np.sqrt(np.mean((other - model - correction.forces[1][:, columns]) ** 2)))
     assert np.mean(after) < 0.5 * np.mean(before)
 
 
@@ -88,10 +131,6 @@ def test_what_is_known_already_teaches_nothing(learner, samples):
     model = np.asarray(learner.plant.muscles.at(P, strains).force).sum(axis=-1)
     nothing = learner.learn(model, P, strains)
     assert_allclose(nothing.forces, 0.0, atol=1e-9)  # rounding of some 100 N
-    # units and strains that no sample is near to stay as they are
-    learned = learner.learn(*samples).forces
-    away = np.abs(learner.grid.strains - STRAIN) > 0.15
-    assert np.abs(learned[:, :, away]).max() < np.abs(learned).max()
 
 
 def test_a_correction_is_saved_and_loaded(learner, samples, tmp_path):
