@@ -109,19 +109,20 @@ def table_lines(text: str) -> tuple[list[str], tuple[str, ...]]:
 
 def _join_teleplot(lines: list[str]) -> list[str]:
     """Lines with those of Teleplot, `>name:value` or `>name:milliseconds:value§unit`, joined until
-    a name repeats; blank lines take their places.
+    the first name returns, or another one if a line was lost; blank lines take their places.
     """
     matches = [_TELEPLOT.fullmatch(line) for line in lines[:50]]
     if 2 * sum(map(bool, matches)) <= sum(bool(line.strip()) for line in lines[:50]):
         return lines
-    lines, names, first = lines.copy(), set[str](), 0
+    lines, names, leader, first = lines.copy(), set[str](), None, 0
     for i, match in enumerate(map(_TELEPLOT.fullmatch, lines)):
         if match is None:
             continue
         name, milliseconds, value, unit = match.groups()
+        leader = leader or name
         clock = f"time [ms]: {milliseconds}; " if milliseconds else ""
         lines[i] = f"{name}: {value} {unit or ''};"
-        if name in names or not names:
+        if name == leader or name in names:
             first, names, lines[i] = i, set[str](), clock + lines[i]
         else:
             lines[first], lines[i] = f"{lines[first]} {lines[i]}", ""

@@ -35,6 +35,14 @@ def test_teleplot_with_times():
     assert_allclose(read("\n".join(lines)).time, 1 + 0.02 * np.arange(12))
 
 
+def test_a_lost_line_of_teleplot_costs_its_row_alone():
+    lines = [f">p_kPa:{p / 1e3}\n>F:{f:.4f}§N\n>strain:{e:.5f}" for p, e, f in ROWS]
+    lines[5] = lines[5].split("\n", 1)[1]
+    record = loads("\n".join(lines))
+    assert_allclose(record.pressure, np.delete(PRESSURE, 5))
+    assert_allclose(record.strain, np.delete(STRAIN, 5), atol=1e-4)
+
+
 @pytest.mark.parametrize("color", ["", "\x1b[0;32m"])
 def test_esp_idf_log(color):
     lines = [
