@@ -24,6 +24,20 @@ def written(text: str) -> list[str]:
     return [found.group() for pattern in (COLOR, TYPEFACE) for found in pattern.finditer(text)]
 
 
+def contrast(first: str, second: str) -> float:
+    """Contrast ratio of two colors [-], from 1 to 21."""
+
+    def luminance(color: str) -> float:
+        channels = [channel / 255 for channel in theme.red_green_blue(color)]
+        red, green, blue = (
+            x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in channels
+        )
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + 0.05) / (low + 0.05)
+
+
 def strings(path: Path) -> list[str]:
     """All of a module's strings that aren't docstrings."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -69,18 +83,18 @@ def test_text_can_be_read_on_what_it_stands_on(colors):
     # WCAG 2.2, 1.4.3: 4.5 for text; 1.4.11: 3 for what can be used
     for name in ("ink", "soft", "accent", "good", "odd", "bad"):
         for ground in (colors.paper, colors.raised):
-            assert theme.contrast(getattr(colors, name), ground) >= 4.5, (name, ground)
-    assert theme.contrast(colors.bad, colors.alarm) >= 4.5
-    assert theme.contrast(theme.WHITE, colors.deep) >= 4.5
-    assert theme.contrast(colors.edge, colors.paper) >= 3
-    assert theme.contrast(colors.fiber, colors.tube) >= 3
+            assert contrast(getattr(colors, name), ground) >= 4.5, (name, ground)
+    assert contrast(colors.bad, colors.alarm) >= 4.5
+    assert contrast(theme.WHITE, colors.deep) >= 4.5
+    assert contrast(colors.edge, colors.paper) >= 3
+    assert contrast(colors.fiber, colors.tube) >= 3
 
 
 def test_contrast_is_what_the_standard_says():
     # black on white has 21, and #767676 is the lightest gray that has 4.5
-    assert theme.contrast(theme.BLACK, theme.WHITE) == pytest.approx(21)
-    assert 4.5 <= theme.contrast("#767676", theme.WHITE) < 4.6
-    assert theme.contrast("#777777", theme.WHITE) < 4.5
+    assert contrast(theme.BLACK, theme.WHITE) == pytest.approx(21)
+    assert 4.5 <= contrast("#767676", theme.WHITE) < 4.6
+    assert contrast("#777777", theme.WHITE) < 4.5
 
 
 def test_every_face_has_the_theme():

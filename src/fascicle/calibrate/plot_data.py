@@ -10,7 +10,6 @@ from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..plot import calibration as plot
-from ..plot import loops
 from ..plot.theme import styled
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
@@ -56,13 +55,13 @@ def figures(
     data = fit_plot(calibration, posterior)
     panels = {"fit": plot.fit(data), "residuals": plot.residuals(data)}
     if calibration.loop is not None and (loop_data := loops_plot(calibration)):
-        panels["loops"] = loops.loops(loop_data)
+        panels["loops"] = plot.loops(loop_data)
     if calibration.readings is not None:
         panels["readings"] = plot.readings(readings_plot(calibration))
     if profiles:
         panels["profiles"] = plot.profiles(profiles_plot(calibration, profiles))
     if comparison is not None:
-        panels["laws"] = loops.laws(laws_plot(calibration, comparison))
+        panels["laws"] = plot.laws(laws_plot(calibration, comparison))
     for figure in panels.values():
         # a layout moves a little each time it is made: the files of one figure would differ
         if (layout := figure.get_layout_engine()) is not None:
@@ -141,7 +140,7 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     )
 
 
-def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
+def loops_plot(calibration: Calibration) -> plot.LoopsPlot | None:
     """Strokes of the record's loops at a few levels, and the loops' width by pressure; `None`
     without two strokes at a level.
     """
@@ -158,7 +157,7 @@ def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
     # loops at the ends and evenly between them
     index = np.linspace(0, len(groups) - 1, min(len(groups), _LOOPS)).round().astype(int)
     strokes = [
-        loops.Stroke(
+        plot.Stroke(
             float(np.mean(groups[i])), run.branch,
             (record.strain if kind == "pressure" else record.pressure)[run.points],
             record.force[run.points],
@@ -170,10 +169,10 @@ def loops_plot(calibration: Calibration) -> loops.LoopsPlot | None:
     friction, curve = calibration.friction, None
     if friction is not None and friction.law is not None:
         curve = np.array([2 * friction.half_width(P) for P in loop.pressure])
-    return loops.LoopsPlot(kind, strokes, loop.pressure, loop.width, curve)
+    return plot.LoopsPlot(kind, strokes, loop.pressure, loop.width, curve)
 
 
-def laws_plot(calibration: Calibration, comparison: LawComparison) -> loops.LawsPlot:
+def laws_plot(calibration: Calibration, comparison: LawComparison) -> plot.LawsPlot:
     """Readings at a few pressures, and the curves of all compared laws there."""
     grid = calibration.grid
     levels = np.flatnonzero(grid.measured.any(axis=1))
@@ -183,7 +182,7 @@ def laws_plot(calibration: Calibration, comparison: LawComparison) -> loops.Laws
     curves = {label: _curve_forces(fit, curve)[levels] for label, fit in comparison.fits.items()}
     for label, constants in comparison.published.items():
         curves[label] = sarosi(constants, replace(grid, strain=curve))[levels]
-    return loops.LawsPlot(
+    return plot.LawsPlot(
         grid.pressure[levels, 0], strain[levels], force[levels],
         (grid.censored & grid.used)[levels], curve[levels],
         [(row.label, row.rmse, curves[row.label]) for row in comparison.rows],

@@ -11,7 +11,7 @@ from .outputs import print_line, print_table
 
 if TYPE_CHECKING:
     from ..calibrate.calibration import Selection
-    from ..reports.calibration_output import CalibrationResult
+    from ..reports.calibration import CalibrationResult
 
 _LABEL_WIDTH = 35  # characters: a table fits next to it
 # in notes without a doubt

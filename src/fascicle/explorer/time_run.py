@@ -81,8 +81,7 @@ def run_policies(
         fronts = pareto_front(
             [x.drawdown for x in metrics], [x.supply_energy for x in metrics]
         ).tolist()
-        heads = reports.policy_heads(study.plant, quantity)
-        table_rows = reports.policy_rows(study.plant, quantity, runs, fronts)
+        heads, table_rows = reports.policy_cells(study.plant, quantity, runs, fronts)
         remarks = reports.policy_notes(study, runs)
     rotary = study.plant.load.unit == "rad"
     return SimulationResult(name, quantity, rotary, results, heads, table_rows, remarks)

@@ -36,6 +36,7 @@ from .theme import (
     in_kilopascals,
     letters,
     new_figure,
+    new_panels,
     pressure_colors,
     styled,
 )
@@ -147,10 +148,7 @@ def force_strain(
     if P.size > _MAX_PANELS:
         raise InvalidInputError("pressures", f": at most {_MAX_PANELS} with components", P.size)
     columns = min(P.size, 2)
-    rows = -(-P.size // columns)
-    figure, axes = new_figure(rows, columns, DOUBLE if columns > 1 else SINGLE)
-    for spare in axes.flat[P.size :]:
-        spare.set_visible(False)
+    figure, axes = new_panels(P.size, columns, DOUBLE if columns > 1 else SINGLE)
     forces = components_of(muscle, P, eps)
     for row, ax in enumerate(axes.flat[: P.size]):
         draw_components(ax, forces, row)

@@ -134,20 +134,6 @@ def mix(first: str, second: str, fraction: float) -> str:
     return "#" + "".join(f"{round(a + (b - a) * fraction):02x}" for a, b in channels)
 
 
-def contrast(first: str, second: str) -> float:
-    """Contrast ratio of two colors [-], from 1 to 21."""
-
-    def luminance(color: str) -> float:
-        channels = [channel / 255 for channel in red_green_blue(color)]
-        red, green, blue = (
-            x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in channels
-        )
-        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-    low, high = sorted((luminance(first), luminance(second)))
-    return (high + 0.05) / (low + 0.05)
-
-
 def css_variables(colors: Colors) -> dict[str, str]:
     """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
     names = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
@@ -196,6 +182,16 @@ def new_figure(
     figure = StyledFigure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, squeeze=False, **more)
+
+
+def new_panels(
+    count: int, columns: int, width: float, height: float | None = None, **more: Any
+) -> tuple[Figure, np.ndarray]:
+    """Create a figure of `count` axes in rows of `columns`; others as of `new_figure`."""
+    figure, axes = new_figure(-(-count // columns), columns, width, height, **more)
+    for spare in axes.flat[count:]:
+        spare.set_visible(False)
+    return figure, axes
 
 
 def force_strain_axes(axes: Axes) -> None:

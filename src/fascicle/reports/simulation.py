@@ -220,44 +220,43 @@ def policy_report(
     - `date`: of the day, such as "2026-05-04".
     """
     quantity = next(iter(runs.values())).tracking.quantity
+    heads, rows = policy_cells(scenario.plant, quantity, runs, front)
     return render(
         "policies.html",
         title=f"Policies: {scenario.name.replace('_', ' ')}",
         date=date, scenario=scenario, runs=runs, quantity=quantity,
         front=[name for name, on_front in zip(runs, front, strict=True) if on_front],
         notes=policy_notes(scenario, runs), figure=picture(figure),
-        heads=policy_heads(scenario.plant, quantity),
-        rows=policy_rows(scenario.plant, quantity, runs, front),
+        heads=heads, rows=rows,
     )  # fmt: skip
 
 
-def policy_heads(plant: "Plant", quantity: str) -> list[str]:
-    """Heads of the table of policies."""
-    _, unit = display_unit(plant, quantity)
-    ratio = ["drawdown/D [-]"] if quantity == "force" else []
-    return ["policy", f"drawdown [{unit}]", *ratio, f"rms error [{unit}]", "lag [ms]", "energy [J]",
-            "energy above threshold's [%]", "fluid [g]", "recruitments [-]", "front",
-            ""]  # fmt: skip
-
-
-def policy_rows(
+def policy_cells(
     plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun], front: Sequence[bool]
-) -> list[list[str]]:
-    """Rows of the table of policies: `runs` by policy [SI], and those on the `front`."""
-    factor, _ = display_unit(plant, quantity)
+) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows of the table of policies: `runs` by policy [SI], and those on the `front`."""
+    factor, unit = display_unit(plant, quantity)
     reference = runs[_REFERENCE].metrics.supply_energy if _REFERENCE in runs else 0.0
-    rows = []
+    heads, rows = [], []
     for (name, run), on_front in zip(runs.items(), front, strict=True):
         value = run.metrics
-        ratio = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
-        extra = f"{100 * (value.supply_energy / reference - 1):+.1f}" if reference else "-"
-        rows.append([
-            name, f"{factor * value.drawdown:.4g}", *(ratio if quantity == "force" else []),
-            f"{factor * value.rms:.4g}", f"{1e3 * value.lag:.4g}", f"{value.supply_energy:.4g}",
-            extra, f"{1e3 * value.fluid:.4g}", f"{value.recruited}", "front" if on_front else "",
-            "can't be trusted" if run.doubts else "",
-        ])  # fmt: skip
-    return rows
+        cells = {"policy": name, f"drawdown [{unit}]": f"{factor * value.drawdown:.4g}"}
+        if quantity == "force":
+            ratio = f"{value.drawdown / value.dip:.3f}" if value.dip else "-"
+            cells["drawdown/D [-]"] = ratio
+        excess = f"{100 * (value.supply_energy / reference - 1):+.1f}" if reference else "-"
+        cells |= {
+            f"rms error [{unit}]": f"{factor * value.rms:.4g}",
+            "lag [ms]": f"{1e3 * value.lag:.4g}",
+            "energy [J]": f"{value.supply_energy:.4g}",
+            "energy above threshold's [%]": excess,
+            "fluid [g]": f"{1e3 * value.fluid:.4g}",
+            "recruitments [-]": f"{value.recruited}",
+            "front": "front" if on_front else "",
+            "": "can't be trusted" if run.doubts else "",
+        }
+        heads, rows = [*cells], [*rows, [*cells.values()]]
+    return heads, rows
 
 
 def policy_summary(plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun]) -> list[str]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...calibrate.fitting import Prior
     from ...muscle import Muscle
     from ...records.record import Record
-    from ...reports.calibration_output import CalibrationResult
+    from ...reports.calibration import CalibrationResult
 
 
 class CalibrateCommand(Command):
@@ -146,7 +146,7 @@ def run(
         from ...calibrate import fitting
         from ...calibrate import intervals as uncertainty
         from ...calibrate.model_selection import select_model
-        from ...reports.calibration_output import CalibrationResult, summary
+        from ...reports.calibration import CalibrationResult, summary
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
@@ -293,7 +293,7 @@ def _add_analyses(
 
 def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook: bool) -> list[str]:
     """Write muscle, report, curves and figures; returns the files' names."""
-    from ...reports.calibration_output import output_files
+    from ...reports.calibration import output_files
 
     content = output_files(result, f"{dt.datetime.now().astimezone():%Y-%m-%d}", notebook)
 

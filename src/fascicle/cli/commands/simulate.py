@@ -153,8 +153,7 @@ def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
             print_text(f"note: {note}")
         print_table(
             f"Policies on {study.name}, control of {quantity}",
-            pages.policy_heads(study.plant, quantity),
-            pages.policy_rows(study.plant, quantity, runs, front),
+            *pages.policy_cells(study.plant, quantity, runs, front),
             "front: no other policy is as good in drawdown and energy, and better in one; D:"
             " deepest dip of force of a motor unit; energy above threshold's: above that of the"
             " policy `threshold`",
