@@ -16,8 +16,7 @@ from ..muscle import Muscle
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import pretty
-from .channels import ChannelFault, channel_faults
-from .gauges import PERFECT, Gauge, read_vented
+from .gauges import PERFECT, ChannelFault, Gauge, channel_faults, read_vented
 
 
 WEIGHTS = ("uniform", "level")

@@ -308,21 +308,21 @@ def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
     prefix = f"of {files} " if files else ""
     force = grid.force[grid.used]
     if force.size < len(free):
-        rule = f"{prefix}holds {force.size} readings for {len(free)} parameters"
+        rule = f"holds {force.size} readings for {len(free)} parameters"
         remedy = "measure more points, or free fewer parameters"
-        raise InvalidInputError("record", rule, None, remedy)
-    if not data.pushes_clipped and not np.any(force):
-        rule = f"{prefix}holds no force but 0 N"
-        raise InvalidInputError("record", rule, None, "check the column of forces")
+    elif not data.pushes_clipped and not np.any(force):
+        rule, remedy = "holds no force but 0 N", "check the column of forces"
     # a record without pressure may only push; noise about zero is no pull
-    if np.max(force) <= _NO_PULL * -np.min(force) and np.max(grid.pressure) > _PASSIVE:
-        rule = f"{prefix}holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
+    elif np.max(force) <= _NO_PULL * -np.min(force) and _has_pressure(grid):
+        rule = f"holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
         remedy = (
             "if the gauge reads a pull as negative, reverse the sign with --push-positive, or with"
             ' signs.force = "pushing positive" in the TOML beside the file; else also measure where'
             " the muscle pulls"
         )
-        raise InvalidInputError("record", rule, None, remedy)
+    else:
+        return
+    raise InvalidInputError("record", f"{prefix}{rule}", None, remedy)
 
 
 def _with_priors(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:

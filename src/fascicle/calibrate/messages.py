@@ -209,13 +209,6 @@ def selection_reasons(trials: Sequence[Trial], best: Trial, by_strain: bool = Fa
     ]
 
 
-def thinning(compared: int, total: int) -> tuple[str, ...]:
-    """Sentence on the number of readings that candidates were `compared` on, if not all."""
-    if compared == total:
-        return ()
-    return (f"Candidates were compared on {compared} of {total} readings; the fit uses all.",)
-
-
 def exclusions(trials: Sequence[Trial]) -> list[str]:
     """Candidates that no muscle can be, though they may have smaller errors, a line each."""
     return [

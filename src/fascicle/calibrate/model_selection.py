@@ -41,14 +41,7 @@ from .fitting import (
     starts_of,
 )
 from .least_squares import ROUGH, Problem, loop_force, solve, solve_with_noise
-from .messages import (
-    AS_GIVEN,
-    TUNING,
-    exclusions,
-    length_violation,
-    marginal_gains,
-    thinning,
-)
+from .messages import AS_GIVEN, TUNING, exclusions, length_violation, marginal_gains
 from .messages import selection_reasons as reasons_of
 from .parameters import (
     FACTOR_NAMES,
@@ -118,7 +111,9 @@ def select_model(
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
     by_strain = _measured_levels(data.grid).size < _MIN_LEVELS
     compared = thin(data)
-    note = thinning(len(compared.record), len(data.record))
+    total, note = len(data.record), ()
+    if (count := len(compared.record)) < total:
+        note = (f"Candidates were compared on {count} of {total} readings; the fit uses all.",)
     if data.pulls:
         best = select(trials, noise, loss)
         progress("fitting")

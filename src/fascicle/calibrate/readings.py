@@ -114,7 +114,7 @@ def read_curves(muscle: Muscle, grid: Grid) -> Readings:
     """Read blocked forces and free strains from a `grid`, with the untuned law of a `muscle`."""
     law = without_tuning(to_numpy(muscle))
     P, strain, F, count = grid.pressure[:, 0], grid.strain, grid.force, grid.count
-    top, zero = _top(P), np.zeros(P.shape)
+    top, zero = top_pressure(grid), np.zeros(P.shape)
     pressurized = (NO_PRESSURE * top < P) & np.any(grid.used, axis=1)
     T, blocked_law = pulling_force(law, P[:, None], strain), pulling_force(law, P, zero)
     free_law = invert_force(law, P, zero)
@@ -202,11 +202,7 @@ class SmoothCurves:
 
 def top_pressure(grid: Grid) -> float:
     """Highest pressure of a `grid` [Pa], the unit of the curves; 1 Pa for a passive muscle."""
-    return _top(grid.pressure)
-
-
-def _top(pressure: np.ndarray) -> float:
-    return max(float(np.max(pressure)), 1.0)
+    return max(float(np.max(grid.pressure)), 1.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ _MIN_LEVELS = 3  # pressures: fewer show no dependence on pressure
 _CLEAR = 4.0  # standard deviations of a reading, from which two of them differ
 _SIZE = 2  # rank of a size that the muscle does not have
 _MAX_SIGNS = 3  # strains in a sentence that is still read
+_SIZES = ("length", "angle")  # dimensions of sizes
 _CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
 _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 GAUGES, RESIDUALS, NOT_MEASURED, UNKNOWN, IN_USE = (
@@ -419,7 +420,7 @@ def _parameter_notices(calibration: Calibration) -> Iterator[Notice]:
         pairs = [f"{first.name} and {second.name} ({r:.3f})" for r, first, second in tied]
         text = f"Strongly correlated: {'; '.join(pairs)}. Do not interpret them individually."
         _, *constants = tied[0]
-        size = next((e.name for e in constants[::-1] if e.dimension in ("length", "angle")), "")
+        size = next((e.name for e in constants[::-1] if e.dimension in _SIZES), "")
         name = size or constants[1].name
         yield Notice(UNKNOWN, 4, text, _remedy([name]) or f"leave {name} out of --fit")
     rate = next((e for e in estimates if e.name == "transition_rate" and e.identifiable), None)
@@ -487,12 +488,8 @@ def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
             "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
             " of friction, which these errors do not contain."
         )
-        yield Notice(
-            IN_USE,
-            7,
-            text,
-            "measure each pressure while the muscle shortens and while it lengthens",
-        )
+        action = "measure each pressure while the muscle shortens and while it lengthens"
+        yield Notice(IN_USE, 7, text, action)
     if "active_length" in calibration.names:
         reference = "the initial length" if rest_length is None else pretty(rest_length, "length")
         length = pretty(float(calibration.muscle.length), "length")
@@ -505,9 +502,7 @@ def _usage_notices(calibration: Calibration) -> Iterator[Notice]:
         size, name = getattr(muscle, estimate.name, None), estimate.name
         if name == "active_length":
             size = rest_length or float(muscle.length)
-        if size is None or not estimate.identifiable:
-            continue
-        if estimate.dimension not in ("length", "angle"):
+        if size is None or not estimate.identifiable or estimate.dimension not in _SIZES:
             continue
         larger = estimate.low > (1 + _CALIPERS) * size
         smaller = estimate.high < (1 - _CALIPERS) * size

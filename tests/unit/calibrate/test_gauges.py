@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import Gauge, Prior, fit
-from fascicle.calibrate.channels import _lag, channel_faults
-from fascicle.calibrate.gauges import PERFECT, read_vented
+from fascicle.calibrate.gauges import PERFECT, _lag, channel_faults, read_vented
 from fascicle.calibrate.plot_data import fit_plot
 from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records import VirtualDynamometer
