@@ -10,7 +10,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.lazy import call_on_import, enable_whole_loops
+from ..core.lazy import enable_whole_loops
 from ..units import parse, parse_list
 from .errors import UserError, user_errors
 from .outputs import status
@@ -24,40 +24,28 @@ MAX_GRID = 1_000_000  # points of a table: a slip in a step must not fill the me
 
 
 def load_laws() -> None:
-    """Import the laws, with JAX quiet, on the CPU, and its compiled functions cached on disk.
+    """Import the laws, with JAX quiet, on the CPU, and its compiled functions cached on disk, here
+    and in processes that this one starts.
 
     A command evaluates a few thousand points: starting a GPU would take longer than that.
     `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` writes no cache.
     """
     enable_whole_loops()
-    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on standard error
+    # the CPU is always present; XLA's own log is on standard error
+    variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
+    if (folder := cache_folder()) is not None:
+        variables["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+        # below this, reading the file costs as much as compiling
+        variables["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+    for name, value in variables.items():
+        os.environ[name] = os.environ.get(name) or value  # JAX reads them when it is imported
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not modules such as jaxtyping
-    call_on_import("jax", _configure_jax)
     with status("loading the laws"):
         from ..core.validation import disable_pressure_unit_warning
         from ..files import muscle_files  # noqa: F401 and with it all laws
     disable_pressure_unit_warning()  # options and files have units
-
-
-def _configure_jax(jax: Any) -> None:
-    """Set JAX to the CPU unless `JAX_PLATFORMS` is set, and to cache compiled functions."""
-    if not os.environ.get("JAX_PLATFORMS"):
-        jax.config.update("jax_platforms", "cpu")  # always present; others take time to start
-    if (folder := cache_folder()) is not None:
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        # below this, reading the file costs as much as compiling
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
-
-
-def jax_environment() -> dict[str, str]:
-    """Environment variables that set up JAX in a process of its own, as `load_laws` does here."""
-    variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
-    if (folder := cache_folder()) is not None:
-        variables["JAX_COMPILATION_CACHE_DIR"] = str(folder)
-        variables["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"  # as above
-    return variables
 
 
 def cache_folder() -> Path | None:

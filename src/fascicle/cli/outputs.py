@@ -1,6 +1,7 @@
 """Outputs of commands: tables for readers, JSON, CSV, files, pictures, and progress."""
 
 import contextlib
+import datetime as dt
 import math
 import os
 import re
@@ -202,10 +203,17 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
         draft.write_text(text, encoding="utf-8", newline="\n")
 
 
-def write_folder(folder: Path, overwrite: bool, fill: Callable[[Path], object]) -> None:
-    """Write a folder of results, once all of the files that `fill` writes are complete."""
+def write_folder(folder: Path, overwrite: bool, fill: Callable[[Path], object]) -> list[str]:
+    """Write a folder of results, once all of the files that `fill` writes are complete; returns
+    their names.
+    """
     with user_errors("--out "):
-        atomic.write_folder(folder, fill, overwrite)
+        return atomic.write_folder(folder, fill, overwrite)
+
+
+def today() -> str:
+    """Date in the local time zone, such as "2026-05-04"."""
+    return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
 
 
 def print_written(folder: Path, names: Sequence[str], verbose: bool) -> None:

@@ -106,11 +106,9 @@ def check_overwrite(
         raise FileExistsError(f"{os.fspath(path)}: already exists; use {flag} to overwrite it.")
 
 
-def check_folder(
-    path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
-) -> Path:
-    """Path of a folder, with links followed; `FileExistsError`, one line with a file's name and the
-    option `flag`, if it holds files, unless `overwrite` is true.
+def check_folder(path: str | os.PathLike[str], overwrite: bool = False) -> Path:
+    """Path of a folder, with links followed; `FileExistsError`, one line with a file's name, if it
+    holds files, unless `overwrite` is true.
     """
     target = check_writable(path, folder=True)
     if overwrite or not target.is_dir():
@@ -120,37 +118,37 @@ def check_folder(
     if names:
         count = f" and {len(names) - 1} more" if len(names) > 1 else ""
         raise FileExistsError(
-            f"{os.fspath(path)}: already holds {names[0]}{count}; name a new folder, or use {flag}"
-            " to replace files of the same name and keep all others."
+            f"{os.fspath(path)}: already holds {names[0]}{count}; name a new folder, or use"
+            " --overwrite to replace files of the same name and keep all others."
         )
     return target
 
 
 def write_folder(
-    path: str | os.PathLike[str],
-    fill: Callable[[Path], object],
-    overwrite: bool = False,
-    flag: str = "--overwrite",
-) -> None:
+    path: str | os.PathLike[str], fill: Callable[[Path], object], overwrite: bool = False
+) -> list[str]:
     """Let `fill` write the files of a folder into an empty one, and move them to `path` once all
     are complete. A new folder appears in one step. In an existing one each file is replaced in one
-    step, and files of other names stay. Raises as `check_folder`.
+    step, and files of other names stay. Returns the names of the files, sorted. Raises as
+    `check_folder`.
     """
-    target = draft = check_folder(path, overwrite, flag)
+    target = draft = check_folder(path, overwrite)
     try:
         with open_draft(target) as draft:
             draft.mkdir()
             fill(draft)
+            entries = sorted(draft.iterdir())
+            names = [entry.name for entry in entries]
             if not target.is_dir():
                 draft.replace(target)
-                return
-            check_folder(path, overwrite, flag)  # again: the work may have taken an hour
-            entries = sorted(draft.iterdir())
+                return names
+            check_folder(path, overwrite)  # again: the work may have taken an hour
             for existing in (target / entry.name for entry in entries):
                 if existing.is_dir() and not existing.is_symlink():
                     raise IsADirectoryError(f"{existing}: is a folder, where a file would go.")
             for entry in entries:
                 entry.replace(target / entry.name)
+            return names
     except OSError as error:
         if error.errno is None:  # raised here, perhaps about the draft
             raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None

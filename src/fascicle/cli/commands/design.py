@@ -1,6 +1,5 @@
 """`fascicle design`: the bundle for a task."""
 
-import datetime as dt
 import json
 import time
 from dataclasses import replace
@@ -13,7 +12,7 @@ from .. import options
 from ..errors import INCOMPLETE, UserError, user_errors
 from ..inputs import load_laws
 from ..options import argument, option
-from ..outputs import SOURCE, print_line, print_table, result_folder, status, write_folder
+from ..outputs import SOURCE, print_line, print_table, result_folder, status, today, write_folder
 
 
 if TYPE_CHECKING:
@@ -223,8 +222,7 @@ def _write(
             summary
         )
     files = [*data, *bundles]
-    today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-    page = report(result, today, files, seconds, notes, answer)
+    page = report(result, today(), files, seconds, notes, answer)
     attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
     attributes |= {"notes": " ".join(notes)} if notes else {}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from ...core.errors import require
 from .. import options
 from ..errors import user_errors
-from ..inputs import jax_environment, read_target
+from ..inputs import read_target
 from ..options import option
 from ..outputs import print_line
 
@@ -28,8 +28,6 @@ def run(
     require("panel")
     _print_at_once("starting")
     target = read_target(file)
-    for name, value in jax_environment().items():  # of the processes that simulate
-        os.environ.setdefault(name, value)
     import multiprocessing  # no other command needs it
 
     from ...explorer.server import serve

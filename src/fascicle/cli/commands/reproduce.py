@@ -65,14 +65,12 @@ def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
         raise typer.Exit(INCOMPLETE)
     _make_folder(folder, overwrite)
     comparisons: list[Any] = []
-    names: list[str] = []
     with user_errors(), status("measurements") as update:
 
         def compare_into(draft: Path) -> None:
             comparisons.extend(measurements.run(draft, records, update))
-            names.extend(sorted(path.name for path in draft.iterdir()))
 
-        write_folder(folder, overwrite, compare_into)
+        names = write_folder(folder, overwrite, compare_into)
     import_module("reproduction.terminal").print_comparisons(comparisons, verbose)
     print_line(measurements.UNTESTED[0])
     print_written(folder, names, verbose)
@@ -97,17 +95,15 @@ def _check_claims(folder: Path, overwrite: bool, verbose: bool) -> None:
         kim2021 = import_module("reproduction.kim2021.reproduction")
         terminal = import_module("reproduction.terminal")
     claims: list[Any] = []
-    names: list[str] = []
     with status("computing") as update:
 
         def reproduce_into(draft: Path) -> None:
             claims.extend(kim2021.run(draft, show_progress))
-            names.extend(sorted(path.name for path in draft.iterdir()))
 
         def show_progress(done: int, total: int, figure: str) -> None:
             update(f"{figure}, {done} of {total}")
 
-        write_folder(folder, overwrite, reproduce_into)
+        names = write_folder(folder, overwrite, reproduce_into)
     terminal.print_claims(claims, verbose)
     print_written(folder, names, verbose)
     if terminal.failed(claims):

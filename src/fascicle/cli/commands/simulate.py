@@ -1,6 +1,5 @@
 """`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
-import datetime as dt
 import sys
 from typing import Any
 
@@ -8,7 +7,16 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import read_scenario
 from ..options import argument, flag, option
-from ..outputs import Outputs, check_file, print_line, print_table, print_text, status, write_text
+from ..outputs import (
+    Outputs,
+    check_file,
+    print_line,
+    print_table,
+    print_text,
+    status,
+    today,
+    write_text,
+)
 
 
 _UNTRUSTED = 1  # exit code
@@ -95,7 +103,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     if report is not None:
         from ...reports.simulation import report as page
 
-        _write_report(report, outputs, page(study, result, balances, doubts, _today()))
+        _write_report(report, outputs, page(study, result, balances, doubts, today()))
     if control is not None and control.correction_file is not None and not doubts:
         _learn(study, result, outputs)
     return _print_doubts({f"{study.name}: the run": doubts})
@@ -162,12 +170,8 @@ def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
     title = f"Policies of {study.name}"
     outputs.write(table, print_policies, figure, title=title, notes=" ".join(notes))
     if report is not None:
-        _write_report(report, outputs, pages.policy_report(study, runs, front, figure(), _today()))
+        _write_report(report, outputs, pages.policy_report(study, runs, front, figure(), today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
-
-
-def _today() -> str:
-    return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
 
 
 def _write_report(path: str, outputs: Outputs, page: str) -> None:
