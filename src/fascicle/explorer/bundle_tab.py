@@ -1,6 +1,7 @@
 """Tab of a bundle: motor units, what they reach together, and pressures that reach a point."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -92,23 +93,21 @@ class UnitRows:
 
     def _make_row(self, i: int) -> UnitInputs:
         # without limits: at those the browser would refuse without a word
-        count = widget(pn.widgets.IntInput, f"Unit {i + 1}: muscles", value=1)
-        count.param.watch(lambda event: self._set_count(i, event.new), "value")
-        radius = Field("Radius", "outer_radius", "length", lambda value: self._set_radius(i, value))
+        count = widget(
+            pn.widgets.IntInput, f"Unit {i + 1}: muscles", partial(self._set_count, i), value=1
+        )
+        radius = Field("Radius", "outer_radius", "length", partial(self._set_radius, i))
         pressure = QuantitySlider(
-            f"Pressure P{i + 1}", "pressure", "pressure", lambda value: self._set_pressure(i, value)
+            f"Pressure P{i + 1}", "pressure", "pressure", partial(self._set_pressure, i)
         )
         return UnitInputs(count, radius, pressure)
 
     def _set_count(self, i: int, count: int | None) -> None:
         """Set the count of muscles of unit `i`, or show why it can't be."""
-        try:
+        with self.message.errors():
             if count is None:
                 raise InvalidInputError("count", "must be a whole number", None)
             self._set_unit(i, replace(self._session.view.units[i], count=count))
-            self.message.show("")
-        except ValueError as error:
-            self.message.show(error)
 
     def _set_radius(self, i: int, radius: float) -> None:
         """Set the radius [m] of the muscles of unit `i`; `ValueError` beyond `SIZES`."""
@@ -166,12 +165,13 @@ class BundleView(Tab):
         super().__init__(session, colors)
         self._top, self._middle_force, self._highest = 0.3, 0.0, 0.0  # of the workspace
         self.units = UnitRows(session)
-        self._scheme = dropdown("Recruitment", list(SCHEMES))
-        self._scheme.param.watch(lambda event: session.change(scheme=event.new), "value")
-        self._resistance = widget(
-            pn.widgets.Checkbox, "Muscles push back past their free strain", margin=(6, 8)
+        self._scheme = dropdown(
+            "Recruitment", list(SCHEMES), lambda scheme: session.change(scheme=scheme)
         )
-        self._resistance.param.watch(lambda event: session.change(resistance=event.new), "value")
+        self._resistance = widget(
+            pn.widgets.Checkbox, "Muscles push back past their free strain",
+            lambda resistance: session.change(resistance=resistance), margin=(6, 8),
+        )  # fmt: skip
         self._supply = Field("Supply pressure", "supply", "pressure", self._set_supply)
         self._strain = self.strain_slider()
         self._add_chart()

@@ -6,6 +6,7 @@ Line styles differ as well as colors, so that no color is needed to read a figur
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
 import panel as pn
 from bokeh.core.properties import value
 from bokeh.events import Press, Tap
@@ -75,6 +76,13 @@ def screen_height(margin: int) -> str:
 def hover_tooltips(unit: str) -> list[tuple[str, str]]:
     """Rows of a tooltip above a curve: contraction, and force in a `unit`."""
     return [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
+
+
+def padded_range(values: Any, share: float, least: float = 0.0) -> tuple[float, float]:
+    """Range of `values`, wider on both sides by a `share` of it, `least` at the least."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    gap = max(share * (high - low), least)
+    return low - gap, high + gap
 
 
 class Chart:

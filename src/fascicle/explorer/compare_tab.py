@@ -2,15 +2,16 @@
 
 import html
 from dataclasses import replace
+from functools import partial
 from typing import Any, ClassVar
 
+import numpy as np
 import panel as pn
 
-from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..files.shipped_files import named_muscles
 from ..plot.theme import DASHES, Colors
-from .chart import Chart, cycle_colors, screen_height
+from .chart import Chart, cycle_colors, padded_range, screen_height
 from .exports import comparison_downloads, download_buttons
 from .link import linked_pins
 from .muscle_curves import alternative_laws, law_label, with_alternative
@@ -63,16 +64,11 @@ class PinButton:
 
     def _pin(self) -> None:
         """Pin the muscle shown at its pressure, or show an error below."""
-        view = self._session.view
-        try:
+        view, self._status.object = self._session.view, ""
+        with self._message.errors():
             _pin_muscle(self._session, view.name, view.muscle, view.pressure)
-        except ValueError as error:
-            self._status.object = ""
-            self._message.show(error)
-            return
-        self._message.show("")
-        name = html.escape(self._session.view.pins[-1].name)
-        self._status.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
+            name = html.escape(self._session.view.pins[-1].name)
+            self._status.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
 
 
 class PinForm:
@@ -80,8 +76,8 @@ class PinForm:
 
     def __init__(self, session: Session):
         self._session, self._view_pressure, self._pressure_value = session, -1.0, 0.0
-        self._muscle = dropdown("Muscle", [_CURRENT, *named_muscles()])
-        self._muscle.param.watch(lambda _: self._offer_laws(), "value")
+        names = [_CURRENT, *named_muscles()]
+        self._muscle = dropdown("Muscle", names, lambda _: self._offer_laws())
         self._law = dropdown("Laws", [_OWN_LAWS])
         self._pressure = Field("Pressure P", "pressure", "pressure", self._set_pressure)
         self._message = Message()
@@ -115,13 +111,10 @@ class PinForm:
     def _pin(self) -> None:
         view, muscle = self._session.view, self._selected_muscle()
         name = view.name if self._muscle.value == _CURRENT else self._muscle.value
-        try:
+        with self._message.errors():
             if self._law.value:
                 muscle = with_alternative(muscle, self._law.value)
             _pin_muscle(self._session, name, muscle, self._pressure_value)
-            self._message.show("")
-        except ValueError as error:
-            self._message.show(error)
 
 
 class CompareView(Tab):
@@ -194,10 +187,8 @@ class CompareView(Tab):
             "dash": [_dash(i) for i in range(number)],
             "label": [pin.name for pin in view.pins],
         }
-        low = min(float(curve.force.min()) for curve in curves) / scale
-        high = max(float(curve.force.max()) for curve in curves) / scale
-        margin = 0.06 * (high - low)
-        self.chart.set_ranges((0.0, top), (low - margin, high + margin))
+        forces = np.concatenate([curve.force for curve in curves]) / scale
+        self.chart.set_ranges((0.0, top), padded_range(forces, 0.06))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._hover.tooltips = [
             ("", "@label"), ("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")
@@ -219,11 +210,9 @@ class CompareView(Tab):
         """Pin the current muscle, and the same with a smaller braid angle."""
         view = self.session.view
         angle = float(view.muscle.braid_angle) * _ANGLE_STEP
-        try:
+        with self.message.errors():
             for muscle in (view.muscle, view.muscle.replace(braid_angle=angle)):
                 _pin_muscle(self.session, view.name, muscle, view.pressure)
-        except ValueError as error:
-            self.message.show(error)
 
     def _show_strain(self, view: View) -> None:
         """Show forces at the view's contraction, and the table."""
@@ -274,9 +263,8 @@ class CompareView(Tab):
             name.value = pin.name
 
     def _make_name_input(self, index: int) -> Any:
-        name = widget(pn.widgets.TextInput, f"Name of curve {index + 1}")
-        name.param.watch(lambda event: self._rename(index, event.new), "value")
-        return name
+        label = f"Name of curve {index + 1}"
+        return widget(pn.widgets.TextInput, label, partial(self._rename, index))
 
     def _make_row(self, index: int) -> Any:
         remove = button(
@@ -287,10 +275,8 @@ class CompareView(Tab):
     def _rename(self, index: int, name: str) -> None:
         if name == self.session.view.pins[index].name:  # the page's own
             return
-        try:
+        with self.message.errors(name=f"Name of curve {index + 1}"):
             self.session.change(pins=rename_pin(self.session.view.pins, index, name))
-        except InvalidInputError as error:
-            self.message.show(error, name=f"Name of curve {index + 1}")
 
     def _remove(self, index: int) -> None:
         pins = self.session.view.pins

@@ -18,7 +18,7 @@ from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..reports.calibration import report
-from .chart import Chart, pressure_colors, screen_height
+from .chart import Chart, padded_range, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (
     AUTOMATIC,
@@ -41,6 +41,7 @@ from .widgets import (
     WHOLE_ROW,
     button,
     dropdown,
+    file_input,
     html_table,
     parse_field,
     status_line,
@@ -87,19 +88,25 @@ class RecordInputs:
     def __init__(self, on_change: Callable[[], None]):
         self._on_change, self._updating = on_change, False
         label = "Rest length, if the record doesn't have it"
-        self.length = widget(pn.widgets.TextInput, label, **WHOLE_ROW)
+        self.length = widget(pn.widgets.TextInput, label, self._change, **WHOLE_ROW)
         label = "A force of exactly 0 means 0 or less"
-        self.clipped = widget(pn.widgets.Checkbox, label, margin=(6, 8), **WHOLE_ROW)
+        self.clipped = widget(pn.widgets.Checkbox, label, self._change, margin=(6, 8), **WHOLE_ROW)
         self.toggle = widget(pn.widgets.Toggle, "Show columns and units", margin=(4, 8))
-        self.columns = {role: dropdown(f"Column of {role}", [_DETECT]) for role in _ROLES}
-        self.units = {role: widget(pn.widgets.TextInput, f"Unit of {role}") for role in _ROLES}
+        self.columns = {
+            role: dropdown(f"Column of {role}", [_DETECT], self._change) for role in _ROLES
+        }
+        self.units = {
+            role: widget(pn.widgets.TextInput, f"Unit of {role}", self._change) for role in _ROLES
+        }
         pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
         # a grid's style would show it: the column around it can be hidden
         fields = column(column(*pairs, kind="pairs"), kind="whole-row", visible=False)
         self.toggle.link(fields, value="visible")
         self.panel = column(self.length, self.clipped, self.toggle, fields, kind="pairs")
-        for changing in (self.length, self.clipped, *pairs):
-            changing.param.watch(lambda _: None if self._updating else self._on_change(), "value")
+
+    def _change(self, _: Any) -> None:
+        if not self._updating:
+            self._on_change()
 
     def offer(self, headers: Sequence[str]) -> None:
         """Offer the columns of a file by their `headers`; all are chosen automatically at first."""
@@ -175,11 +182,7 @@ class DataView(Tab):
         self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
-        self.file = widget(
-            pn.widgets.FileInput, "Open a record (CSV, .xlsx, .mat)", accept=_SUFFIXES
-        )
-        # an empty file changes nothing but the name
-        self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
+        self.file = file_input("Open a record (CSV, .xlsx, .mat)", _SUFFIXES, self._open)
         self._example, self._other_example = (
             button("Try an example record (synthetic)", self.open_example, color=color,
                    visible=visible, sizing_mode="stretch_width")
@@ -188,12 +191,12 @@ class DataView(Tab):
         self.read_inputs = RecordInputs(self._read)
         kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING,
                  _BY_NAME: _BY_NAME}  # fmt: skip
-        self.kind = dropdown("What to fit", kinds)
+        self.kind = dropdown(
+            "What to fit", kinds,
+            lambda kind: self.constants.param.update(visible=kind == _BY_NAME),
+        )  # fmt: skip
         self.constants = widget(
             pn.widgets.MultiSelect, "Constants", size=6, visible=False, css_classes=["several"]
-        )
-        self.kind.param.watch(
-            lambda event: self.constants.param.update(visible=event.new == _BY_NAME), "value"
         )
         wide = {"margin": (6, 8), "disabled": True, **_WIDE}
         self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
@@ -256,10 +259,6 @@ class DataView(Tab):
         """Open the synthetic record of the session's muscle."""
         self.file.clear()  # the example replaces it
         self._open(example_record(self.session.view.muscle), _EXAMPLE)
-
-    def _open_file(self) -> None:
-        if self.file.value or self.file.filename:
-            self._open(self.file.value or b"", str(self.file.filename or "record.csv")[-60:])
 
     def _open(self, raw: bytes, name: str) -> None:
         """Open a file; the earlier record is dropped, even if the file can't be read."""
@@ -352,7 +351,7 @@ class DataView(Tab):
             f" {before.pressure[-1] / pressure_scale:.3g} {unit}."
         )
         forces = np.r_[force, before.force.ravel()] / scale
-        self.chart.set_ranges(_range_with_gap(before.strain, _SIDE), _range_with_gap(forces, _GAP))
+        self.chart.set_ranges(padded_range(before.strain, _SIDE), padded_range(forces, _GAP))
 
     def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
@@ -496,9 +495,3 @@ def _empty_state(example: Any) -> Any:
     left = column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
     right = pane(form, 0, styles={"flex": "2 1 0", "min-width": "0"}, **_WIDE)
     return row(left, right, kind="stacked framed", margin=APART)
-
-
-def _range_with_gap(values: np.ndarray, fraction: float) -> tuple[float, float]:
-    """Range of `values`, wider on both sides by a `fraction` [-] of it."""
-    gap = fraction * float(np.ptp(values))
-    return float(np.min(values)) - gap, float(np.max(values)) + gap

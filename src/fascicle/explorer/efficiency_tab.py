@@ -17,7 +17,7 @@ from ..bundle.resistance_loss import Maps, efficiency_maps
 from ..bundle.schemes import SCHEMES
 from ..muscle import Muscle
 from ..plot.theme import CLEAR, FIGURES, Colors
-from .chart import Chart, screen_height
+from .chart import Chart, padded_range, screen_height
 from .remarks import remarks_html, words_html
 from .state import MAPS, Session, View, changed, scaled_muscle
 from .tab import LatestResult, Tab
@@ -66,10 +66,9 @@ class EfficiencyView(Tab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self._result: Maps | None = None
-        self._path = dropdown("Path", list(PATHS), width=200)
-        self._path.param.watch(lambda event: session.change(path=event.new), "value")
-        self._kind = dropdown("Map", {label: kind for kind, label in _LABELS.items()}, width=230)
-        self._kind.param.watch(lambda event: session.change(map=event.new), "value")
+        self._path = dropdown("Path", PATHS, lambda path: session.change(path=path), width=200)
+        kinds = {label: kind for kind, label in _LABELS.items()}
+        self._kind = dropdown("Map", kinds, lambda kind: session.change(map=kind), width=230)
         self._add_map_chart()
         self._make_averages_chart()
         self._numbers, self._strip_note = pane(), pane(width=330)
@@ -235,9 +234,6 @@ class EfficiencyView(Tab):
             )
         )
         values = np.concatenate(list(averages.values()))
-        low, high = float(values.min()), float(values.max())
-        margin = max(0.1 * (high - low), 0.005)
-        self.averages_chart.set_ranges(
-            (COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - margin, high + margin)
-        )
+        counts = (COUNTS[0] - 0.3, COUNTS[-1] + 0.3)
+        self.averages_chart.set_ranges(counts, padded_range(values, 0.1, 0.005))
         self.status.object = ""

@@ -31,12 +31,7 @@ LONGEST = 16_000  # characters of all packed files: servers and browsers take ad
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
 _MOST_SPLITS = 4  # more can't be told apart
 TOO_LARGE = "left-out"  # instead of a larger file
-# in this order: the fields depend on the file
-_SETUP_KEYS = ("scenario_file", "scenario", "set", "policies")
-# in this order: the muscle's file has the number of units
-_KEYS = ("muscle", "file", "supply", "units", "scheme", "pressure", "strain", "load", "pressures",
-         "resistance", "path", "map", "splits", "show", "tab", "compare", "pins",
-         *_SETUP_KEYS)  # fmt: skip
+# in this order: the muscle's file has the number of units, and the scenario's its fields
 _LABELS = {
     "muscle": "the example", "file": "the muscle's file", "supply": "the supply pressure",
     "units": "the motor units", "scheme": "the recruitment", "pressure": "the pressure",
@@ -105,13 +100,13 @@ def linked_pins(view: View) -> int:
 
 def has_state(query: Mapping[str, str]) -> bool:
     """True for a link with a part of a view."""
-    return any(key in query for key in _KEYS)
+    return any(key in query for key in _LABELS)
 
 
 def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
     """View of a link by key, the `start` view where it has none, and a message for each bad key."""
     view, errors = start, []
-    for key in filter(query.__contains__, _KEYS):
+    for key in filter(query.__contains__, _LABELS):
         try:
             view = _apply_key(view, key, query[key], query)
         except ValueError as error:

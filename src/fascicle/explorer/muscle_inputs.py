@@ -1,7 +1,9 @@
 """Inputs of a muscle: its sizes, material and laws; errors appear at their own fields."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..core.errors import InvalidInputError
@@ -27,11 +29,12 @@ class MuscleInputs:
     def __init__(self, session: Session):
         self._session = session
         self.fields = {
-            name: Field(label, name, dimension, self._size_setter(name))
+            name: Field(label, name, dimension, partial(self._set_size, name))
             for name, (label, dimension) in SIZES.items()
         }
-        self._material = dropdown("Material", [*MATERIALS, _CUSTOM], **WHOLE_ROW)
-        self._material.param.watch(self._choose_material, "value")
+        self._material = dropdown(
+            "Material", [*MATERIALS, _CUSTOM], self._choose_material, **WHOLE_ROW
+        )
         self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
         self.panel = column(kind="pairs")
         self.message = Message()
@@ -76,27 +79,24 @@ class MuscleInputs:
             return name
         return f"{name}{_CHANGED}"
 
-    def _size_setter(self, name: str) -> Callable[[float], None]:
-        """Function that sets the size with a `name`; it raises errors for the field to show."""
+    def errors(self) -> AbstractContextManager[None]:
+        """Show a `ValueError` of the block below all fields."""
+        return self.message.errors(self._session.view.display_units)
 
-        def set_size(value: float) -> None:
-            try:
-                self.change(**{name: value})
-            except InvalidInputError as error:
-                # a rule between two sizes names one of them: it is shown at both
-                if error.argument != name and error.argument in self.fields:
-                    self.fields[error.argument].show_error(error)
-                raise
-
-        return set_size
-
-    def _choose_material(self, event: Any) -> None:
-        if event.new == _CUSTOM or MATERIALS[event.new] == self._session.view.muscle.material:
-            return
+    def _set_size(self, name: str, value: float) -> None:
+        """Set the size with a `name`; errors are for the field to show."""
         try:
-            self.change(material=event.new)
-        except ValueError as error:
-            self.show_error(error)
+            self.change(**{name: value})
+        except InvalidInputError as error:
+            # a rule between two sizes names one of them: it is shown at both
+            if error.argument != name and error.argument in self.fields:
+                self.fields[error.argument].show_error(error)
+            raise
+
+    def _choose_material(self, name: str) -> None:
+        if name != _CUSTOM and MATERIALS[name] != self._session.view.muscle.material:
+            with self.errors():
+                self.change(material=name)
 
 
 class LawInputs:
@@ -108,8 +108,8 @@ class LawInputs:
         self.fields: dict[str, Field] = {}
         self.choices: dict[str, Any] = {}
         names = {name.replace("_", " "): name for name in LAWS[kind]}
-        self.select = dropdown(_TITLES.get(kind, kind.capitalize()), names, **WHOLE_ROW)
-        self.select.param.watch(lambda event: self._choose_law(event.new), "value")
+        title = _TITLES.get(kind, kind.capitalize())
+        self.select = dropdown(title, names, self._choose_law, **WHOLE_ROW)
 
     @property
     def widgets(self) -> list[Any]:
@@ -133,16 +133,15 @@ class LawInputs:
         self.fields = {
             constant.name: Field(
                 _label_of(constant.name), constant.name, constant.dimension,
-                lambda value, name=constant.name: self._change_law(name, value), **_INDENT,
+                partial(self._change_law, constant.name), **_INDENT,
             )
             for constant in law.constants()
         }  # fmt: skip
         self.choices = {}
         for switch in law.switches():
             names = {option.replace("_", " "): option for option in switch.options}
-            choice = self.choices[switch.name] = dropdown(_label_of(switch.name), names, **_INDENT)
-            choice.param.watch(
-                lambda event, name=switch.name: self._choose_option(name, event.new), "value"
+            self.choices[switch.name] = dropdown(
+                _label_of(switch.name), names, partial(self._choose_option, switch.name), **_INDENT
             )
         self._inputs.arrange()
 
@@ -151,18 +150,13 @@ class LawInputs:
 
     def _choose_law(self, name: str) -> None:
         if name != self._law.name:
-            self._attempt(lambda: self._inputs.change(**{self._kind: name}))
+            with self._inputs.errors():
+                self._inputs.change(**{self._kind: name})
 
     def _choose_option(self, name: str, option: str) -> None:
         if option != getattr(self._law, name):
-            self._attempt(lambda: self._change_law(name, option))
-
-    def _attempt(self, change: Callable[[], None]) -> None:
-        """Call `change`, and show its `ValueError`, if any."""
-        try:
-            change()
-        except ValueError as error:
-            self._inputs.show_error(error)
+            with self._inputs.errors():
+                self._change_law(name, option)
 
 
 def _label_of(name: str) -> str:

@@ -75,9 +75,9 @@ class MuscleView(Tab):
         self._numbers = pane(sizing_mode="stretch_width")
         self._sweep = Sweep("the strain", self._advance)
         self.compare = widget(
-            pn.widgets.MultiSelect, "Compare with", size=4, css_classes=["several"]
-        )
-        self.compare.param.watch(self._choose_alternatives, "value")
+            pn.widgets.MultiSelect, "Compare with", self._choose_alternatives, size=4,
+            css_classes=["several"],
+        )  # fmt: skip
         self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
         explanations = pane(
             words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse")
@@ -266,15 +266,16 @@ class MuscleView(Tab):
 
     # other laws
 
-    def _choose_alternatives(self, event: Any) -> None:
-        if event.new == _chosen_alternatives(self.session.view):  # set by the page itself
+    def _choose_alternatives(self, keys: list[str]) -> None:
+        chosen = _chosen_alternatives(self.session.view)
+        if keys == chosen:  # set by the page itself
             return
-        try:
-            self.session.change(alternatives=check_alternatives(tuple(event.new)))
-            self.message.show("")
-        except ValueError as error:
-            self.compare.value = list(event.old)
-            self.message.show(error)
+        with self.message.errors():
+            try:
+                self.session.change(alternatives=check_alternatives(tuple(keys)))
+            except ValueError:
+                self.compare.value = chosen
+                raise
 
     def _request_alternatives(self, view: View) -> None:
         top = self.top

@@ -3,6 +3,7 @@
 import html
 import io
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
@@ -28,7 +29,7 @@ from .story import Story
 from .tab import Tab, session_document
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, page_colors, page_css, pane, row
 from .time_tab import TimeView
-from .widgets import Message, button, decode_upload, dropdown, widget
+from .widgets import Message, button, decode_upload, dropdown, file_input, widget
 
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
@@ -76,21 +77,18 @@ class Header:
         self._theme_in_link = theme_in_link or theme == "dark"
         groups = {"Examples": shipped_names("examples"),
                   "Measured muscles": shipped_names("measured"), "Your own": [_CUSTOM]}  # fmt: skip
-        self._example = widget(pn.widgets.Select, "Example", groups=groups, width=200)
-        self._example.param.watch(self._choose_example, "value")
-        self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=216)
-        # an empty file changes nothing but the name
-        self.file.param.watch(self._open_file, ["value", "filename"])
+        self._example = widget(
+            pn.widgets.Select, "Example", self._choose_example, groups=groups, width=200
+        )
+        self.file = file_input("Open a file", ".toml", self._open_file, width=216)
         self.save = widget(
             pn.widgets.FileDownload, "Save the file", filename="", width=110, margin=(22, 8, 4, 4),
             callback=lambda: io.BytesIO(session.view.text.encode()),
         )  # fmt: skip
         self._units = {
-            kind: dropdown(kind.capitalize(), units, width=86)
+            kind: dropdown(kind.capitalize(), units, partial(self._set_unit, kind), width=86)
             for kind, units in DISPLAY_UNITS.items()
         }
-        for kind, select in self._units.items():
-            select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
         self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
         style: dict[str, Any] = {"margin": (22, 4, 4, 4)}
         self.undo = button("Undo", session.undo, width=62, **style)
@@ -144,16 +142,16 @@ class Header:
         for kind, select in self._units.items():
             select.value = view.display_units[kind]
 
-    def _choose_example(self, event: Any) -> None:
-        if event.new in (_CUSTOM, self._session.view.name):  # set by the page itself
+    def _choose_example(self, chosen: str) -> None:
+        if chosen in (_CUSTOM, self._session.view.name):  # set by the page itself
             return
         self.message.show("")
-        self._offer = event.new
+        self._offer = chosen
         if self._session.view.name in named_muscles():
             self._replace()
             return
         name = html.escape(sanitize_line(self._session.view.name, 60))
-        self._question.object = f'<div role="alert">{event.new} would replace {name}.</div>'
+        self._question.object = f'<div role="alert">{chosen} would replace {name}.</div>'
         self.question.visible = True
 
     def _replace(self) -> None:
@@ -167,17 +165,12 @@ class Header:
         self.question.visible = False
         self._example.value = _CUSTOM
 
-    def _open_file(self, *_: Any) -> None:
-        raw = self.file.value or b""
-        name = str(self.file.filename or "file")[-60:]
-        try:
+    def _open_file(self, raw: bytes, name: str) -> None:
+        with self.message.errors():
             text = decode_upload(raw, name, "muscle", LARGEST_MUSCLE_FILE)
             target = loads(text, source=name)
             self._session.input_names.add(name)
             self._session.open(view_of(target, name, self._session.view))
-            self.message.show("")
-        except ValueError as error:
-            self.message.show(error)
 
     def _set_unit(self, kind: str, unit: str) -> None:
         self._session.change(display_units={**self._session.view.display_units, kind: unit})

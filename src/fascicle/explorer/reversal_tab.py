@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import panel as pn
@@ -12,7 +12,7 @@ from ..bundle.reversal import Reversal, free_strain_curve, reversal
 from ..muscle import Muscle
 from ..plot.curves import split_at_reversal
 from ..plot.theme import Colors
-from .chart import Chart, cycle_colors, screen_height
+from .chart import Chart, cycle_colors, padded_range, screen_height
 from .link import parse_splits
 from .remarks import remarks_html
 from .state import Session, View
@@ -87,9 +87,9 @@ class ReversalView(Tab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self._splits = widget(
-            pn.widgets.TextInput, "Splits of the same muscles, such as 1+4, 2+3", max_width=420
-        )
-        self._splits.param.watch(self._set_splits, "value")
+            pn.widgets.TextInput, "Splits of the same muscles, such as 1+4, 2+3",
+            self._set_splits, max_width=420,
+        )  # fmt: skip
         chart = self.chart = Chart(
             colors, "Pressure P2", "Free strain of the bundle [–]", screen_height(300)
         )
@@ -121,12 +121,9 @@ class ReversalView(Tab):
         self.status.object = status_line("computing")
         self._curves.request(lambda: split_curves(view.muscle, view.splits, view.supply))
 
-    def _set_splits(self, event: Any) -> None:
-        try:
-            self.session.change(splits=parse_splits(event.new))
-            self.message.show("")
-        except ValueError as error:
-            self.message.show(error)
+    def _set_splits(self, text: str) -> None:
+        with self.message.errors():
+            self.session.change(splits=parse_splits(text))
 
     def _show_curves(self, curves: list[SplitCurve]) -> None:
         unit, scale = self.unit("pressure")
@@ -154,10 +151,8 @@ class ReversalView(Tab):
             ("without resistance", self.colors.soft, "dashed"),
         ])  # fmt: skip
         strains = np.concatenate([np.r_[curve.resisted, curve.free] for curve in curves])
-        low, high = float(strains.min()), float(strains.max())
-        margin = max(0.1 * (high - low), 0.004)
         highest = float(curves[0].pressure[-1]) / scale
-        self.chart.set_ranges((0.0, highest), (low - margin, high + margin))
+        self.chart.set_ranges((0.0, highest), padded_range(strains, 0.1, 0.004))
         self.chart.figure.xaxis[0].axis_label = f"Pressure of the second unit P2 [{unit}]"
         self.status.object = ""
         self.message.show("")

@@ -10,13 +10,20 @@ import contextlib
 import errno
 import logging
 import signal
+import socket
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
+from bokeh.server.server import BaseServer
+from bokeh.server.tornado import BokehTornado
 from bokeh.server.urls import per_app_patterns
+from bokeh.server.util import bind_sockets
+from panel.io.application import build_applications
+from panel.io.resources import DIST_DIR
 from panel.io.server import WSHandler
+from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
@@ -73,11 +80,10 @@ async def _serve(
     pn.extension()
     loop, stop = asyncio.get_running_loop(), asyncio.Event()
     loop.set_exception_handler(_handle_exception)
-    server = start_server(view, host, port)
+    server = start_server(view, host, port, allowed)
     for number in (signal.SIGINT, signal.SIGTERM):
         with contextlib.suppress(RuntimeError, ValueError):  # outside of the main thread
             loop.add_signal_handler(number, stop.set)
-    guard(server._tornado, AllowedHosts.of(host, allowed))
     server.start()
     if host not in LOOPBACK:
         print_line(
@@ -111,30 +117,31 @@ per_app_patterns[:] = [
 ]
 
 
-def start_server(view: View, host: str, port: int | None) -> Any:
+def start_server(view: View, host: str, port: int | None, allowed: Sequence[str] = ()) -> Any:
     """Server, not yet started, on the `port`; by default the first free one of 5006 to 5025, else
     any. `OSError` where it can't listen.
     """
-    drawing = asyncio.Lock()
+    sockets, drawing = _bind(host, port), asyncio.Lock()
+    app = BokehTornado(
+        build_applications({"/": lambda: page(view, drawing)}, title="fascicle"),
+        extra_websocket_origins=["*"],  # `allowed_hosts` checks it, and the host, too
+        ico_path=str(DIST_DIR / "images" / "favicon.ico"),
+        unused_session_lifetime_milliseconds=_CLOSED_SESSION,
+        check_unused_sessions_milliseconds=2_000,
+        websocket_max_message_size_bytes=_LARGEST_MESSAGE,
+    )
+    guard(app, AllowedHosts.of(host, allowed))
+    http = HTTPServer(app, max_buffer_size=_LARGEST_MESSAGE)
+    http.add_sockets(sockets)
+    return BaseServer(IOLoop.current(), app, http)
+
+
+def _bind(host: str, port: int | None) -> list[socket.socket]:
+    """Sockets at the `port`, or at the first free one."""
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:
-            return pn.serve(
-                {"/": lambda: page(view, drawing)},
-                port=number,
-                address=host,
-                websocket_origin=["*"],  # `allowed_hosts` checks it, and the host, too
-                show=False,
-                start=False,
-                title="fascicle",
-                verbose=False,
-                threaded=False,
-                loop=IOLoop.current(),
-                unused_session_lifetime_milliseconds=_CLOSED_SESSION,
-                check_unused_sessions_milliseconds=2_000,
-                websocket_max_message_size=_LARGEST_MESSAGE,
-                http_server_kwargs={"max_buffer_size": _LARGEST_MESSAGE},
-            )
+            return bind_sockets(host, number)[0]
         except OSError as error:
             if error.errno != errno.EADDRINUSE or number == candidates[-1]:
                 reason = error.strerror or str(error)

@@ -4,7 +4,6 @@ A tab is drawn when it is open, and only if its content has changed.
 """
 
 import asyncio
-import contextlib
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -149,7 +148,7 @@ class LatestResult:
         """On the loop, `show` takes a result, and `fail` an error; `workers` are its threads."""
         self._show, self._fail, self._workers = show, fail, workers
         self._latest: Callable[[], Any] | None = None
-        self._busy = False
+        self._busy, self._task = False, None
 
     def request(self, compute: Callable[[], Any]) -> None:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
@@ -174,20 +173,16 @@ class LatestResult:
             elif self._latest is not None:
                 self._start(doc, self._latest)
 
-        def schedule(future: "Future[Outcome]") -> None:
+        async def wait() -> None:
+            outcome = await asyncio.wrap_future(future)
             if doc.session_context and not doc.session_context.destroyed:
-                doc.add_next_tick_callback(lambda: deliver(future.result()))
+                # on the loop: a document that sends its changes loses a callback of a thread
+                doc.add_next_tick_callback(lambda: deliver(outcome))
 
-        def done(future: "Future[Outcome]") -> None:
-            _RUNNING.discard(future)
-            # a document that sends its changes loses a callback that a thread adds meanwhile
-            with contextlib.suppress(RuntimeError):  # the loop has ended
-                loop.call_soon_threadsafe(schedule, future)
-
-        loop = asyncio.get_running_loop()
         future = self._workers.submit(result_and_error, compute)
         _RUNNING.add(future)
-        future.add_done_callback(done)
+        future.add_done_callback(_RUNNING.discard)
+        self._task = asyncio.get_running_loop().create_task(wait())
 
     def _show_outcome(self, outcome: Outcome) -> None:
         result, error = outcome

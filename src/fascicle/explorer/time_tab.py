@@ -6,7 +6,9 @@ The run goes to the browser once; there `time_page.js` plays it, without a messa
 import asyncio
 import html
 import io
+from collections.abc import Iterable
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -35,6 +37,7 @@ from .widgets import (
     decode_upload,
     dropdown,
     field_unit,
+    file_input,
     heading,
     html_legend,
     html_table,
@@ -103,18 +106,17 @@ class TimeView(Tab):
 
     def _add_widgets(self) -> None:
         """Make the inputs and buttons, but those of the player."""
-        self.scenario = dropdown("Scenario", [*scenarios(), _OWN], width=200)
-        self.scenario.param.watch(self._choose_scenario, "value")
+        names = [*scenarios(), _OWN]
+        self.scenario = dropdown("Scenario", names, self._choose_scenario, width=200)
         self.run = button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
         self.cancel = button(
             "Cancel", self.cancel_job, width=76, margin=(22, 4, 4, 4), disabled=True
         )
-        self.file = widget(pn.widgets.FileInput, "Open a scenario (.toml)", accept=".toml")
-        # an empty file changes nothing but the name
-        self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
+        self.file = file_input("Open a scenario (.toml)", ".toml", self._open_file)
         self._fields = column()
-        self.policies = widget(pn.widgets.CheckBoxGroup, "Policies", options=list(POLICIES))
-        self.policies.param.watch(self._set_policies, "value")
+        self.policies = widget(
+            pn.widgets.CheckBoxGroup, "Policies", self._set_policies, options=list(POLICIES)
+        )
         self._policy_title = pane()
         self._policy_words = pane(glossary_html("Explain the policies", POLICIES))
         self._progress = Progress("simulating", self.status)
@@ -122,8 +124,7 @@ class TimeView(Tab):
             pane(sizing_mode="stretch_width"),
             pane(margin=(4, 8), sizing_mode="stretch_width", stylesheets=[LAYOUT_CSS, _TABLE_CSS]),
         )
-        self.drawn = dropdown("Policy that is drawn", [], visible=False)
-        self.drawn.param.watch(self._choose_drawn, "value")
+        self.drawn = dropdown("Policy that is drawn", [], self._choose_drawn, visible=False)
         self.saves = [
             *(download_button(f"Save charts ({kind.upper()})", kind,
                               lambda kind=kind: self._charts_file(kind), self.download_message,
@@ -317,36 +318,29 @@ class TimeView(Tab):
         (*_, name) = (key for key in field.path.split(".") if not key.isdigit())
         return Field(field.label, name, field.dimension, set_value)
 
-    def _choose_scenario(self, event: Any) -> None:
+    def _choose_scenario(self, name: str) -> None:
         if self._updating:
             return
-        if event.new == _OWN:
+        if name == _OWN:
             self.message.show("Open your own scenario by its file, on the left.")
             self.draw(self.session.view)
             return
         self.message.show("")
-        self.session.change(setup=Setup(event.new))
+        self.session.change(setup=Setup(name))
 
-    def _set_policies(self, event: Any) -> None:
+    def _set_policies(self, names: list[str]) -> None:
         """Set the control policies to compare to those that a visitor ticked."""
         if self._updating:
             return
         setup = self.session.view.setup
-        policies = check_policies(setup, event.new)
+        policies = check_policies(setup, names)
         self.session.change(setup=replace(setup, policies=policies))
 
-    def _open_file(self) -> None:
-        raw, name = self.file.value or b"", str(self.file.filename or "")[-60:]
-        if not name:
-            return
-        try:
+    def _open_file(self, raw: bytes, name: str) -> None:
+        with self.message.errors():
             setup = open_setup(decode_upload(raw, name, "scenario", LARGEST_FILE), name)
-        except ValueError as error:
-            self.message.show(error)
-            return
-        self.session.input_names.add(name)
-        self.message.show("")
-        self.session.change(setup=setup)
+            self.session.input_names.add(name)
+            self.session.change(setup=setup)
 
     # jobs
 
@@ -488,21 +482,14 @@ class TimeView(Tab):
         result, run = self.result, self.drawn_run
         assert result is not None
         labels = [_run_label(item) for item in result.runs]
-        styles = [*zip(labels, cycle_colors(colors, len(labels)),
-                       [_DASHES[i % len(_DASHES)] for i in range(len(labels))],
-                       strict=True)]  # fmt: skip
+        styles = list(zip(labels, cycle_colors(colors, len(labels)), cycle(_DASHES)))
         rotary = result.rotary
         force_unit, force = ("N·m", 1.0) if rotary else self.unit("force")
         length_unit, length = ("°", np.pi / 180) if rotary else self.unit("length")
         pressure_unit, pressure = self.unit("pressure")
-        forces = [
-            Curve(item.pull[item.rows] / force, *style)
-            for item, style in zip(result.runs, styles, strict=True)
-        ]
-        positions = [
-            Curve(self._samples("position", item) / length, *style)
-            for item, style in zip(result.runs, styles, strict=True)
-        ]
+        runs = result.runs
+        forces = _curves([item.pull[item.rows] / force for item in runs], styles)
+        positions = _curves([self._samples("position", item) / length for item in runs], styles)
         if result.quantity:
             chart, scale = (forces, force) if result.quantity == "force" else (positions, length)
             demand = self._samples("demand") / scale
@@ -510,13 +497,10 @@ class TimeView(Tab):
         units = run.table["pressure"].values.shape[1]
         by_unit = [(f"unit {i + 1}", color) for i, color in
                    enumerate(cycle_colors(colors, units))]  # fmt: skip
-        pressures = [
-            Curve(self._samples("pressure")[:, i] / pressure, *style)
-            for i, style in enumerate(by_unit)
-        ]
+        pressures = _curves(self._samples("pressure").T / pressure, by_unit)
         supply = self._samples("supply_pressure") / pressure
         pressures.append(Curve(supply, "supply", colors.ink, "dashed", 1.5))
-        valves = [Curve(self._openings(run)[:, i], *style) for i, style in enumerate(by_unit)]
+        valves = _curves(self._openings(run).T, by_unit)
         energies = _energies(run.table, run.rows, colors)
         of_run = f", {run.policy}" if len(result.runs) > 1 else ""
         return [
@@ -618,6 +602,11 @@ class TimeView(Tab):
         return stem, setup.text(policy).encode()
 
 
+def _curves(rows: Iterable[np.ndarray], styles: Iterable[tuple[Any, ...]]) -> list[Curve]:
+    """Curves of the values in `rows`, with label, color and dash of `styles`."""
+    return [Curve(values, *style) for values, style in zip(rows, styles, strict=True)]
+
+
 def _run_label(run: PolicyResult) -> str:
     """Label of a run: its policy, or "reached" for a schedule."""
     return run.policy or "reached"
@@ -638,7 +627,4 @@ def _energies(table: Table, rows: np.ndarray, colors: Colors) -> list[Curve]:
         "work on the load": total("account_pull"),
     }
     palette = (colors.ink, colors.curves[1], colors.curves[2], colors.curves[0])
-    return [
-        Curve(values, label, color, dash)
-        for (label, values), color, dash in zip(terms.items(), palette, _DASHES, strict=False)
-    ]
+    return _curves(terms.values(), zip(terms, palette, _DASHES, strict=False))

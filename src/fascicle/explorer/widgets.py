@@ -2,7 +2,8 @@
 
 import html
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -121,6 +122,15 @@ class Message:
         line = f'<div role="alert">{text}</div>' if text else ""
         self.pane.param.update(object=line, visible=bool(text))
 
+    @contextmanager
+    def errors(self, units: Mapping[str, str] | None = None, **labels: str) -> Iterator[None]:
+        """Show a `ValueError` of the block as `show` does, or nothing where there is none."""
+        try:
+            yield
+            self.show("")
+        except ValueError as error:
+            self.show(error, units, **labels)
+
 
 def decode_upload(raw: bytes, name: str, kind: str, limit: int) -> str:
     """Text of an uploaded file of a `kind`; `ValueError` with its `name` for an empty file, one
@@ -136,16 +146,44 @@ def decode_upload(raw: bytes, name: str, kind: str, limit: int) -> str:
         raise ValueError(f"{name}: not a text file in UTF-8.") from None
 
 
-def widget(kind: Any, label: str, **options: Any) -> Any:
-    """A Panel widget of a `kind` in the page's style, as wide as there is room."""
+def widget(
+    kind: Any, label: str, on_change: Callable[[Any], object] | None = None, **options: Any
+) -> Any:
+    """A Panel widget of a `kind` in the page's style, as wide as there is room.
+
+    `on_change` is called with its new value.
+    """
     defaults = {"sizing_mode": None if "width" in options else "stretch_width", "margin": (2, 8)}
-    return kind(label=label, stylesheets=[WIDGET_CSS], **defaults | options)
+    result = kind(label=label, stylesheets=[WIDGET_CSS], **defaults | options)
+    if on_change is not None:
+        result.param.watch(lambda event: on_change(event.new), "value")
+    return result
 
 
-def dropdown(label: str, options: Mapping[str, str] | Iterable[str], **more: Any) -> Any:
+def dropdown(
+    label: str,
+    options: Mapping[str, str] | Iterable[str],
+    on_change: Callable[[str], object] | None = None,
+    **more: Any,
+) -> Any:
     """A drop-down list of `options`, by label where it is a mapping."""
     choices = dict(options) if isinstance(options, Mapping) else list(options)
-    return widget(pn.widgets.Select, label, options=choices, **more)
+    return widget(pn.widgets.Select, label, on_change, options=choices, **more)
+
+
+def file_input(
+    label: str, accept: str, on_file: Callable[[bytes, str], object], **options: Any
+) -> Any:
+    """A button that opens a file, of which `on_file` takes the bytes and the name."""
+
+    def open_file(*_: Any) -> None:
+        if result.value or result.filename:
+            on_file(result.value or b"", str(result.filename or "file")[-60:])
+
+    result = widget(pn.widgets.FileInput, label, accept=accept, **options)
+    # an empty file changes nothing but the name
+    result.param.watch(open_file, ["value", "filename"])
+    return result
 
 
 def button(label: str, on_click: Callable[[], None] | None, **options: Any) -> Any:
@@ -169,10 +207,9 @@ class Field:
         """
         self.label, self.name, self._dimension, self._set = label, name, dimension, set_value
         self._optional, self._unit, self._text = optional, "", ""
-        self.input = widget(pn.widgets.TextInput, label, **options)
+        self.input = widget(pn.widgets.TextInput, label, self._on_input, **options)
         self.message = Message()
         self.widgets = (self.input, self.message.pane)
-        self.input.param.watch(self._on_input, "value")
 
     def show(self, value: float | None, unit: str) -> None:
         """Show a `value` [SI] in a `unit`, or none."""
@@ -185,14 +222,14 @@ class Field:
         """Show an `error` below the field, in its unit and by its label."""
         self.message.show(error, {self._dimension: self._unit}, **{self.name: self.label})
 
-    def _on_input(self, event: Any) -> None:
-        if event.new == self._text:  # the page's own, or typed again after an error
+    def _on_input(self, text: str) -> None:
+        if text == self._text:  # the page's own, or typed again after an error
             self.message.show("")
             return
         try:
             value = None
-            if event.new.strip() or not self._optional:
-                value = parse_field(event.new, self._dimension, self._unit, self.name)
+            if text.strip() or not self._optional:
+                value = parse_field(text, self._dimension, self._unit, self.name)
             self._set(value)
             self.show(value, self._unit)
         except ValueError as error:
@@ -212,12 +249,12 @@ class QuantitySlider:
         self._label, self._dimension, self._set = label, dimension, set_value
         self._unit, self._top, self._updating = "", 1.0, False
         self.slider = widget(
-            _StepSlider, label, start=0, end=1, step=0.01, show_value=False, margin=(4, 14, 4, 12)
-        )
+            _StepSlider, label, self._on_slider, start=0, end=1, step=0.01, show_value=False,
+            margin=(4, 14, 4, 12),
+        )  # fmt: skip
         self.field = Field(f"{label}, typed", name, dimension, self._on_field, width=106,
                            margin=(8, 8, 0, 8), css_classes=["hidden-label"])  # fmt: skip
         self.field.label = label
-        self.slider.param.watch(self._on_slider, "value")
         inputs = row(self.slider, self.field.input, kind="")
         self.panel = column(inputs, self.field.message.pane, kind="whole-row")
 
@@ -234,14 +271,14 @@ class QuantitySlider:
         self.field.show(value, unit)
         self._updating = False
 
-    def _on_slider(self, event: Any) -> None:
+    def _on_slider(self, position: float) -> None:
         if self._updating:
             return
         # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa; the end is the top's, which no
         # decimals of this unit may be
-        value = parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension)
+        value = parse(f"{position:.9g} {self._unit}".strip(), self._dimension)
         try:
-            self._set(self._top if event.new >= self.slider.end else min(value, self._top))
+            self._set(self._top if position >= self.slider.end else min(value, self._top))
         except ValueError as error:
             self.field.show_error(error)
 
@@ -260,19 +297,20 @@ class Sweep:
     def __init__(self, label: str, step: Callable[[], bool]):
         """Sweep of the value of a `label`; `step` moves it, and returns False at the end."""
         self._step, self._timer = step, None
-        self.button = widget(pn.widgets.Toggle, "", margin=(4, 8), sizing_mode=None)
+        self.button = widget(
+            pn.widgets.Toggle, "", self._on_toggle, margin=(4, 8), sizing_mode=None
+        )
         self.set_label(label)
-        self.button.param.watch(self._on_toggle, "value")
 
     def set_label(self, label: str) -> None:
         """Name the value."""
         self.button.label = f"▶ Sweep {label}"
 
-    def _on_toggle(self, event: Any) -> None:
+    def _on_toggle(self, pressed: bool) -> None:
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
-        if event.new and pn.state.curdoc is not None:
+        if pressed and pn.state.curdoc is not None:
             self._timer = pn.state.add_periodic_callback(self._advance, period=_SWEEP_PERIOD)
 
     def _advance(self) -> None:

@@ -29,6 +29,7 @@ from .theme import (
 
 _THIN, _THICK = 0.4, 2.2  # points, lines of the lowest and the highest pressure
 _SMALLEST, _LARGEST = 2.0, 6.0  # points, of a demand's mark
+_LEAST_SCALE = 0.001  # of efficiency: less can't be read from a map
 _CONTOURS = np.arange(0.1, 1.0, 0.1)  # of efficiency
 
 
@@ -134,22 +135,25 @@ def efficiency_loss(loss: EfficiencyMap, gaps: Sequence[tuple[np.ndarray, np.nda
     """
     figure, axes = new_figure(1, 1, SINGLE, 0.72 * SINGLE)
     ax = axes[0, 0]
-    highest = float(np.nanmax(loss.efficiency)) if np.isfinite(loss.efficiency).any() else 1.0
-    image = draw_efficiency(ax, loss, highest or 1.0)
+    # negative where the map with resistance is the higher one
+    finite = loss.efficiency[np.isfinite(loss.efficiency)]
+    lowest, highest = finite.min(initial=0.0), max(finite.max(initial=0.0), _LEAST_SCALE)
+    image = draw_efficiency(ax, loss, highest, lowest)
     for strain, force in gaps:
         ax.plot(strain, force, color=VERMILION, linewidth=0.8)
     figure.colorbar(image, ax=ax, label="Loss of η [–]", pad=0.02)
-    ax.set_title(f"{loss.path}: average loss {loss.average:.3f}", loc="left")
+    ax.set_title(f"{loss.path}: loss due to resistance", loc="left")
     return figure
 
 
-def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float) -> Any:
-    """Draw a map with contour lines, colors from zero to `highest` [-]; returns the image."""
+def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float, lowest: float = 0.0) -> Any:
+    """Draw a map with contour lines, colors from `lowest` to `highest` [-]; returns the image."""
     strain, force, eta = result.strain, result.force, result.efficiency
     # cividis reads alike to all eyes; a raster image, or a vector file would be megabytes
     image = ax.pcolormesh(
-        strain, force, eta, cmap="cividis", vmin=0, vmax=highest, rasterized=True, shading="nearest"
-    )
+        strain, force, eta, cmap="cividis", vmin=lowest, vmax=highest, rasterized=True,
+        shading="nearest",
+    )  # fmt: skip
     for state in range(1, int(result.state.max()) + 1):
         # state by state: lines must not crowd where efficiency jumps
         inside = result.state == state

@@ -52,8 +52,11 @@ def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
 def test_the_picture_of_efficiency_is_that_of_the_map_shown(kind, tmp_path, monkeypatch):
     export = EXPORTS["efficiency"](replace(VIEW, map=kind), ())
     maps = efficiency_maps(VIEW.bundle, VIEW.path)
-    image = export.figure().axes[0].collections[0].get_array()
-    np.testing.assert_array_equal(np.ma.filled(image, np.nan), getattr(maps, kind).efficiency)
+    expected = getattr(maps, kind).efficiency
+    image = export.figure().axes[0].collections[0]
+    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), expected)
+    low, high = image.get_clim()
+    assert low <= np.nanmin(expected) and np.nanmax(expected) <= high
     monkeypatch.chdir(tmp_path)
     exec(export.script, {})  # noqa: S102 what is tested
     assert is_svg(f"{export.stem}.svg")

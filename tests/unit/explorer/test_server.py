@@ -23,8 +23,9 @@ VIEW = View("kim2021_figure_6", fs.example("kim2021_figure_6"))
 def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
     async def start(port):
         started = server.start_server(VIEW, "127.0.0.1", port)
+        number = started.port
         started.stop()
-        return started.port
+        return number
 
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
