@@ -215,7 +215,8 @@ class Learner(NamedTuple):
 
         **Returns:** the correction for the next run.
 
-        **Raises:** `InvalidInputError` for rows of unequal length.
+        **Raises:** `InvalidInputError` for rows of unequal length, and for a correction of another
+        plant.
         """
         plant, grid = self.plant, self.grid
         F = np.atleast_1d(check_finite(force, "force", "N"))
@@ -228,6 +229,10 @@ class Learner(NamedTuple):
         thin = slice(None, None, -(-len(F) // _SAMPLES))
         F, P, eps = F[thin], P[thin], eps[thin]
         before = grid if before is None else before
+        has_nodes = all(map(np.array_equal, before[:2], grid[:2]))
+        if not has_nodes or np.shape(before.forces) != grid.forces.shape:
+            rule = "must have this learner's units, pressures and strains"
+            raise InvalidInputError("before", rule, None, "begin without one", shown="")
         arms = np.asarray(plant.lengths * plant.gains) * plant.counts
         P = np.clip(P, 0.0, grid.pressures[-1])
         by_pressure = _interpolation_weights(P, grid.pressures)

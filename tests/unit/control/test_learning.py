@@ -152,6 +152,12 @@ def test_invalid_input_is_refused(learner, samples):
     with pytest.raises(InvalidInputError) as error:
         learner.learn(force, P[:-1], strains)
     assert error.value.argument == "pressures"
+    coarse = learner.grid._replace(
+        pressures=learner.grid.pressures[::2], forces=learner.grid.forces[:, ::2]
+    )
+    with pytest.raises(InvalidInputError) as error:
+        learner.learn(force, P, strains, coarse)
+    assert error.value.argument == "before"
     single = learner.grid._replace(forces=learner.grid.forces[:1])
     with pytest.raises(InvalidInputError) as error:
         control.cascade(learner.plant, "hand_over", correction=single)
