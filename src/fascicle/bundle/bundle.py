@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, is_numpy, jax_backend, where
+from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late, late_method
 from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
@@ -117,12 +117,12 @@ class Bundle(Module):
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` if all are 1."""
         if self.plate_distance is None:
             return None
-        return _stack_units([self.plate_distance / unit.muscle.length for unit in self.motor_units])
+        return stack([self.plate_distance / x.muscle.length for x in self.motor_units], axis=-1)
 
     @cached_property
     def counts(self) -> Whole:
         """Muscles in each motor unit [-], on the last axis."""
-        return _stack_units([unit.count for unit in self.motor_units])
+        return stack([unit.count for unit in self.motor_units], axis=-1)
 
     @cached_property
     def groups(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
@@ -284,12 +284,6 @@ def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
     muscles = pressurize(bundle, pressures)
     free_strains = muscles.plate_strains(lambda muscle: muscle.column.free_strain)
     return array_namespace(free_strains).max(free_strains, axis=-1)
-
-
-def _stack_units(values: list[Any]) -> Any:
-    """A value for each unit, on the last axis."""
-    xp = array_namespace(*values)
-    return xp.stack(xp.broadcast_arrays(*values), axis=-1)
 
 
 def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:

@@ -34,7 +34,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace
+from ..core.array_namespace import array_namespace, stack
 from ..core.errors import InvalidInputError
 from ..core.module import evaluate, with_fields
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
@@ -100,7 +100,7 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
             start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
         volume = unit.muscle.braid.volume  # the bladder's own doesn't change
         volumes.append(unit.count * (volume(end) - volume(start)))
-    return array_namespace(*volumes).stack(volumes, axis=-1)
+    return stack(volumes, axis=-1)
 
 
 def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:

@@ -15,6 +15,7 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -97,7 +98,7 @@ class Workspace:
         force where the bundle would push.
         """
         low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
-        return _boundary(self.strain, low, high, self.high[state - 1] >= 0)
+        return boundary(self.strain, low, high, self.high[state - 1] >= 0)
 
 
 @dataclass(frozen=True)
@@ -120,10 +121,10 @@ class Overlap:
     def outline(self, pair: int) -> Outline:
         """Outline of the overlap in row `pair`: strain [-] and force [N]; empty without one."""
         low, high = self.low[pair], self.high[pair]
-        return _boundary(self.strain, low, high, np.isfinite(low))
+        return boundary(self.strain, low, high, np.isfinite(low))
 
 
-def _boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
+def boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: Any) -> Outline:
     """Strains [-] there and back, with the `high` edge [N] there and the `low` one back."""
     strain, low, high = strain[inside], low[inside], high[inside]
     return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]

@@ -8,10 +8,10 @@ import numpy as np
 
 from .bundle import Bundle
 from .energetics import EfficiencyMap, efficiency_map
+from .recruitment import Outline, boundary
 
 
 _THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
-Outline = tuple[np.ndarray, np.ndarray]
 
 
 class Maps(NamedTuple):
@@ -75,7 +75,5 @@ def _resistance_gaps(bundle: Bundle, strain: np.ndarray) -> tuple[Outline, ...]:
     for low, high in zip(with_resistance, without, strict=True):
         inside = np.flatnonzero(high - low > _THIN * without.max())
         if inside.size:
-            column = slice(inside[0], inside[-1] + 1)
-            x = strain[column]
-            outlines.append((np.r_[x, x[::-1]], np.r_[high[column], low[column][::-1]]))
+            outlines.append(boundary(strain, low, high, slice(inside[0], inside[-1] + 1)))
     return tuple(outlines)

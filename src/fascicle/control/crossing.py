@@ -24,8 +24,8 @@ import numpy as np
 
 from ..bundle.bundle import Bundle
 from ..bundle.states import resolve_supply_pressure
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_interval
 from .branches import Branches

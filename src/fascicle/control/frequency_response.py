@@ -32,8 +32,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
 from ..dynamics import Plant, State, simulate

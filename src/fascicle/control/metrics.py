@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
 from ..dynamics.energy_ledger import LEDGER

@@ -161,10 +161,10 @@ def sum_table(x: Any) -> Any:
     return array_namespace(x).sum(x, axis=0 if type(x) in _REGISTERED else -1)
 
 
-def stack(rows: Any) -> Any:
-    """Broadcast arrays, stacked on a new first axis."""
+def stack(rows: Any, axis: int = 0) -> Any:
+    """Broadcast arrays, stacked on a new `axis`, by default the first."""
     xp = array_namespace(*rows)
-    return xp.stack(xp.broadcast_arrays(*rows))
+    return xp.stack(xp.broadcast_arrays(*rows), axis=axis)
 
 
 def slices(count: int, size: int) -> list[slice]:

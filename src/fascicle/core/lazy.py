@@ -14,10 +14,34 @@ import warnings
 from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
 from types import MethodType, ModuleType
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
-from ..former_names import MODULES, NAMES
-from .deprecations import warn_renamed
+from ..former_names import ATTRIBUTES, MODULES, NAMES, REMOVAL
+
+
+_Class = TypeVar("_Class", bound=type)
+
+
+def warn_renamed(old: str, new: str, verb: str = "is now") -> None:
+    """Warn, at the line that uses it, that a name is another one now."""
+    message = f"`{old}` {verb} `{new}`. The former name goes with fascicle {REMOVAL}."
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
+
+
+def with_former_names(owner: _Class) -> _Class:
+    """Class decorator: former names of attributes and methods, from `ATTRIBUTES`."""
+
+    def alias(old: str, new: str) -> property:
+        def get_present(self: Any) -> Any:
+            warn_renamed(f"{type(self).__name__}.{old}", new)
+            return getattr(self, new)
+
+        get_present.__doc__ = f"Former name of `{new}`."
+        return property(get_present)
+
+    for old, new in ATTRIBUTES[owner.__name__].items():
+        setattr(owner, old, alias(old, new))
+    return owner
 
 
 def attach_lazy(

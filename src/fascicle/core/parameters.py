@@ -19,7 +19,7 @@ from ..units import DIMENSIONS
 from .array_namespace import exp, expm1, log, log1p, where
 from .module import record, static
 from .types import Batch, Values
-from .validation import Range, check_choice, check_finite, check_plausible, check_positive
+from .validation import Range, check_choice, check_size
 
 
 class Transform(NamedTuple):
@@ -94,9 +94,7 @@ class Constant:
 
     def validate(self, value: Values) -> Batch:
         """Return a `value` as floats [SI]; refuse an impossible one, warn of an unusual one."""
-        limits = self.range
-        check = check_positive if limits.least > 0 else check_finite
-        return check_plausible(check(value, self.name, limits.unit), self.name, limits)
+        return check_size(value, self.name, self.range)
 
     def field(self) -> Any:
         """Field of a law that is validated when set, with the constant in its metadata."""

@@ -233,14 +233,13 @@ def disable_pressure_unit_warning() -> None:
     _WARNED_ONCE.add("low pressure")
 
 
-def check_size(value: Values, name: str) -> Batch:
-    """Return a positive `value` [SI] as floats; refuse or warn by the range of its `name`."""
-    return check_plausible(check_positive(value, name, RANGES[name].unit), name)
-
-
-def check_signed(value: Values, name: str) -> Batch:
-    """As `check_size`, for a `value` [SI] of either sign."""
-    return check_plausible(check_finite(value, name, RANGES[name].unit), name)
+def check_size(value: Values, name: str, limits: Range | None = None) -> Batch:
+    """Return a `value` [SI] as floats; refuse or warn by its `limits` (default: the range of its
+    `name`). One whose least value is positive must be positive.
+    """
+    limits = limits or RANGES[name]
+    check = check_positive if limits.least > 0 else check_finite
+    return check_plausible(check(value, name, limits.unit), name, limits)
 
 
 def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:

@@ -24,8 +24,8 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..bundle.energetics import check_volume_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import to_numpy, with_fields
 from ..core.types import Float, Int, Numbers, Values
 from ..muscle import Muscle

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.deprecations import with_former_names
+from ..core.lazy import with_former_names
 from ..core.types import Float, Int
 from ..core.validation import HIGHEST_PRESSURE
 from .catalog import Product

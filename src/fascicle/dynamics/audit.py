@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
 from .energy_ledger import LEDGER, STORES

@@ -19,8 +19,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module, to_numpy
 from ..core.types import Batch, BoolBatch, Numbers, Values
 from ..core.validation import check_positive, is_concrete

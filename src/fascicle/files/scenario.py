@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.validation import check_choice
 from ..dynamics import (
     AntagonisticJoint,

@@ -17,7 +17,7 @@ from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
-from ..core.deprecations import with_former_names
+from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range

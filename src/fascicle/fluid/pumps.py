@@ -30,8 +30,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..core.array_namespace import logical_and, maximum, minimum, where
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range, is_concrete

@@ -30,8 +30,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..core.array_namespace import maximum, minimum
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval

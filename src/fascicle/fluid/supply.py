@@ -14,8 +14,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete

@@ -24,7 +24,7 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 
 from typing import Any
 
-from ..core.array_namespace import array_namespace, maximum, minimum, stack, sum_nodes, where
+from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import require
 from ..core.types import Batch, BatchLike, Numbers
 from .ends import integrate_pieces
@@ -37,21 +37,13 @@ def contraction_work(
     """Work of the ends [J] from the strain `start` to `strain` [-] at the muscle's pressure;
     `resistance`: true to count it past the free strain, too.
     """
-    # all stretches lie between both strains, in either direction
-    back = strain < start
-    low, high = where(back, strain, start), where(back, start, strain)
-    free, onset, collapse = muscle.kinks
-    folds = [minimum(fold, collapse) for fold in muscle.law.buckling.folds(muscle.column)]
-    kinks = [free, onset, *folds, collapse] if resistance else [free]
-    # at a kink slopes are those of smaller strains, of which a minimum would take half
-    stops = [where(kink >= high, high, where(kink > low, kink, low)) for kink in kinks]
-    ends = stack([low, *stops, high] if resistance else [low, *stops])
-    work = sum_nodes(integrate_pieces(muscle.pulling_force, ends[:-1], ends[1:]))
-    return muscle.column.rest_length * where(back, -work, work)
+    zero = 0.0 * muscle.column.free_strain
+    sums = integrate_force(muscle, stack([start + zero, strain + zero]), resistance=resistance)
+    return muscle.column.rest_length * (sums[1] - sums[0])
 
 
 def integrate_force(
-    muscle: PressurizedMuscle, stops: Numbers, points: int, resistance: bool = True
+    muscle: PressurizedMuscle, stops: Numbers, points: int = 16, resistance: bool = True
 ) -> Numbers:
     """Integral of the force over strain [N] from the least of the `stops` [-] to each of them, on
     the first axis, with Gauss `points` on each piece between two stops or kinks; `resistance`: true
@@ -60,7 +52,8 @@ def integrate_force(
     xp = array_namespace(stops, muscle.collapse_strain)
     low, high = xp.min(stops, axis=0), xp.max(stops, axis=0)
     kinks = [*muscle.kinks, *muscle.law.buckling.folds(muscle.column)]
-    kinks = stack([minimum(maximum(kink, low), high) for kink in kinks])
+    # at a kink slopes are those of smaller strains, of which a minimum would take half
+    kinks = stack([where(kink >= high, high, where(kink > low, kink, low)) for kink in kinks])
     ends = xp.concatenate([xp.broadcast_to(stops, (len(stops), *kinks.shape[1:])), kinks])
     order = xp.argsort(ends, axis=0)
     ends = xp.take_along_axis(ends, order, axis=0)

@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
+from functools import cached_property
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -68,16 +69,17 @@ class LawRegistry(Mapping[str, type[Law]]):
         self._laws: dict[str, type[Law]] = {}
         self._installed: dict[str, type[Law]] = {}  # of other packages
         self._add(sys.modules[self._package])
-        self._complete = self._listed = False
+        self._listed = False
 
     def __getitem__(self, name: str) -> type[Law]:
         if name not in self._laws and name in self._modules():
             self._add(importlib.import_module(f"{self._package}.{name}"))
-        if name not in self._laws and name not in self._installed:
-            self._load_all()
-            if name not in self._laws and (law := self._load_installed(name)) is not None:
-                self._installed[name] = law
-        return self._laws[name] if name in self._laws else self._installed[name]
+        laws = self._laws if name in self._laws else self.shipped
+        if name in laws:
+            return laws[name]
+        if name not in self._installed and (law := self._load_installed(name)) is not None:
+            self._installed[name] = law
+        return self._installed[name]
 
     def __iter__(self) -> Iterator[str]:
         self._load_all_installed()
@@ -86,10 +88,11 @@ class LawRegistry(Mapping[str, type[Law]]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
-    @property
+    @cached_property
     def shipped(self) -> Mapping[str, type[Law]]:
         """Laws of fascicle itself, in the same order: no other package is imported."""
-        self._load_all()
+        for name in self._modules():
+            self._add(importlib.import_module(f"{self._package}.{name}"))
         return MappingProxyType({name: self._laws[name] for name in self._in_order(self._laws)})
 
     @property
@@ -132,12 +135,6 @@ class LawRegistry(Mapping[str, type[Law]]):
         """Names of the modules in the registry's package, sorted."""
         path = sys.modules[self._package].__path__
         return sorted(module.name for module in pkgutil.iter_modules(path))
-
-    def _load_all(self) -> None:
-        if not self._complete:
-            for name in self._modules():
-                self._add(importlib.import_module(f"{self._package}.{name}"))
-            self._complete = True
 
     def _load_installed(self, name: str) -> type[Law] | None:
         """Law of another package, refused if two have it; `None` if none has one of this kind."""

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import as_jax, is_jax_array, is_numpy, map_in_chunks
+from ..core.array_namespace import is_numpy, map_in_chunks
 from ..core.errors import require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, record, replace_checked, static
+from ..core.module import Module, evaluate, record, replace_checked
 from ..core.types import Batch, Values
 from ..core.validation import check_choice, check_size, check_whole_number, warn_user
 from ..repr_table import with_table_repr
@@ -57,22 +57,21 @@ class AtPressure(Module):
 
     pressure: Batch
     state: PressurizedMuscle
-    _of_jax: bool = static()
 
     @property
     def free_strain(self) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes."""
-        return self._match_type(self.state.column.free_strain)
+        return self.state.column.free_strain
 
     @property
     def onset(self) -> Batch:
         """Strain [-] at which the muscle buckles; inf where it never does."""
-        return self._match_type(self.state.onset)
+        return self.state.onset
 
     @property
     def collapse_strain(self) -> Batch:
         """Strain $\\varepsilon_c$ [-] at which the bladder collapses; inf where it never does."""
-        return self._match_type(self.state.collapse_strain)
+        return self.state.collapse_strain
 
     def force(self, strain: Values) -> Batch:
         """Pulling force $F$ [N] at `strain` [-], (27); `ValueError` off the domain, as of all."""
@@ -99,13 +98,9 @@ class AtPressure(Module):
         return self._evaluate("shape", strain, check_whole_number(points, "points", 3))
 
     def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
-        eps = self._match_type(validate_strain(strain, self.state.law))
+        eps = validate_strain(strain, self.state.law)
         check_broadcast(self.pressure, eps)
         return evaluate(_call_method, self, eps, static=(f"state.{quantity}", *static))
-
-    def _match_type(self, values: Batch) -> Batch:
-        """The `values` in the array library of the pressure."""
-        return as_jax(values) if self._of_jax else values
 
 
 @with_table_repr(muscle_table, muscle_line)
@@ -238,7 +233,7 @@ class Muscle(Module):
         """
         pressure = validate_pressure(pressure, self.tuning)
         state = evaluate(_call_method, self, pressure, static=("law.at",))
-        return AtPressure(pressure, state, is_jax_array(pressure))
+        return AtPressure(pressure, state)
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""

@@ -28,7 +28,7 @@ import numpy as np
 
 from ..core import array_namespace as xp
 from ..core.array_namespace import add_table_axis, array_namespace, exp, stack, where
-from ..core.deprecations import with_former_names
+from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch

@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module, static, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval

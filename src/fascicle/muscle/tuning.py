@@ -34,7 +34,6 @@ from ..core.validation import (
     check_finite,
     check_interval,
     check_plausible,
-    check_signed,
     check_size,
     is_concrete,
     to_si,
@@ -216,7 +215,7 @@ def _tuning_table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows
             rule, text = "must rise from 0 Pa or above", f"{P.tolist()} Pa"
             raise InvalidInputError("pressures", rule, P.tolist(), shown=text)
     if P.size and is_concrete(c1, c2):
-        check_signed(c1, "c1")
+        check_size(c1, "c1")
         check_size(c2, "c2")
         if concrete and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
             rule = "and `c2` must be 0 N and 1 at zero pressure"

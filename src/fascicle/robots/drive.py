@@ -25,8 +25,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, where
-from ..core.deprecations import with_former_names
 from ..core.errors import InvalidInputError
+from ..core.lazy import with_former_names
 from ..core.module import Module, static, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import (

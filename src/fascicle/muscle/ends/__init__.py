@@ -36,7 +36,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
-from ...core.deprecations import with_former_names
+from ...core.lazy import with_former_names
 from ...core.parameters import Constant, log1p_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -67,15 +67,11 @@ def integrate_pieces(
 @with_former_names
 class AbstractEnds(AbstractLaw):
     """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them, and
-    are used if `is_compliant`, which all but `Rigid` are.
+    are used if `is_compliant`, which all but `Rigid` are. `compliance`: of both ends [m/N].
     """
 
     is_compliant: ClassVar[bool] = True
-
-    @property
-    def compliance(self) -> Batch:
-        """Compliance of both ends together [m/N]; zero by default."""
-        return 0.0
+    compliance: ClassVar[Batch] = 0.0
 
     def strain_ratio(self, length: BatchLike) -> Batch:
         """Bladder's over muscle's strain [-], unloaded; `length` $L_0$ [m]."""

@@ -20,7 +20,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
-from ...core.deprecations import with_former_names
+from ...core.lazy import with_former_names
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..buckling import BucklingColumn, Centerline

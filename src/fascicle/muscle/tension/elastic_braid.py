@@ -34,7 +34,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import cos, logical_not, minimum, sqrt, where
-from ...core.deprecations import with_former_names
+from ...core.lazy import with_former_names
 from ...core.parameters import POSITIVE, Constant
 from ...core.roots import guarded, root
 from ...core.types import Batch, BatchLike, BoolBatch, Values

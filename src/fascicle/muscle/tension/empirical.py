@@ -49,7 +49,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
-from ...core.deprecations import with_former_names
+from ...core.lazy import with_former_names
 from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
