@@ -13,9 +13,9 @@ from ..bundle.energetics import (
     average_efficiency,
     constant_cross_section,
 )
-from ..bundle.resistance_loss import Maps, efficiency_maps
 from ..bundle.schemes import SCHEMES
 from ..muscle import Muscle
+from ..plot.resistance_loss import Maps, efficiency_maps
 from ..plot.theme import CLEAR, FIGURES, Colors
 from .chart import Chart, padded_range, screen_height
 from .remarks import remarks_html, words_html

@@ -20,13 +20,13 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from .. import plot
 from ..bundle import Bundle
-from ..bundle.resistance_loss import efficiency_maps
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as draw_fit
 from ..plot.curves import force_comparison
+from ..plot.resistance_loss import efficiency_maps
 from ..plot.theme import to_bytes
 from ..plot.workspace import efficiency as draw_efficiency
 from ..plot.workspace import efficiency_loss as draw_loss

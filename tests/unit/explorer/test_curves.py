@@ -9,7 +9,6 @@ from matplotlib.path import Path
 
 import fascicle as fs
 from fascicle.bundle import reversal
-from fascicle.bundle.resistance_loss import efficiency_maps
 from fascicle.bundle.reversal import Reversal
 from fascicle.explorer import bundle_curves, efficiency_tab
 from fascicle.explorer.muscle_curves import (
@@ -27,6 +26,7 @@ from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
 from fascicle.explorer.state import Session, Unit, scaled_muscle, view_of
 from fascicle.muscle import LAWS
 from fascicle.muscle.ends import Compliant
+from fascicle.plot.resistance_loss import efficiency_maps
 from fascicle.plot.theme import LIGHT
 
 

@@ -14,12 +14,12 @@ import panel as pn
 import pytest
 
 import fascicle as fs
-from fascicle.bundle.resistance_loss import efficiency_maps
 from fascicle.cli import main
 from fascicle.explorer.exports import EXPORTS, data, output_stem
 from fascicle.explorer.measured import AUTOMATIC, TUNING, read_record
 from fascicle.explorer.page import Page
 from fascicle.explorer.state import TABS, Pin, Session, view_of
+from fascicle.plot.resistance_loss import efficiency_maps
 from fascicle.results.labelled import read
 
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .bundle import Bundle
-from .energetics import EfficiencyMap, efficiency_map
-from .recruitment import Outline, boundary
+from ..bundle import Bundle
+from ..bundle.energetics import EfficiencyMap, efficiency_map
+from ..bundle.recruitment import Outline, boundary
 
 
 _THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
@@ -27,7 +27,11 @@ class Maps(NamedTuple):
 
     @property
     def difference(self) -> np.ndarray:
-        """Efficiency lost to resistance [-], at points that both reach."""
+        """Efficiency lost to resistance [-], at points that both reach.
+
+        Negative on isobaric paths where the higher pressure against resistance does more work on
+        the way, for the same fluid energy.
+        """
         return self.free.efficiency - self.resisted.efficiency
 
     @property
