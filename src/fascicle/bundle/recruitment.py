@@ -157,6 +157,7 @@ def workspace(
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
     strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
     states = states_of(scheme, len(bundle.motor_units))
+    # a level may occur twice: `np.union1d` imports masked arrays, which takes 10 ms
     fine = np.sort(np.append(np.linspace(0.0, supply, _LEVELS), levels))
     forces, *ends = unit_tables(bundle, supply, fine, strain, resistance)
     curves = states.sums(forces[np.searchsorted(fine, levels)], *ends)

@@ -311,8 +311,8 @@ class Calibration:
         narrow = np.std(boots.coordinates, axis=0) < KNOWN
         narrow |= [parameter.linear for parameter in self.problem.parameters]
         return tuple(
-            replace(e, low=low, high=high, identifiable=e.identifiable and known)
-            for e, low, high, known in zip(
+            replace(e, low=low, high=high, identifiable=e.identifiable and is_narrow)
+            for e, low, high, is_narrow in zip(
                 linear, boots.low.tolist(), boots.high.tolist(), narrow.tolist(), strict=True
             )
         )

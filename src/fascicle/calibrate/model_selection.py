@@ -316,7 +316,7 @@ def _pulling_trials(
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # errors that readings without pressure show are fitted with every candidate
     required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
-    few = replace(options, starts=min(options.starts, _STARTS))
+    quick_options = replace(options, starts=min(options.starts, _STARTS))
     trials: dict[frozenset[str], Trial] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
 
@@ -327,7 +327,7 @@ def _pulling_trials(
         # a search that begins at the end of a subset's search can't end with a larger error
         subsets = [key for key in ends if key <= set(names)]
         start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=frozenset[str]())
-        settings = replace(few, near=ends.get(start, {}))
+        settings = replace(quick_options, near=ends.get(start, {}))
         trial, end = _try_constants(data, muscle, names, _priors_of(priors, names), settings)
         trials[frozenset(names)] = trial
         if names and not trial.violation:

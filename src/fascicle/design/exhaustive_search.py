@@ -67,7 +67,7 @@ _DEVIATIONS = 4.0  # of the share in few draws, by which it may be too low: 3 of
 _TOGETHER = 64  # designs judged in a few draws at once: some 0.1 s
 _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
-_SLOWER = 8  # how many times as long a draw takes of a muscle that few others have
+_SLOWER = 8  # times as long a draw takes if it has a muscle of its own, as of a calibration
 
 
 def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
@@ -377,7 +377,7 @@ def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
 
 
 def _budget(uncertainty: Uncertainty, count: int) -> int:
-    """Number of designs in a draw to evaluate; `count`: if NumPy does it, faster than JAX."""
+    """Number of designs in a draw to evaluate; `count`: if all draws share their muscles."""
     return count // (1 if uncertainty.muscles is None else _SLOWER)
 
 

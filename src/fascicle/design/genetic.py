@@ -274,8 +274,8 @@ def evolve(
         )  # fmt: skip
         # of equal points the first is enough
         _, first = np.unique(result.points, axis=0, return_index=True)
-        others = [row for row in (result.cheapest, result.nearest) if row is not None]
-        best = np.union1d(result.front[first], others).astype(int)
+        extra_rows = [row for row in (result.cheapest, result.nearest) if row is not None]
+        best = np.union1d(result.front[first], extra_rows).astype(int)
         genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
         if not resumed:
             if store:

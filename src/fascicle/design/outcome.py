@@ -7,7 +7,7 @@ the nearest force that any state gives. What the largest of all states exceeds t
 is *spare*. The fluid energy is (29) with all units that the state feeds; a point that isn't met is
 charged as if every unit were fed.
 
-The least force of a state needn't be known where states are joined: unfed, a state gives no more
+The least force of a state needn't be known where states are joined: vented, a state gives no more
 than an earlier one does when fed, and the first, where nothing is fed, pulls nowhere. So the lowest
 state whose largest force is enough covers a force that none below it reaches. Where a scheme leaves
 a gap between states it is computed. Where units are independent, every choice of those that are
@@ -76,13 +76,13 @@ class Demand(Module):
 class ForceTable(NamedTuple):
     """Table of muscles' forces at the task's points, points first, muscles last.
 
-    `unfed` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
+    `vented` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
     or the largest over all of them alone [N], on a further axis, which is first; fluid `volume`
     taken in [m³]; `blocked` force [N] and `length` [m]. If computed, `radius` and `bulge`
     [m] at the task's largest strain.
     """
 
-    unfed: Numbers
+    vented: Numbers
     full: Numbers
     levels: Numbers
     volume: Numbers
@@ -97,7 +97,7 @@ class ForceTable(NamedTuple):
 
     def scale_forces(self, factor: Numbers) -> "ForceTable":
         """The table of muscles whose forces are `factor` times as large [-]."""
-        names = ("unfed", "full", "levels", "blocked")
+        names = ("vented", "full", "levels", "blocked")
         return self._replace(**{name: factor * getattr(self, name) for name in names})
 
 
@@ -188,11 +188,11 @@ def choose_states(
     or of every design; `exists`: mask of the states that designs have.
     """
     xp, axes = array_namespace(counts, table.full), counts.ndim - 1
-    unfed, full, levels, volume = (
+    vented, full, levels, volume = (
         xp.moveaxis(counts * x, -counts.ndim, -1)
-        for x in (table.unfed, table.full, table.levels, table.volume)
+        for x in (table.vented, table.full, table.levels, table.volume)
     )
-    low, high = states.edges(levels, unfed, full)
+    low, high = states.edges(levels, vented, full)
     F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
     high = where(exists[:, None], high, -np.inf)
     covers, miss = F - high <= FORCE_TOLERANCE, F - high

@@ -9,7 +9,7 @@ Where all muscles of a design are equal, its force
 
 $$F = a F_{full}(\varepsilon) + n F(p, \varepsilon) + r F_{none}(\varepsilon) \tag{G2}$$
 
-with $a$ muscles at full supply, $n$ throttled and $r$ unfed makes the depth one of $(a, n, r)$
+with $a$ muscles at full supply, $n$ throttled and $r$ vented makes the depth one of $(a, n, r)$
 alone, which many designs share.
 """
 

@@ -245,13 +245,15 @@ def spread(
     for index in np.unique(muscle_of):
         (members,) = np.nonzero(muscle_of == index)
         batch = Draws(*(x[members] for x in sample))
-        alike = designs if muscles is None else _calibrated_designs(designs, muscles, int(index))
+        muscle_designs = (
+            designs if muscles is None else _calibrated_designs(designs, muscles, int(index))
+        )
         step = max(1, _BATCH // (members.size * designs.counts.shape[1]))
-        for part in slices(len(designs), step):
-            drawn = draw_designs(alike.take(part), batch)
+        for block in slices(len(designs), step):
+            drawn = draw_designs(muscle_designs.take(block), batch)
             factor = np.resize(batch.force, len(drawn))  # all draws of one design after another
             for name, row in evaluate(drawn, task, names, MIXED, factor).items():
-                values[name][part, members] = row.reshape(-1, members.size)
+                values[name][block, members] = row.reshape(-1, members.size)
     flat = {name: rows.ravel() for name, rows in values.items()}
     return Spread(values, within_limits(flat, limits).reshape(len(designs), draws))
 

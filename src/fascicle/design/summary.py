@@ -195,8 +195,8 @@ class Summary:
 
     - `label`, `muscles`, `valves`: its composition, and numbers of muscles and valves.
     - `cases`: its load cases.
-    - `diameter`, `diameter_at_rest`: at the largest contraction, unfed units bowed out, and at rest
-      [m].
+    - `diameter`, `diameter_at_rest`: at the largest contraction, vented units bowed out, and at
+      rest [m].
     - `product`: that its muscles are sold as, if any.
     - `bladders`: their volume [m³].
     - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].

@@ -78,10 +78,10 @@ def hover_tooltips(unit: str) -> list[tuple[str, str]]:
     return [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
 
 
-def padded_range(values: Any, share: float, least: float = 0.0) -> tuple[float, float]:
-    """Range of `values`, wider on both sides by a `share` of it, `least` at the least."""
+def padded_range(values: Any, fraction: float, minimum: float = 0.0) -> tuple[float, float]:
+    """Range of `values`, wider on both sides by a `fraction` of it, and by `minimum` or more."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    gap = max(share * (high - low), least)
+    gap = max(fraction * (high - low), minimum)
     return low - gap, high + gap
 
 

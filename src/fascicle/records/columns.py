@@ -258,21 +258,21 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     role, header = column.role, table.header[column.index]
     if role in {"branch", "clipped"}:
         return column
-    dimension, words = dimension_of(role), list_words(header)
+    dimension, header_words = dimension_of(role), list_words(header)
     header_unit = _stated_unit(table, column.index, dimension)
     unit = override or header_unit
     where = f"{table.where}, column `{header}`"
     if not unit and role == "time":
         unit = header if is_unit(header, ("time",)) else "s"
     elif not unit and role in USUAL_UNITS:
-        weights = [unit for word in words if (unit := weight_unit(word, dimension))]
-        if not weights and role == "force" and words & MASSES:
+        weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
+        if not weights and role == "force" and header_words & MASSES:
             weights = ["kgf", "gf", "N"]
         best, *alternatives = weights or [USUAL_UNITS[role]]
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
         after = f", or {' or '.join(alternatives)}" if alternatives else ""
         raise MissingMetadataError(how, ("units", role, best, after))
-    calls_absolute = is_absolute(header_unit) or bool(words & ABSOLUTE)
+    calls_absolute = is_absolute(header_unit) or bool(header_words & ABSOLUTE)
     absolute = role == "pressure" and (
         is_absolute(unit) or (calls_absolute and not is_gauge_unit(unit))
     )
@@ -294,8 +294,8 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
             raise _wrong_unit(where, role, unit, error) from None
         unit, factor = "", 1.0
     meaning = header_unit if is_any_unit(header_unit) else weight_unit(header_unit, dimension)
-    longer = role in {"strain", "displacement"} and words & LONGER
-    longer = longer and not words & {"compressive", "compression"}
+    longer = role in {"strain", "displacement"} and header_words & LONGER
+    longer = longer and not header_words & {"compressive", "compression"}
     return replace(
         column,
         header=header,

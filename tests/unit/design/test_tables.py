@@ -69,7 +69,7 @@ def test_largest_force_equals_that_of_the_whole_law(laws, count):
             force = one.law.at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
         # rounding of the forces that are added up
         close = {"rtol": 1e-10, "atol": 1e-9}
-        assert_allclose(table.unfed[:, i], force[0], **close)
+        assert_allclose(table.vented[:, i], force[0], **close)
         assert_allclose(table.full[:, i], force[-1], **close)
         assert_allclose(table.levels[0, :, i], force.max(axis=0), **close)
         # so that the lowest state that gives enough covers what is demanded

@@ -145,9 +145,9 @@ def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
     # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
     b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
     rho = sqrt(0.5 * (1 - x) * (2 - x))
-    denominator = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
-    rest = b * denominator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b)
-    y = denominator * (1 / rest)  # not one quotient, which the steps would use twice
+    numerator = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
+    denominator = b * numerator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b)
+    y = numerator * (1 / denominator)  # not one quotient, which the steps would use twice
     for _ in range(2):  # these have derivatives, right up to the third
         y = _halley_step(xi * per_xi, xi, inverse, y)
     return per_xi * y
