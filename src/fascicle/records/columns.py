@@ -274,7 +274,7 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
         raise MissingMetadataError(how, ("units", role, best, after))
     calls_absolute = is_absolute(header_unit) or bool(header_words & ABSOLUTE)
     absolute = role == "pressure" and (
-        is_absolute(unit) or (calls_absolute and not is_gauge_unit(unit))
+        is_absolute(unit) or ((calls_absolute or atmosphere) and not is_gauge_unit(unit))
     )
     if absolute and not atmosphere:
         how = (

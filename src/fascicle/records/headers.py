@@ -70,7 +70,8 @@ SPELLINGS: dict[str, dict[str, str | float]] = {
         "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
         "psi": "psi", "lbf/in2": "psi", "lb/in2": "psi", "atm": "atm", "n/mm2": "MPa",
         "n/m2": "Pa", "kgf/cm2": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "mmhg": "mmHg", "torr": "torr",
-        "inhg": "inHg", "mh2o": 9806.65, "cmh2o": 98.0665, "mmh2o": 9.80665,
+        "inhg": "inHg", "mh2o": 9806.65, "cmh2o": 98.0665, "mmh2o": 9.80665, "inh2o": 249.08891,
+        "n/cm2": 1e4, "kn/m2": "kPa", "kp/cm2": "kgf/cm^2", "lbs/in2": "psi",
     },
     "force": {
         "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
@@ -235,7 +236,8 @@ def read_header(header: str) -> list[tuple[str, str]]:
         r"(.+?)[_\s]+(\S+[_\s]+abs(?:olute)?\.?)", r"(.+)[_\s]+(\S+)",
     ):  # fmt: skip
         match = re.fullmatch(pattern, outside)
-        if match and is_any_unit(match[2]) and not units:
+        # 1 is a unit behind a sign alone: `Force 1` is the first of several
+        if match and is_any_unit(match[2]) and not units and (match[2] != "1" or "/" in outside):
             meanings.append((_plain(match[1]), strip_brackets(match[2])))
     has_unit = any(is_any_unit(unit) for _, unit in meanings)
     return meanings if has_unit else [*meanings, (_plain(outside), "")]

@@ -35,6 +35,7 @@ _TOP = 0.95  # of the highest pressure: readings above it show how the force fol
 _MIN_READINGS = 5  # there: fewer show no direction
 _STEADY = 0.1  # of the largest: the force of an isotonic record varies less, its pressure more
 _RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, noise gives 0
+_AT_REST = 0.02  # contraction: any muscle under pressure still pulls there
 
 BRANCHES = {
     **dict.fromkeys(
@@ -196,13 +197,11 @@ def read_pressure(
     if low < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
         rule = f"{_reading_text(raw[lowest], column)} is below zero by more than noise:"
         remedy = "give the transducer's reading at zero as pressure_at_rest (--zero pressure=…)."
+        if column.absolute:
+            remedy = "check the atmosphere, or leave it out if the pressure is gauge."
         raise readings.cell_error(lowest, column, f"{rule} {remedy}")
     if below := int(np.count_nonzero(pressure < 0)):
         notes.append(f"{below} pressures below zero, down to {low:.3g} Pa, set to 0")
-    is_gauge = column.absolute or is_gauge_unit(column.unit)
-    if not is_gauge and 90e3 < low < 110e3 and top > 1.5 * low:
-        atmosphere = f"the lowest pressure is {low / 1e3:.4g} kPa"
-        notes.append(f"{atmosphere}: if that is the atmosphere, subtract it")
     _check_forces(readings, force, max(float(top), 0.0))
     if np.max(force) <= 0 < -np.min(force):
         notes.append(
@@ -354,6 +353,52 @@ def _check_direction(
         choice = ("signs", column.role, f"{directions[0]} positive", f", else {directions[1]}")
         before = f"{where}: {rule}: if the {column.role} grows as the muscle {verbs[0]}, give "
         raise MissingMetadataError(before, choice)
+
+
+def check_pull(
+    readings: Readings,
+    strain: np.ndarray,
+    pressure: np.ndarray,
+    force: np.ndarray,
+    info: Sidecar,
+) -> None:
+    """Refuse a force of no stated direction that pushes where any muscle pulls: at rest under
+    pressure, or less and less along contraction. `strain` [-], `pressure` [Pa], `force` [N].
+    """
+    top = pressure > _TOP * pressure.max()
+    x, F = strain[top], force[top]
+    if info.signs.force is not None or not x.size or -F.min() <= max(2 * F.max(), 0.0):
+        return
+    at_rest = np.abs(x) < _AT_REST
+    pushes_at_rest = np.any(at_rest) and np.max(F[at_rest]) < 0
+    is_sweep = x.size >= _MIN_READINGS and np.ptp(x) > 0 < np.ptp(F) and np.mean(F) < 0
+    if pushes_at_rest or (is_sweep and np.corrcoef(x, F)[0, 1] > _RISING):
+        role = "force" if "force" in readings.columns else "torque"
+        where = f"{readings.table.where}, column `{readings.columns[role].header}`"
+        before = f"{where}: the muscle pushes where all muscles pull: if a pull is negative, give "
+        raise MissingMetadataError(before, ("signs", "force", "pushing positive", ", else pulling"))
+
+
+def check_atmosphere(
+    readings: Readings, strain: np.ndarray, pressure: np.ndarray, force: np.ndarray
+) -> tuple[str, ...]:
+    """A note on a lowest `pressure` [Pa] that may be the atmosphere; refuses one at which a muscle
+    at rest doesn't pull. `strain` [-], `force` [N].
+    """
+    column, low = readings.columns["pressure"], float(np.min(pressure))
+    is_gauge = column.absolute or is_gauge_unit(column.unit)
+    if is_gauge or not (90e3 < low < 110e3 and np.max(pressure) > 1.5 * low):
+        return ()
+    at_rest = (pressure < 1.05 * low) & (np.abs(strain) < _AT_REST)
+    if np.any(at_rest) and np.max(np.abs(force[at_rest])) < _STEADY * np.max(force):
+        before = (
+            f"{readings.table.where}, column `{column.header}`: at {low / 1e3:.4g} kPa, its lowest"
+            " pressure, the muscle doesn't pull at rest: if that is the atmosphere, give "
+        )
+        gauge = ("units", "pressure", f"{column.unit} (g)", ", if it is gauge")
+        raise MissingMetadataError(before, ("atmosphere", "", f"{low / 1e3:.4g} kPa", ""), gauge)
+    note = f"the lowest pressure is {low / 1e3:.4g} kPa: if that is the atmosphere, subtract it"
+    return (f"{note} with --atmosphere",)
 
 
 def read_censored(

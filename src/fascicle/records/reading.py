@@ -40,6 +40,8 @@ from .published import from_json
 from .quantities import (
     BRANCHES,
     Readings,
+    check_atmosphere,
+    check_pull,
     read_branch,
     read_censored,
     read_force,
@@ -294,6 +296,8 @@ def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
     strain, strain_notes = read_strain(
         readings, joint, rest_length or np.nan, pressure, force, info
     )
+    check_pull(readings, strain, pressure, force, info)
+    warnings += check_atmosphere(readings, strain, pressure, force)
     censored, clip_notes = read_censored(readings, force, info)
     time, time_notes = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]

@@ -498,6 +498,24 @@ def test_directions():
 
 
 @pytest.mark.parametrize(
+    "columns",
+    [
+        [PRESSURE, [-x for x in FORCE], LENGTH],  # a sweep that begins at rest
+        [[200] * 6, np.linspace(-90, 10, 6), np.linspace(170, 140, 6)],  # and one further on
+        [[0, 100, 200], [0.2, -40, -80], [180] * 3],  # at one length
+    ],
+)
+def test_a_muscle_that_pushes_where_all_pull_is_refused(columns):
+    text = "P [kPa],F [N],L [mm]\n" + table(",", columns)
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=REST)
+    assert error.value.choices[0][:3] == ("signs", "force", "pushing positive")
+    for sign, direction in ((-1, "pushing"), (1, "pulling")):
+        record = loads(text, rest_length=REST, signs={"force": direction})
+        assert_allclose(record.force, sign * np.array(columns[1]))
+
+
+@pytest.mark.parametrize(
     ("name", "role"),
     [("strain [%]", "strain"), ("Dehnung [%]", "strain"), ("displacement [mm]", "displacement"),
      ("length change [mm]", "displacement"), ("change of length [%]", "strain")],

@@ -88,6 +88,25 @@ def test_a_lowest_pressure_of_an_atmosphere_is_asked_of_unknown_gauges_alone(hea
     assert any("if that is the atmosphere" in note for note in notes) == asks
 
 
+def test_a_given_atmosphere_is_subtracted_unless_the_unit_says_gauge():
+    text = table(values="101.3,5,190\n301.3,60,190")
+    assert loads(text, rest_length=0.2, atmosphere="101.3 kPa").pressure[0] == pytest.approx(0)
+    gauge = text.replace("kPa", "kPa (g)")
+    assert loads(gauge, rest_length=0.2, atmosphere="101.3 kPa").pressure[0] == 101.3e3
+    with pytest.raises(ValueError, match="leave it out if the pressure is gauge"):
+        loads(text.replace("101.3", "50"), rest_length=0.2, atmosphere="101.3 kPa")
+
+
+def test_an_atmosphere_at_which_the_muscle_is_slack_is_refused():
+    text = table(values="101.3,0.5,200\n301.3,60,200")
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=0.2)
+    offered = [choice[:3] for choice in error.value.choices]
+    assert offered == [("atmosphere", "", "101.3 kPa"), ("units", "pressure", "kPa (g)")]
+    record = loads(text, rest_length=0.2, units={"pressure": "kPa (g)"})
+    assert record.pressure[0] == 101.3e3
+
+
 @pytest.mark.parametrize("unit", ["V", "mA", "counts", "MN", "%"])
 def test_other_units_are_no_force(unit):
     with pytest.raises(ValueError, match="is no unit of force: convert its numbers"):
