@@ -23,6 +23,8 @@ and slope are finite there, the slope that of $P > P_d$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..core.array_namespace import add_table_axis, array_namespace, sum_table, where
@@ -156,6 +158,26 @@ class Tuning(Module):
         return self.hinge_stiffness_factor + self.hinge_stiffness_slope * pressure
 
 
+class PressurizedTension(NamedTuple):
+    """A `law` of a `bladder` at given pressures: `pressure` $P_e$ [Pa] that the braid feels, and
+    the corrections `c1` [N] and `c2` [-] there.
+    """
+
+    law: AbstractTension
+    bladder: Bladder
+    pressure: Batch
+    c1: Batch
+    c2: Batch
+
+    def pull(self, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
+        c1, c2 = self.c1, self.c2
+        mesh, bladder, mesh_slope, bladder_slope = self.law.pull(
+            self.bladder, self.pressure, strain
+        )
+        return Pull(c2 * mesh, c2 * (bladder - c1), c2 * mesh_slope, c2 * bladder_slope)
+
+
 class TunedTension(Module):
     """A muscle's tension law $T(P, \\varepsilon)$ with its tuning and its ends."""
 
@@ -172,11 +194,13 @@ class TunedTension(Module):
 
     def bladder_pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
-        tuning = self.tuning
-        P_e = tuning.effective_pressure(pressure)
-        c1, c2 = tuning._interpolate(P_e, tuning.c1), tuning._interpolate(P_e, tuning.c2)
-        mesh, bladder, mesh_slope, bladder_slope = self.law.pull(self.bladder, P_e, strain)
-        return Pull(c2 * mesh, c2 * (bladder - c1), c2 * mesh_slope, c2 * bladder_slope)
+        return self.at(pressure).pull(strain)
+
+    def at(self, pressure: BatchLike) -> "PressurizedTension":
+        """The bladder's law with its corrections at `pressure` [Pa]."""
+        P_e = self.tuning.effective_pressure(pressure)
+        c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
+        return PressurizedTension(self.law, self.bladder, P_e, c1, c2)
 
     def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Tuned force $F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""

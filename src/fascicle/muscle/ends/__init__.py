@@ -44,7 +44,7 @@ from ..law import AbstractLaw, LawRegistry
 from ..tension import Pull
 
 
-TunedTension = Any  # the class, which imports this module
+TunedTension = PressurizedTension = Any  # the classes, which import this module
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
 _NEARLY_STRAIGHT = 0.999  # share of the strain of straight fibers, where the pull has no bound
@@ -125,13 +125,17 @@ class Compliant(AbstractEnds):
         self, tension: TunedTension, pressure: BatchLike, strain: BatchLike
     ) -> Batch:
         """Strain of the bladder [-], (E8), at `pressure` [Pa] and the muscle's `strain` [-]."""
+        return self._bladder_strain(tension.at(pressure), strain)
+
+    def _bladder_strain(self, tension: PressurizedTension, strain: BatchLike) -> Batch:
+        """Strain of the bladder [-], (E8), at the muscle's `strain` [-]."""
         L0, braid = tension.bladder.braid.length, tension.bladder.braid
         s = self.strain_ratio(L0)
         unloaded, rise = s * strain, s * self.end_compliance / L0
         # compliant ends keep fibers from being straight, where a bladder's pull has no bound
         straight = _NEARLY_STRAIGHT * braid.straight_strain
         start = where(rise > 0, maximum(unloaded, straight), unloaded)
-        pull = tension.bladder_pull(pressure, start)
+        pull = tension.pull(start)
         # where T falls, the bladder's strain lies between both
         loaded = unloaded + rise * pull.force
         low = minimum(start, maximum(loaded, straight))
@@ -139,12 +143,12 @@ class Compliant(AbstractEnds):
         # a step of Newton's from there; a bound where T rises too steeply for one
         fall = maximum(1 - rise * pull.slope, 1.0)
         start = minimum(maximum(start + (loaded - start) / fall, low), high)
-        return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
+        return root(_strain_residual, (tension, unloaded, rise), low, high, start)
 
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force and slope [N] at `pressure` [Pa] and the muscle's `strain` [-], by (E8)."""
-        L0 = tension.bladder.braid.length
-        pull = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
+        L0, pressurized = tension.bladder.braid.length, tension.at(pressure)
+        pull = pressurized.pull(self._bladder_strain(pressurized, strain))
         s = self.strain_ratio(L0)
         # dε_b/dε, from (E8)
         slope = s / (1 - s * self.end_compliance / L0 * pull.slope)
@@ -164,8 +168,8 @@ class Compliant(AbstractEnds):
 
 def _strain_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
     """Strain that the bladder lacks for (E8) [-], and its slope."""
-    tension, pressure, unloaded, rise = theta
-    pull = tension.bladder_pull(pressure, strain)
+    tension, unloaded, rise = theta
+    pull = tension.pull(strain)
     return unloaded + rise * pull.force - strain, rise * pull.slope - 1
 
 
