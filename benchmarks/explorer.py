@@ -60,11 +60,13 @@ REDRAW = """async count => {
 @contextmanager
 def serve() -> Iterator[tuple[str, int]]:
     """A new server with an empty cache: its address and process."""
-    with tempfile.TemporaryDirectory() as folder:
-        process = subprocess.Popen(  # noqa: S603 this package's own command
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        subprocess.Popen(  # noqa: S603 this package's own command
             [sys.executable, "-m", "fascicle", "explore", BUNDLE, "--no-show"],
             stdout=subprocess.PIPE, text=True, env=os.environ | {"XDG_CACHE_HOME": folder},
-        )  # fmt: skip
+        ) as process,
+    ):  # fmt: skip
         assert process.stdout is not None
         try:
             yield next(url[0] for line in process.stdout
