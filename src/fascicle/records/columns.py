@@ -19,8 +19,11 @@ from .headers import (
     CONSTANTS,
     LONGER,
     MASSES,
+    MICROSTRAINS,
     POSITIONS,
+    QUALIFIERS,
     ROLES,
+    SIGNALS,
     SPELLINGS,
     TERMS,
     USUAL_UNITS,
@@ -44,6 +47,7 @@ from .tables import Table
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")
+_RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
 _UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N|kg|g"}
 
 
@@ -148,6 +152,10 @@ def _infer(
         if role == "moment_arm" and not supplied & {"torque", "angle"}:
             # none of a joint, but one that was written with a record
             indices = [i for i in indices if read_header(table.header[i])[0][0] == "moment arm"]
+        lengths = ("length", "displacement") if role == "strain" else ()
+        if any(_candidates(table, length, used, units.get(length)) for length in lengths):
+            # beside a length these are of a strain gauge on the rig
+            indices = [i for i in indices if _stated_unit(table, i, role) not in MICROSTRAINS]
         if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
@@ -242,11 +250,12 @@ def _index_of(table: Table, role: str, header: str) -> int:
 
 def _candidates(table: Table, role: str, used: set[int], unit: str | None) -> list[int]:
     """Indices of the unused columns that fit a role best: several if they tie."""
-    scores = {
-        i: score(header, table.units[i] or unit or "", role)
-        for i, header in enumerate(table.header)
-        if header and i not in used
-    }
+    scores: dict[int, int] = {}
+    for i, header in enumerate(table.header):
+        if header and i not in used:
+            points = score(header, table.units[i] or unit or "", role)
+            # a unit that the caller gave is that of a name, not one of all columns without unit
+            scores[i] = points if points > 1 else score(header, table.units[i], role)
     best = max(scores.values(), default=0)
     return [i for i, points in scores.items() if points == best > 0]
 
@@ -264,6 +273,9 @@ def _complete(table: Table, column: Column, override: str | None, *, atmosphere:
     where = f"{table.where}, column `{header}`"
     if not unit and role == "time":
         unit = header if is_unit(header, ("time",)) else "s"
+    elif not unit and header_words & _RAW:
+        raise ValueError(f"{where}: raw readings of a gauge: convert them to {USUAL_UNITS[role]},"
+                         " and write the unit in the header.")  # fmt: skip
     elif not unit and role in USUAL_UNITS:
         weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
         if not weights and role == "force" and header_words & MASSES:
@@ -375,9 +387,16 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     for i, name in enumerate(table.header):
         stated = _stated_unit(table, i)
         fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimension)
-        if name and i not in used and (fits or (role == "pressure" and is_absolute(stated))):
+        if name.lower() in {"", "comment"}:  # the last column of LabVIEW
+            continue
+        if i not in used and (fits or (role == "pressure" and is_absolute(stated))):
             names.append(name)
+    names.sort(key=lambda name: bool(list_words(name) & QUALIFIERS))  # setpoints last
     before = f"{table.where}: no column of {quantity} found: "
+    signals = [name for i, name in enumerate(table.header)
+               if i not in used and _stated_unit(table, i).lower() in SIGNALS]  # fmt: skip
+    if signals and not names:
+        before += f"{_list_names(signals)} hold signals, convert one to {USUAL_UNITS[role]}: "
     titles = (find_quantities(text) for text in (*table.remarks, *table.titles))
     stated = [
         f"{number.replace(',', '.')} {unit}"

@@ -51,9 +51,10 @@ ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "a
 MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
 LONGER = {"extension", "elongation", "tensile", "verlängerung"}
-_SIGNALS = {"v", "mv", "µv", "volt", "volts", "ma", "counts", "adc", "lsb"}  # of a raw gauge
+SIGNALS = {"v", "mv", "µv", "volt", "volts", "ma", "counts", "adc", "lsb"}  # of a raw gauge
+_MEASURED = {"ist", "act", "actual", "meas", "measured"}  # beside a setpoint: p_ist is a pressure
 # qualifiers of a column that holds something else than a quantity's readings
-_QUALIFIERS = {
+QUALIFIERS = {
     "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
     "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
     "work", "arm", "lever", "braid", "fiber", "fibre",
@@ -62,6 +63,7 @@ _QUALIFIERS = {
     "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
     "umgebungsdruck", "versorgungsdruck",
 }  # fmt: skip
+MICROSTRAINS = ("µε", "με", "µstrain", "microstrain", "µm/m")
 # spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or the
 # SI units in one; signs and blanks in those of moments are left out
 SPELLINGS: dict[str, dict[str, str | float]] = {
@@ -100,7 +102,7 @@ SPELLINGS: dict[str, dict[str, str | float]] = {
         **dict.fromkeys(("", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio",
                          "dimensionless"), 1.0),
         **dict.fromkeys(("mm/m", "‰", "permille"), 1e-3),
-        **dict.fromkeys(("µε", "με", "µstrain", "microstrain", "µm/m"), 1e-6),
+        **dict.fromkeys(MICROSTRAINS, 1e-6),
     },
     "time": {
         **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
@@ -268,10 +270,12 @@ def score(header: str, unit: str, role: str) -> int:
             continue  # without a unit these are strains, and x is anything
         terms = set(name.split())
         if name in TERMS[role]:
-            best = max(best, 2 if stated.lower() in _SIGNALS else 4 + fits)
-        elif terms & _QUALIFIERS or (role == "length" and terms & {"gauge", "gage"}):
+            best = max(best, 2 if stated.lower() in SIGNALS else 4 + fits)
+        elif terms & QUALIFIERS or (role == "length" and terms & {"gauge", "gage"}):
             continue
-        elif terms & {term for term in TERMS[role] if len(term) > 1}:
+        elif terms & {term for term in TERMS[role] if len(term) > 1} or (
+            " ".join(word for word in name.split() if word not in _MEASURED) in TERMS[role]
+        ):
             best = max(best, 2 + fits)
         elif fits and (role in {"pressure", "force", "torque"} or (role == "time" and not name)):
             best = max(best, 1)

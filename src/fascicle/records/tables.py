@@ -31,6 +31,7 @@ from .cells import (
 )
 from .headers import (
     ROLES,
+    SIGNALS,
     MissingMetadataError,
     differ,
     is_known,
@@ -524,6 +525,6 @@ def _without_label(row: Sequence[str]) -> list[str]:
 def _are_units(cells: Sequence[str]) -> bool:
     """True for cells of which at least half are units, and none is a number."""
     written = [cell for cell in cells if cell]
-    units = sum(map(is_unit, written))
+    units = sum(is_unit(cell) or strip_brackets(cell).lower() in SIGNALS for cell in written)
     # 1 is a unit of strain, and a reading
     return 2 * units >= max(len(written), 1) and not any(map(is_number, written))

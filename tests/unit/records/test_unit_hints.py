@@ -29,7 +29,8 @@ def table(pressure="P [kPa]", force="F [N]", position="L [mm]", values="200,50,1
         ("lbf in", "moment", 0.1129848290276167), ("in-lb", "moment", 0.1129848290276167),
         ("ft·lbf", "moment", 1.3558179483314004), ("kgf cm", "moment", 0.0980665),
         ("oz-in", "moment", 0.1129848290276167 / 16),
-        ("‰", "strain", 1e-3), ("µε", "strain", 1e-6),
+        ("inH2O", "pressure", 249.08891), ("N/cm²", "pressure", 1e4),
+        ("kp/cm²", "pressure", 98066.5), ("‰", "strain", 1e-3), ("µε", "strain", 1e-6),
     ],
 )  # fmt: skip
 def test_spellings(unit, dimension, si):
@@ -111,6 +112,41 @@ def test_an_atmosphere_at_which_the_muscle_is_slack_is_refused():
 def test_other_units_are_no_force(unit):
     with pytest.raises(ValueError, match="is no unit of force: convert its numbers"):
         loads(table(force=f"Load [{unit}]"), rest_length=0.2)
+
+
+@pytest.mark.parametrize("name", ["adc_pressure", "p_raw", "Pressure voltage"])
+def test_raw_readings_are_no_pressure(name):
+    with pytest.raises(ValueError, match=r"convert (them|one) to kPa|no column of pressure"):
+        loads(table(pressure=name), rest_length=0.2)
+
+
+def test_units_of_signals_are_a_row_of_units():
+    text = "Time,Channel A,Channel B,Channel C\n(ms),(mV),(V),(V)\n0,1,2,3\n1,1,2,3\n"
+    with pytest.raises(ValueError, match="`Channel C` hold signals, convert one to kPa"):
+        loads(text, rest_length=0.2)
+
+
+def test_numbers_of_channels_are_no_units():
+    record = loads("Pressure 1,Force 1,Length 1\nkPa,N,mm\n200,50,190\n", rest_length=0.2)
+    assert record.force == [50]
+    with pytest.raises(MissingMetadataError) as error:
+        loads(table("Pressure 1"), rest_length=0.2)
+    assert error.value.choices[0][:3] == ("units", "pressure", "kPa")
+
+
+def test_a_given_unit_is_not_that_of_columns_with_other_names():
+    text = "t;p_soll;p_ist;F;s\n0;2;1.9;50;10\n"
+    units = {"pressure": "bar", "force": "N", "displacement": "mm"}
+    record = loads(text, rest_length=0.2, columns={"displacement": "s"}, units=units)
+    assert record.pressure == [1.9e5]
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, rest_length=0.2)
+    assert error.value.choices[0][:3] == ("columns", "length", "s")
+
+
+def test_a_strain_gauge_beside_a_length_is_not_the_contraction():
+    text = "P [kPa],F [N],L [mm],Strain [µm/m]\n200,50,190,3\n"
+    assert loads(text, rest_length=0.2).strain == pytest.approx([0.05])
 
 
 def test_a_hint_is_left_out_where_it_is_not_known():
