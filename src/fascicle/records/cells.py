@@ -42,11 +42,12 @@ _QUANTITY = re.compile(
 )
 # words between blanks, a unit in brackets with the word before it
 _BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\S+)')
-NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+|[dD][+-]\d+)?", re.ASCII)
-_FORTRAN = str.maketrans("dD", "ee")  # exponents of double precision
-_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+# some loggers write blanks behind the sign
+NUMBER = re.compile(r"(?:[+-] *)?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+|[dD][+-]\d+)?", re.ASCII)
+_FORTRAN = str.maketrans("dD", "ee", " ")  # exponents of double precision
+_COMMA = re.compile(r"(?:[+-] *)?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _WITH_UNIT = re.compile(rf"{NUMBER.pattern}\s*[^\W\d_]+", re.ASCII)
-_POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
+_POINT = re.compile(r"(?:[+-] *)?\d*\.\d+", re.ASCII)
 # with signs between thousands, and a tail of decimals
 _GROUPED = re.compile(
     r"[+-]?\d{1,3}(?P<sign>[.,' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
@@ -261,7 +262,9 @@ class NumberFormat:
     def rule(self, cell: str) -> str:
         """Reason why a `cell` has no value, with what to do."""
         excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
-        hint = ": write the decimals after a point" if _COMMA.fullmatch(cell) else ""
+        hint = ": correct it, or empty the cell to leave out its row"
+        if _COMMA.fullmatch(cell):
+            hint = ": write the decimals after a point"
         if _GROUPED.fullmatch(cell):
             hint = ": write it without signs between thousands"
         elif _WITH_UNIT.fullmatch(cell):

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..core.errors import InvalidInputError
 from ..units import parse
-from .cells import find_quantities
+from .cells import NUMBER, find_quantities
 from .headers import (
     ABSOLUTE,
     CONSTANTS,
@@ -47,6 +47,7 @@ from .tables import Table
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")
+_LEVEL = re.compile(rf"{NUMBER.pattern} *[^\W\d_%]*%?")  # the name of a column for one value
 _RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
 _UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N|kg|g"}
 
@@ -397,19 +398,18 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
                if i not in used and _stated_unit(table, i).lower() in SIGNALS]  # fmt: skip
     if signals and not names:
         before += f"{_list_names(signals)} hold signals, convert one to {USUAL_UNITS[role]}: "
-    titles = (find_quantities(text) for text in (*table.remarks, *table.titles))
-    stated = [
-        f"{number.replace(',', '.')} {unit}"
-        for quantities in titles
-        for (name, _), (number, unit) in quantities.items()
-        # a length above the readings may be the muscle's
-        if role != "length" and name.lower() in TERMS[role] and is_unit(unit, (dimension,))
-    ]
+    levels = [name for name in names if _LEVEL.fullmatch(name)]
+    if len(levels) > 1:
+        remedy = "write them one below the other, with a column of what their names state"
+        raise ValueError(f"{before}a column for each of {_list_names(levels)}: {remedy}.")
+    # a length above the readings may be the muscle's
+    stated = [] if role == "length" else _stated_values((*table.remarks, *table.titles), role)
     constant = ("constants", role, [*stated, _EXAMPLES[role]][0], ", if it is one for all readings")
     pattern = suggest_pattern(Path(table.source).name, role)
     if role == "pressure" and len(set(names)) < len(names):
         what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
         return MissingMetadataError(what, ("constants", role, "200 kPa", ", if it is one"))
+    check_stated(table, (role,))
     if role == "length" and table.origins:
         names = table.header[:-1]
         forces = [score(name, "", "force") > 1 for name in names]
@@ -431,6 +431,29 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     after = f" if it is one of {_list_names(names)}"
     named = ("columns", role, names[0], after)
     return MissingMetadataError(f"{before}name it with ", named, constant)
+
+
+def check_stated(table: Table, roles: Iterable[str]) -> None:
+    """Refuse a constant of `roles` for which lines between the readings state several values."""
+    for role in {"pressure", "force"} & set(roles):
+        titles = (*table.remarks, *table.titles)
+        texts = [line for line in table.body if line.lstrip(' #%/;!"')[:1].isalpha()]
+        between = _stated_values([line.lstrip(' #%/;!"') for line in texts], role)
+        values = list(dict.fromkeys((*_stated_values(titles, role), *between)))
+        if between and len(values) > 1:
+            listed = f"its lines state a {role} of {', '.join(values[:4])}"
+            remedy = f"write a column of {role}, or read those of one by --rows"
+            raise ValueError(f"{table.source}: {listed}: {remedy}.")
+
+
+def _stated_values(lines: Iterable[str], role: str) -> list[str]:
+    """Values of a `role`, with units, that `lines` state, such as `Pressure: 100 kPa`."""
+    return [
+        f"{number.replace(',', '.')} {unit}"
+        for line in lines
+        for (name, _), (number, unit) in find_quantities(line).items()
+        if name.lower() in TERMS[role] and is_unit(unit, (dimension_of(role),))
+    ]
 
 
 def _list_names(names: Sequence[str]) -> str:

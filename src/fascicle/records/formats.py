@@ -30,6 +30,9 @@ _REMEDIES = {
     b"\x89HDF\r\n\x1a\n": "an HDF5 file; if MATLAB wrote it, save it with save(…, '-v7')",
     b"\x1f\x8b": "a compressed file: unpack it, or export its readings as CSV",
     b"%PDF": "a PDF: export the readings as CSV",
+    **dict.fromkeys(
+        (b"<html", b"<!doctype", b"<table", b"<?xml"), "a web page or XML: save it as .xlsx or CSV"
+    ),
 }
 _MAX_CELLS = 20_000_000  # of a sheet: a cell at its far corner makes 17 thousand million
 _CHANNEL_DATA = ("data", "values", "value", "y")  # keys of a structure that is one channel
@@ -50,7 +53,7 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     installed.
     """
     for start, remedy in _REMEDIES.items():
-        if raw.startswith(start):
+        if raw[:64].lstrip().lower().startswith(start.lower()):
             raise ValueError(f"{source}: {remedy}.")
     if raw.startswith(b"PK\3\4"):
         tables = _sheets(raw, source)
@@ -120,7 +123,7 @@ def _sheets(raw: bytes, source: str) -> dict[str, bytes]:
             cells.append("" if value is None else " ".join(str(value).split()).replace('"', ""))
         return cells
 
-    with _refusal(f"{source}: can't be read as .xlsx"):
+    with _refusal(f"{source}: can't be read as .xlsx", ": save it as .xlsx or CSV."):
         book = load_workbook(io.BytesIO(raw), data_only=True)
     for sheet in book.worksheets:
         if sheet.max_row * sheet.max_column > _MAX_CELLS:

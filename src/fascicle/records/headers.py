@@ -110,6 +110,7 @@ SPELLINGS: dict[str, dict[str, str | float]] = {
         **dict.fromkeys(("us", "µs", "μs"), 1e-6),
         **dict.fromkeys(("min", "minutes"), 60.0),
         **dict.fromkeys(("h", "hours"), 3600.0),
+        **dict.fromkeys(("hh:mm:ss", "h:m:s", "mm:ss"), 1.0),  # clock times are read in seconds
     },
 }  # fmt: skip
 _GAUGE = re.compile(

@@ -105,8 +105,12 @@ def from_json(raw: str | bytes, source: str) -> Record:
     try:
         data = json.loads(raw)
     except ValueError as error:
-        raise ValueError(f"{source}: no valid JSON: {error}.") from None
+        remedy = "if it is a log of nested objects, export its readings as CSV"
+        raise ValueError(f"{source}: no valid JSON: {error}: {remedy}.") from None
     version = data.get("schema") if isinstance(data, dict) else None
+    if version is None:
+        rule = f"missing, so it is no record of {SCHEMA}: export its readings as CSV"
+        raise ValueError(f"{source}: schema: {rule}.")
     if version != SCHEMA:
         rule = f"this fascicle reads {SCHEMA}: choose that, or install a newer fascicle."
         raise ValueError(location_message(source, ["schema"], rule, version))

@@ -35,6 +35,9 @@ _TOP = 0.95  # of the highest pressure: readings above it show how the force fol
 _MIN_READINGS = 5  # there: fewer show no direction
 _STEADY = 0.1  # of the largest: the force of an isotonic record varies less, its pressure more
 _RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, noise gives 0
+_ODD = 0.05  # of the readings: fewer beyond any muscle's are no wrong unit, but marks of errors
+_ODD_REMEDY = "far beyond all other readings: if it marks an error, empty the cell"
+_OUTLIER = 10.0  # times any other force: no muscle's largest readings differ by that
 _AT_REST = 0.02  # contraction: any muscle under pressure still pulls there
 
 BRANCHES = {
@@ -188,6 +191,8 @@ def read_pressure(
     row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
     top, low, strongest = pressure[row], pressure[lowest], np.max(np.abs(force))
     highest, rule, notes = _reading_text(raw[row], column), "", []
+    if top > HIGHEST_PRESSURE and np.mean(pressure > HIGHEST_PRESSURE) < _ODD:
+        raise readings.cell_error(row, column, f"{highest}: {_ODD_REMEDY}.")
     if top > HIGHEST_PRESSURE:
         rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
     elif 0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE:
@@ -215,6 +220,10 @@ def _check_forces(readings: Readings, force: np.ndarray, top: float) -> None:
     """Refuse a `force` [N] that needs too large an area at the pressure `top` [Pa]."""
     role = "force" if "force" in readings.columns else "torque"
     column, raw, row = readings.columns[role], readings.raws[role], int(np.argmax(np.abs(force)))
+    others = np.abs(force[raw != raw[row]])
+    if others.size > (1 - _ODD) * raw.size and 0 < _OUTLIER * others.max() < abs(force[row]):
+        text = _reading_text(raw[row], column)
+        raise readings.cell_error(row, column, f"{text}: {_ODD_REMEDY}.")
     area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0
     if area > _MAX_AREA:
         rule = f"{_reading_text(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
@@ -269,14 +278,7 @@ def read_strain(
         zero = info.displacement_at_rest if column.role == "displacement" else None
         strain = (values - (zero or 0.0)) * sign / rest_length
     else:
-        wrong = np.flatnonzero(values <= 0)
-        if wrong.size:
-            rule = f"{raw[wrong[0]]:g} is no length of a muscle"
-            if column.index >= 0:
-                before = cell_error(int(wrong[0]), column, f"{rule}: if it counts from rest, give ")
-                choice = ("columns", "displacement", column.header, "")
-                raise MissingMetadataError(str(before), choice)
-            raise cell_error(int(wrong[0]), column, f"{rule}.")
+        _check_lengths(readings, values)
         strain = (rest_length - values) / rest_length
     if column.role != "length" and not has_direction:
         _check_direction(readings, strain, pressure, force)
@@ -308,6 +310,23 @@ def read_strain(
 
 def _is_strain(values: np.ndarray) -> bool:
     return bool(np.all((STRAINS[0] <= values) & (values <= STRAINS[1])))
+
+
+def _check_lengths(readings: Readings, lengths: np.ndarray) -> None:
+    """Refuse `lengths` [m] that are not positive."""
+    column, raw = readings.position, readings.raws["length"]
+    wrong = np.flatnonzero(lengths <= 0)
+    if not wrong.size:
+        return
+    rule = f"{raw[wrong[0]]:g} is no length of a muscle"
+    if wrong.size < _ODD * raw.size and -raw[wrong[0]] > raw.max():
+        rule = f"{rule}, and {_ODD_REMEDY}"
+    elif column.index >= 0:
+        before = readings.cell_error(
+            int(wrong[0]), column, f"{rule}: if it counts from rest, give "
+        )
+        raise MissingMetadataError(str(before), ("columns", "displacement", column.header, ""))
+    raise readings.cell_error(int(wrong[0]), column, f"{rule}.")
 
 
 def _check_fractions(readings: Readings) -> None:

@@ -20,6 +20,7 @@ from .columns import (
     Column,
     check_pressures_in_names,
     check_roles,
+    check_stated,
     choose_columns,
     pressure_in_name,
     read_name,
@@ -241,7 +242,8 @@ def _read_tables(
     `name_pattern` and the `options`.
     """
     # a log may have a JSON object in each line: a further one follows the first
-    is_published = raw.lstrip()[:1] == b"{" and not re.match(rb"\s*\{[^{}\[\]]*\}\s*\{", raw)
+    is_json = re.match(rb"\s*(\{|\[\s*[\[{])", raw) is not None
+    is_published = is_json and not re.match(rb"\s*\{[^{}\[\]]*\}\s*\{", raw)
     selected = options.get("table") or info.table
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
     check_pressures_in_names([path], options.get("constants"), list(texts))
@@ -335,6 +337,8 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     names, notes = info.names, ()
+    if info.rows is None:
+        check_stated(table, constants)
     if names and table.header[0] == CLOCK_NAME and len(names) < len(table.header):
         has_time = any(read_header(name)[0][0] in TERMS["time"] for name in names)
         names = ("" if has_time else "time", *names)

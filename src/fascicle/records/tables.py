@@ -51,9 +51,9 @@ _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
-_HOLES = {"", "-", "--", "---", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
+_HOLES = {"nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
-          "ol", "ovl", "overload", "overflow", "overrange"}  # fmt: skip
+          "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 
@@ -217,9 +217,15 @@ class Table:
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = (blanks.sub("\t", line.strip()) for line in lines), "\t"
         rows = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
-        repeats, level = [list(self.header), list(self.units)], ""
+        repeats, level, first = [list(self.header), list(self.units)], "", 0
         try:
             for cells in rows:
+                within, first = self.body[first + 1 : rows.line_num], rows.line_num
+                if within and self._swallows_readings(within):
+                    line = self._file_line(self.first + rows.line_num - 1 - len(within))
+                    raise ValueError(
+                        f"{self.source}, line {line}: its quote has no end: close or drop it."
+                    )
                 row = [cell.strip() for cell in cells]
                 if any(row) and row not in repeats:
                     if block is not None:
@@ -229,6 +235,12 @@ class Table:
         except csv.Error as error:
             line = self._file_line(self.first + rows.line_num - 1)
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
+
+    def _swallows_readings(self, lines: Sequence[str]) -> bool:
+        """True for further `lines` of a cell in quotes that are rows of numbers themselves."""
+        inner = lines[:-1] if '"' in lines[-1] else lines
+        rows = (split_cells(line, self.delimiter) for line in inner)
+        return any(sum(map(is_number, row)) > 1 for row in rows)
 
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
         """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
@@ -279,7 +291,7 @@ class Table:
         for line, row in doubles:
             if not is_many and len(row) >= 2 * width - 1:  # a cell of both, without a line's end
                 continue
-            if self.delimiter == "," and len(row) <= 2 * width:
+            if is_many and self.delimiter == "," and len(row) <= 2 * width:
                 remedy = "if its decimals stand after commas, part the columns by semicolons"
             message = f"{len(row)} cells, where the header has {width}: {remedy}."
             raise ValueError(f"{self.source}, line {line}: {message}")
@@ -344,6 +356,10 @@ def open_table(
         if not names and sum(is_known(row[0]) for row in cells[layout.start :] if row) > 1:
             rule = "the names stand in the first column: transpose the table, a column for each"
             raise ValueError(f"{source}, line {line}: {rule}.")
+        firsts = [is_number(row[0]) for row in cells[layout.start : layout.start + 2] if row]
+        if not names and firsts == [False, True]:
+            rule = "write above each column what its number means, such as `100 kPa`"
+            raise ValueError(f"{source}, line {line}: numbers for a header: {rule}.")
         where, leading = f"{source}, line {line}", remarks if last < 0 else []
         # the names are those of what was printed behind the clock
         printed = layout._replace(width=layout.width - has_clock)
@@ -372,7 +388,7 @@ def open_table(
 
 
 def _is_hole(cell: str) -> bool:
-    return cell.lower().lstrip("+-") in _HOLES
+    return cell.lower().lstrip("+-?*.") in {"", *_HOLES}
 
 
 def has_readings(raw: bytes) -> bool:
@@ -451,7 +467,8 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
             width = max(set(widths), key=widths.count)
             header, units = _header_above(cells, start, width, delimiter, header_index)
             layout = _Layout(delimiter, header, units, start, width)
-            number_share = sum(counts[start:end]) / sum(widths)
+            filled = sum(sum(map(bool, row)) for row in cells[start:end])
+            number_share = sum(counts[start:end]) / filled
             blocks.append(((header is not None, end - start, -start), number_share, layout))
         if blocks:
             _, number_share, layout = max(blocks, key=lambda block: block[0])

@@ -1,4 +1,4 @@
-"""Further forms of a board's or a program's output: each row reads as the same three quantities."""
+"""Further forms of a board's or a program's output, read right or refused with the right remedy."""
 
 import numpy as np
 import pytest
@@ -84,3 +84,65 @@ def test_blanks_that_may_be_dropouts_are_not_filled():
     clocks = ["time [s]", *(f"{0.1 * i:.1f}" for i in range(12))]
     timed = "\n".join(f"{clock},{line}" for clock, line in zip(clocks, lines, strict=True))
     assert len(loads(timed)) == 4
+
+
+SWEEP = "".join(f"{p},{p / 2},{180 - p / 20}\n" for p in range(100, 300, 4))  # 50 rows
+HEADER = "p [kPa],F [N],L [mm]\n"
+
+
+def test_a_quote_without_end_loses_no_readings():
+    for line in ('" new level', '"5 inch tube,100,50,170'):
+        rows = SWEEP.splitlines(keepends=True)
+        text = HEADER + "".join([*rows[:20], f"{line}\n", *rows[20:]])
+        with pytest.raises(ValueError, match="line 22: its quote has no end"):
+            loads(text, rest_length=0.18)
+    noted = HEADER.replace("\n", ",note\n") + '100,50,175,"slipped\nagain"\n200,100,170,\n'
+    assert len(loads(noted, rest_length=0.18)) == 2
+
+
+@pytest.mark.parametrize("row", ["99999,50,175", "100,-9999,175", "100,50,-999"])
+def test_a_number_that_marks_an_error_is_refused(row):
+    with pytest.raises(ValueError, match=r"line 52, .*if it marks an error, empty the cell"):
+        loads(f"{HEADER}{SWEEP}{row}\n", rest_length=0.18)
+
+
+@pytest.mark.parametrize("cell", ["?", "***", "ERR", "over", "."])
+def test_words_of_errors_are_holes(cell):
+    assert len(loads(f"{HEADER}{SWEEP}{cell},50,175\n", rest_length=0.18)) == 50
+
+
+def test_pressures_between_blocks_are_not_one_for_all():
+    blocks = "".join(f"Pressure: {p} kPa\nF [N],L [mm]\n9,180\n1,175\n3,170\n" for p in (100, 200))
+    pressure = {"constants": {"pressure": "100 kPa"}}
+    for given in ({}, pressure):
+        with pytest.raises(ValueError, match="state a pressure of 100 kPa, 200 kPa: write a col"):
+            loads(blocks, rest_length=0.18, **given)
+    assert len(loads(blocks, rest_length=0.18, rows="1:3", **pressure)) == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('[{"p_kPa": 1, "F_N": 2}, {"p_kPa": 2, "F_N": 2}]', "export its readings as CSV"),
+        ('{"p_kPa": [1, 2], "F_N": [1, 2]}', "export its readings as CSV"),
+        ('{"a": {"p_kPa": 1}}\n{"a": {"p_kPa": 2}}\n', "export its readings as CSV"),
+        ("\n<html><table><tr><td>p [kPa]</td></tr></table></html>", "save it as .xlsx or CSV"),
+    ],
+)
+def test_other_json_and_web_pages_are_refused_with_a_remedy(text, words):
+    with pytest.raises(ValueError, match=words):
+        loads(text)
+
+
+def test_clock_units_and_blanks_behind_signs():
+    text = "t [hh:mm:ss];p [kPa];F [N];L [mm]\n"
+    text += "00:00:59,5;+ 100,5;- 2,5;175\n00:01:00,0;+ 99,5;1,5;170\n"
+    record = loads(text, rest_length=0.18)
+    assert record.time == pytest.approx([0, 0.5])
+    assert (record.pressure.tolist(), record.force.tolist()) == ([100.5e3, 99.5e3], [-2.5, 1.5])
+
+
+def test_one_comma_in_a_remark_is_no_decimal():
+    text = f"{HEADER[:-1]},note\n{SWEEP.replace(chr(10), ',' + chr(10))}100,50,175,slipped, again\n"
+    with pytest.raises(ValueError, match="header has 4: quote or drop"):
+        loads(text, rest_length=0.18)

@@ -36,6 +36,7 @@ def check(record):
         ("strain [%],F [N],F [N]\nPressure [kPa],100,200\n" + SHARED, {}),
         ("strain [%],100,200\n" + SHARED, {"units": {"force": "N", "pressure": "kPa"}}),
         ("Strain [%],Force at pressure [N],\n,100 kPa,200 kPa\n" + SHARED, {}),
+        ("Contraction (%)\tPressure (kPa)\t\n\t100\t200\n" + SHARED.replace(",", "\t"), FORCE),
         ("Dehnung;100 kPa;200 kPa\n" + SHARED.replace(",", ";"),
          {"columns": "strain[%],force[N]"}),
         # pairs, as WebPlotDigitizer writes them
@@ -88,6 +89,19 @@ def test_a_choice_is_one_line_with_its_options(text, choice, words):
         loads(text)
     assert error.value.choices[0][:3] == choice
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("Pressure (kPa),0.5 kg,1 kg\n100,170,175\n200,160,168\n", "a column for each of `0.5 kg`"),
+        ("Pressure (kPa),0%,10%\n100,50,25\n200,90,60\n", "a column for each of `0%`, `10%`"),
+        ("Force (N),Pressure (kPa),\nContraction (%),100,200\n" + SHARED, "such as `100 kPa`"),
+    ],
+)
+def test_other_wide_tables_are_refused_with_a_remedy(text, words):
+    with pytest.raises(ValueError, match=words):
+        loads(text, rest_length=0.18)
 
 
 def test_pressures_with_different_columns_are_refused():
