@@ -37,9 +37,11 @@ from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
 from ..core.array_namespace import array_namespace, maximum, slices, where
-from ..core.module import with_fields
-from ..core.types import AnyArray, Float
+from ..core.module import tree_map, with_fields
+from ..core.types import AnyArray, Batch, Float
 from ..muscle import Muscle
+from ..muscle.buckling import ROUNDING, BucklingColumn
+from ..muscle.piecewise import Piecewise, PressurizedMuscle
 from .data import Grid, Table
 from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
 from .parameters import FACTORS, Parameter, put
@@ -55,7 +57,6 @@ _CERTAIN = 30.0  # deviations below the limit, where a censored reading says not
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
 _BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
-_ROW_COST = 3.5  # forces: time for what depends on pressure alone, such as free strain and collapse
 _MAX_STEPS = 200  # of the last search; some dozens are usual
 _MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
@@ -157,53 +158,50 @@ class Problem:
         """The data's strains [-] as contractions of a `muscle`, which may be shorter than the
         length they were measured on.
         """
-        if self.rest_length is None:
-            return self.grid.strain
-        return self.grid.strain * (self.rest_length / muscle.length)
+        return self.grid.strain * self._strain_scale(muscle)
+
+    def _strain_scale(self, muscle: Muscle) -> Batch:
+        """Contractions of a `muscle` over the data's strains [-]."""
+        return 1.0 if self.rest_length is None else self.rest_length / muscle.length
 
     def force(self, point: AnyArray) -> Table:
         """Forces [N] of the model at the readings' places, 0 where a row is filled up; further axes
         of a `point` come first.
         """
-        muscle = self.muscle_at(point[..., None, None] if point.ndim > 1 else point)
-        level, place_indices, order = self._rows
-        law, P = muscle.law, self.grid.pressure[level]
+        muscle = self.muscle_at(point[..., None] if point.ndim > 1 else point)
+        level, order = self._places
+        law, P = muscle.law, self.grid.pressure[:, 0]
         if point.ndim > 1:
             # laws add axes ahead of the pressure's
-            P = np.broadcast_to(P, (*point.shape[1:], *P.shape))
-        strain = self.strain(muscle)
+            P = np.broadcast_to(P, (*point.shape[1:], P.size))
+        strain = self.grid.strain[self.grid.used] * self._strain_scale(muscle)
         gauge, base = self.gauge_at(muscle), self.gauge
         if gauge is not PERFECT:  # pressures below zero are a corrected transducer's noise
             P = maximum(P - (gauge.pressure_zero - base.pressure_zero), 0.0)
             strain = strain - (gauge.displacement_zero - base.displacement_zero) / muscle.length
-        strain = strain.reshape(*strain.shape[:-2], -1)[..., place_indices]
         with np.errstate(all="ignore"):  # of branches that aren't taken
-            rows = law.tension.force(P, strain) if self.pulls else law.at(P).force(strain)[0]
-        force = rows.reshape(*rows.shape[:-2], -1)[..., order]
+            if self.pulls:
+                force = law.tension.force(P[..., level], strain)
+            else:
+                force = force_at_levels(law, P, level, strain)
         if gauge is not base:
-            force = base.true_force(gauge.read_force(force, self.grid.elapsed), self.grid.elapsed)
+            elapsed = np.broadcast_to(self.grid.elapsed, order.shape)[self.grid.used]
+            force = base.true_force(gauge.read_force(force, elapsed), elapsed)
+        xp = array_namespace(force)
+        force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
         if self.branch is not None:
             force = force + loop_force(self.grid, self.branch, self.weight, force)
         return where(self.grid.used, force, 0.0)
 
     @cached_property
-    def _rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows of equal length that the forces are computed in: level of each row, indices of its
-        places in the table, and the index of each of the table's places in the rows.
+    def _places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Level of each used place, row by row, and the index among them of each of the table's
+        places, -1 for those filled up.
         """
         used = self.grid.used
-        counts = np.sum(used, axis=1)
-        # of the length that costs least: long rows have empty places, short ones are many
-        widths = np.arange(1, max(2, int(np.max(counts)) + 1))
-        rows_by_width = np.maximum(1, -(-counts // widths[:, None]))
-        cost = np.sum(rows_by_width, axis=1) * (widths + _ROW_COST)
-        width, rows = int(widths[np.argmin(cost)]), rows_by_width[np.argmin(cost)]
-        level = np.repeat(np.arange(len(counts)), rows)
-        rank = np.cumsum(used, axis=1) - 1
-        order = np.where(used, (np.cumsum(rows) - rows)[:, None] * width + rank, 0)
-        place_indices = np.repeat(level * used.shape[1] + np.argmax(used, axis=1)[level], width)
-        place_indices[order[used]] = np.flatnonzero(used)
-        return level, place_indices.reshape(-1, width), order
+        order = np.full(used.shape, -1)
+        order[used] = np.arange(np.sum(used))
+        return np.nonzero(used)[0], order
 
     def force_and_slopes(
         self, point: Vector, columns: np.ndarray | None = None, fine: bool = False
@@ -223,7 +221,7 @@ class Problem:
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
         points = point[:, None] + np.concatenate(steps, axis=1)
         # as many at once as stay in a processor's cache: calls cost more than their numbers
-        chunks = slices(points.shape[1], max(1, _BATCH // self._rows[1].size))
+        chunks = slices(points.shape[1], max(1, _BATCH // max(1, self._places[0].size)))
         forces = np.concatenate([self.force(points[:, chunk]) for chunk in chunks])
         n, force = len(columns), forces[0]
         rise = forces[1 : n + 1] - force
@@ -266,6 +264,34 @@ class Problem:
         softer = (by_force * _LOSS[self.loss](misfits)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
         return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
+
+
+def force_at_levels(law: Piecewise, pressure: Batch, level: np.ndarray, strain: Batch) -> Batch:
+    """Forces [N] of a `law` at `strain` [-] on the last axis, each at a `level` of the `pressure`
+    [Pa] on its last axis: what depends on pressure alone is computed once for each level.
+    """
+    at_levels = law.at(pressure)
+    free_strain = at_levels.column.free_strain[..., level]
+    if array_namespace(free_strain, strain) is not np:
+        return _at_places(at_levels, level).force(strain)[0]
+    # where all of them pull, the tension law is all that is needed
+    pulls = np.all(strain <= free_strain + ROUNDING, axis=tuple(range(free_strain.ndim - 1)))
+    force = np.empty(np.broadcast_shapes(free_strain.shape, strain.shape))
+    force[..., pulls] = law.tension.force(pressure[..., level[pulls]], strain[..., pulls])
+    force[..., ~pulls] = _at_places(at_levels, level[~pulls]).force(strain[..., ~pulls])[0]
+    return force
+
+
+def _at_places(at_levels: PressurizedMuscle, level: np.ndarray) -> PressurizedMuscle:
+    """The muscle at the pressure of each `level`, on the last axis."""
+    law, column, *rest = at_levels
+    tension, pressure, *fields = column
+
+    def take(x: Any) -> Any:
+        return x[..., level] if np.shape(x)[-1:] == pressure.shape[-1:] else x
+
+    column_fields, rest = tree_map(take, ([pressure, *fields], rest))
+    return PressurizedMuscle(law, BucklingColumn(tension, *column_fields), *rest)
 
 
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:

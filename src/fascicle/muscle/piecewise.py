@@ -36,6 +36,7 @@ from ..repr_table import ReprTable, format_number, title_with_shape, with_table_
 from .buckling import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
 from .collapse import AbstractCollapse
 from .post_collapse import AbstractPostCollapse, hinge_moment
+from .tension import Pull
 from .tuning import TunedTension
 
 
@@ -201,7 +202,9 @@ class PressurizedMuscle(NamedTuple):
         rate, L0 = self.law.rate, self.column.rest_length
         in_tension, collapsed, buckled_strain = self._regions(strain)
         library = array_namespace(in_tension, collapsed)
-        pull = self.column.pull(library.where(in_tension, strain, self.column.free_strain))
+        pull = Pull(0.0, 0.0, 0.0, 0.0)
+        if library is not np or np.any(in_tension):
+            pull = self.column.pull(library.where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)
         past = strain - library.where(collapsed, self.collapse_strain, 1.0)
         decay = exp(-rate * library.where(collapsed, past, 0.0))  # 1 before collapse
