@@ -42,11 +42,16 @@ TERMS = {
     "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
               "position", "joint"),
     "moment_arm": ("moment arm", "arm", "lever arm", "lever", "hebelarm"),
-    "time": ("time", "t", "elapsed", "zeit", "timestamp", "prüfzeit", "x value", "clock",
-             "ms", "millis", "sec", "seconds"),
+    "time": ("time", "t", "elapsed", "zeit", "zeitstempel", "uhrzeit", "timestamp", "prüfzeit",
+             "x value", "clock", "ms", "millis", "sec", "seconds"),
     "branch": ("branch", "direction", "sweep", "phase"),
     "clipped": ("clipped", "censored", "saturated", "slack", "zero is no tension", "no tension"),
 }  # fmt: skip
+# names of the two ways of a loop
+INFLATING = ("up", "inflating", "inflation", "inflate", "contracting", "contraction", "shortening",
+             "loading", "forward")  # fmt: skip
+DEFLATING = ("down", "deflating", "deflation", "deflate", "extending", "extension", "lengthening",
+             "unloading", "backward", "return")  # fmt: skip
 ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "absoluter"}
 MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
@@ -59,7 +64,7 @@ QUALIFIERS = {
     "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
     "work", "arm", "lever", "braid", "fiber", "fibre",
     "id", "index", "count", "flow", "stress", "spannung", "sigma", "σ", "modulus", "sollwert",
-    "raw", "change",
+    "raw", "change", "stdev", "sem", "deviation", "variance",
     "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
     "umgebungsdruck", "versorgungsdruck",
 }  # fmt: skip

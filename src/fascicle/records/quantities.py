@@ -13,7 +13,14 @@ import numpy as np
 from ..core.validation import HIGHEST_PRESSURE
 from ..units import pretty
 from .columns import Column
-from .headers import POSITIONS, MissingMetadataError, is_gauge_unit, unit_factor
+from .headers import (
+    DEFLATING,
+    INFLATING,
+    POSITIONS,
+    MissingMetadataError,
+    is_gauge_unit,
+    unit_factor,
+)
 from .joint import ArmTable, JointReadings, sampled_arms, usable_arms
 from .record import DOWN, STRAINS, UNKNOWN, UP
 from .sidecar import Sidecar
@@ -41,14 +48,10 @@ _OUTLIER = 10.0  # times any other force: no muscle's largest readings differ by
 _AT_REST = 0.02  # contraction: any muscle under pressure still pulls there
 
 BRANCHES = {
-    **dict.fromkeys(
-        ("1", "+1", "1.0", "up", "inflating", "inflation", "inflate", "contracting",
-         "contraction", "shortening", "loading", "forward"), UP),
-    **dict.fromkeys(
-        ("-1", "-1.0", "down", "deflating", "deflation", "deflate", "extending",
-         "extension", "lengthening", "unloading", "backward", "return"), DOWN),
+    **dict.fromkeys(("1", "+1", "1.0", *INFLATING), UP),
+    **dict.fromkeys(("-1", "-1.0", *DEFLATING), DOWN),
     **dict.fromkeys(("0", "0.0", "", "-", "unknown"), UNKNOWN),
-}  # fmt: skip
+}
 _FLAGS = {
     **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),

@@ -12,10 +12,14 @@ from itertools import pairwise
 
 from .cells import is_number, is_remark, split_cells
 from .headers import (
+    DEFLATING,
+    INFLATING,
     POSITIONS,
+    QUALIFIERS,
     is_absolute,
     is_known,
     is_unit,
+    list_words,
     read_header,
     score,
     strip_brackets,
@@ -29,6 +33,7 @@ _LEVEL = re.compile(
     r"(?<![\d.,])(\d+(?:[.,]\d+)?)\s*([a-zA-Z]+(?:\s?\([ag]\))?)(?![a-zA-Z])",
     re.IGNORECASE,
 )
+_WAYS = {*INFLATING, *DEFLATING}
 _PLAIN = re.compile(r"\d+(?:[.,]\d+)?")
 
 
@@ -220,7 +225,9 @@ def _group_columns(
     """Indices of the columns that all levels share, and each level's number, unit and column
     indices; only `used` columns count.
 
-    A blank cell continues the level before it, and so does a repeated level over another name.
+    A blank cell continues the level before it, and so does a repeated level over another name,
+    unless that is the other way of a loop. Columns of deviations, setpoints and the like are
+    left out.
     """
     shared: list[int] = []
     groups: list[tuple[float, str, tuple[int, ...]]] = []
@@ -229,12 +236,15 @@ def _group_columns(
             continue
         if level is None and (cell or not groups):
             shared.append(j)
+        elif list_words(names[j]) & QUALIFIERS:
+            continue
         elif level is None:
             number, unit, indices = groups[-1]
             groups[-1] = number, unit, (*indices, j)
         elif (
             groups and groups[-1][:2] == level and names[j] not in [names[k] for k in groups[-1][2]]
-        ):
+            and not (read_header(names[j])[0][0] in _WAYS and not _likely_role(names[j]))
+        ):  # fmt: skip
             groups[-1] = *level, (*groups[-1][2], j)
         else:
             groups.append((*level, (j,)))
@@ -247,7 +257,8 @@ def _long_names(shared: Sequence[str], group: Sequence[str]) -> list[str]:
     if is_pair and names[0].partition(" [")[0].lower() in ("", "x"):
         names[0] = f"X{names[0].lstrip('Xx')}"
     has_force = any(score(text, "", "force") > 1 for text in (*shared, *names[:-1]))
-    if len(group) <= 2 and not has_force and not is_known(names[-1]):
+    may_be_force = len(group) == 1 or (is_pair and (not shared or names[0][:1] == "X"))
+    if may_be_force and not has_force and not is_known(names[-1]):
         units = [unit for _, unit in read_header(names[-1]) if is_unit(unit, ("force",))]
         names[-1] = f"force [{units[0]}]" if units else "force"
     return [*(text or "X" for text in shared), *(text or "value" for text in names)]

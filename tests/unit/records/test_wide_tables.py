@@ -104,6 +104,22 @@ def test_other_wide_tables_are_refused_with_a_remedy(text, words):
         loads(text, rest_length=0.18)
 
 
+def test_deviations_beside_means_are_no_forces():
+    text = "strain [%],100 kPa mean [N],100 kPa std [N],200 kPa mean [N],200 kPa std [N]\n"
+    check(loads(text + "0,50,2,100,3\n5,25,2,60,3\n10,1,2,30,3\n"))
+    unknown = text.replace("mean", "left").replace("std", "right")
+    with pytest.raises(MissingMetadataError) as error:
+        loads(unknown + "0,50,2,100,3\n5,25,2,60,3\n")
+    assert error.value.choices[0][:2] == ("columns", "force")
+
+
+def test_both_ways_of_loops_at_each_pressure_are_read():
+    text = "strain [%],100 kPa up,100 kPa down,200 kPa up,200 kPa down\n"
+    record = loads(text + "0,50,49,100,99\n5,25,24,60,59\n", **FORCE)
+    assert_allclose(record.force, [50, 25, 49, 24, 100, 60, 99, 59])
+    assert_allclose(record.pressure, np.repeat([100e3, 200e3], 4))
+
+
 def test_pressures_with_different_columns_are_refused():
     with pytest.raises(ValueError, match="line 2: its pressures have 1 to 2 columns"):
         loads("100 kPa,,200 kPa\nX,Y,Y\n0,50,100\n5,25,60\n")
