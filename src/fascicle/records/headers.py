@@ -66,7 +66,8 @@ QUALIFIERS = {
     "id", "index", "count", "flow", "stress", "spannung", "sigma", "σ", "modulus", "sollwert",
     "raw", "change", "stdev", "sem", "deviation", "variance",
     "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
-    "umgebungsdruck", "versorgungsdruck",
+    "umgebungsdruck", "versorgungsdruck", "tank", "cmd", "model", "modeled", "modelled",
+    "theoretical", "theory", "simulated", "simulation", "predicted", "calculated",
 }  # fmt: skip
 MICROSTRAINS = ("µε", "με", "µstrain", "microstrain", "µm/m")
 # spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or the

@@ -28,6 +28,8 @@ from .tables import Table
 
 
 _MIN_PRESSURE = 2e3  # Pa: a record that stays below, but pulls, is in another unit
+_LOW_PRESSURE = 10e3  # Pa: of records below in bar under kPa, a pull of more than
+_LOW_AREA = 5e-3  # m² times it would be that of a muscle as thick as an arm
 _MAX_AREA = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a fifth of it
 _NOISE = (0.02, 5e3)  # of the highest pressure, and Pa: a transducer's zero may be off by that
 _MIN_FORCE = 1.0  # N: less is too little to infer a unit from
@@ -198,7 +200,9 @@ def read_pressure(
         raise readings.cell_error(row, column, f"{highest}: {_ODD_REMEDY}.")
     if top > HIGHEST_PRESSURE:
         rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
-    elif 0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE:
+    elif (0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE) or (
+        0 < top <= _LOW_PRESSURE and strongest > _LOW_AREA * top
+    ):
         rule = f"the highest is {highest}, with forces up to {strongest:.3g} N"
     if rule:
         raise readings.cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
@@ -277,6 +281,7 @@ def read_strain(
     if column.role == "strain":
         strain = values * sign
         _check_fractions(readings)
+        _check_percent(readings, pressure, force, info)
     elif column.role in ("displacement", "angle"):
         zero = info.displacement_at_rest if column.role == "displacement" else None
         strain = (values - (zero or 0.0)) * sign / rest_length
@@ -299,6 +304,8 @@ def read_strain(
             side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
             arm = "moment arm, " if column.role == "angle" else ""
             hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, {arm}unit and sign."
+        if np.mean((strain < low) | (strain > high)) < _ODD:
+            hint = f"{_ODD_REMEDY}."
         rule = f"{_reading_text(raw[row], column)} is a contraction of {strain[row]:.4g}: {hint}"
         raise cell_error(row, column, rule)
     notes, longest = (), float(np.min(strain))
@@ -343,6 +350,26 @@ def _check_fractions(readings: Readings) -> None:
         raise MissingMetadataError(
             str(readings.cell_error(row, column, rule)), ("units", "strain", "%", ""), length
         )
+
+
+def _check_percent(
+    readings: Readings, pressure: np.ndarray, force: np.ndarray, info: Sidecar
+) -> None:
+    """Refuse a contraction below 1 % over which the pull at the highest pressure falls by half.
+    `pressure` [Pa], `force` [N].
+    """
+    column, raw = readings.position, readings.raws["strain"]
+    F = force[pressure > _TOP * pressure.max()]
+    is_guessed = column.factor == 1e-2 and column.index >= 0 and "strain" not in info.units
+    is_small = is_guessed and 0 < np.max(np.abs(raw)) < 1
+    if is_small and F.size >= _MIN_READINGS and np.min(F) < np.max(F) / 2:
+        before = (
+            f"{readings.table.where}, column `{column.header}`: the pull falls from"
+            f" {np.max(F):.3g} N to {np.min(F):.3g} N over contractions of no more than"
+            f" {np.max(np.abs(raw)):.3g} %: if these are fractions, give "
+        )
+        choices = (("units", "strain", "1", ""), ("units", "strain", "%", ", if they are %"))
+        raise MissingMetadataError(before, *choices)
 
 
 def _check_direction(

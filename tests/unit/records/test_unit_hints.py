@@ -149,6 +149,29 @@ def test_a_strain_gauge_beside_a_length_is_not_the_contraction():
     assert loads(text, rest_length=0.2).strain == pytest.approx([0.05])
 
 
+def test_fractions_in_a_column_of_percent_are_refused():
+    rows = "\n".join(f"200,{100 - 400 * x},{x}" for x in (0, 0.05, 0.1, 0.15, 0.2, 0.25))
+    text = table(position="Contraction (%)", values=rows)
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text)
+    assert error.value.choices[0][:3] == ("units", "strain", "1")
+    for unit, factor in (("1", 1), ("%", 0.01)):
+        record = loads(text, units={"strain": unit})
+        assert record.strain.max() == pytest.approx(0.25 * factor)
+
+
+def test_a_strong_pull_at_a_few_kilopascals_is_in_bar():
+    with pytest.raises(ValueError, match=r"did you mean bar\?"):
+        loads(table(values="3,120,190"), rest_length=0.2)
+    assert len(loads(table(values="8,20,190"), rest_length=0.2)) == 1
+
+
+@pytest.mark.parametrize("name", ["Theoretical force (N)", "Force model (N)", "F simulated (N)"])
+def test_a_models_force_is_not_the_measured_one(name):
+    text = f"P [kPa],L [mm],{name},Measured force (N)\n200,190,60,50\n"
+    assert loads(text, rest_length=0.2).force == [50]
+
+
 def test_a_hint_is_left_out_where_it_is_not_known():
     with pytest.raises(ValueError, match="did you mean %"):
         loads(table(position="strain", values="200,50,12"))
