@@ -44,7 +44,7 @@ from ..muscle.buckling import ROUNDING, BucklingColumn
 from ..muscle.piecewise import Piecewise, PressurizedMuscle
 from .data import Grid, Table
 from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
-from .parameters import FACTORS, Parameter, put
+from .parameters import FACTORS, WEAK, Parameter, put
 from .readings import Readings, SmoothCurves, top_pressure
 
 
@@ -467,6 +467,17 @@ def starts_around(
     return np.concatenate([center[None], random_starts])
 
 
+def starts_beside(problem: Problem, point: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Starts beside a `point`, a step of a unit to either side along each coordinate that the data
+    don't determine there by its `covariance`: a collapse beyond all readings may lie among them
+    one step further.
+    """
+    unit = np.array([parameter.deviation / WEAK for parameter in problem.parameters])
+    unknown = np.diag(covariance) > (KNOWN * unit) ** 2
+    steps = np.diag(unit)[unknown]
+    return np.concatenate([point + steps, point - steps])
+
+
 @dataclass(frozen=True, eq=False)
 class Minimum:
     """A minimum of a problem, at the noise that the residuals show there.
@@ -569,14 +580,17 @@ def search_minimum(
     """Search from `starts`, then a second time about the best end.
 
     Each collapse is a kink in strain, which passes from one reading to the next as its place
-    moves: that leaves shallow minima side by side, within the fit's own uncertainty. A record that
-    only pulls has none.
+    moves: that leaves shallow minima side by side, within the fit's own uncertainty, and where no
+    reading shows a collapse, the data don't lead to one. A record that only pulls has none.
     """
     solution = solve_with_noise(problem, starts, curves_covariance)
     problem, first, best, minimum, _ = solution
     if problem.pulls:
         return solution
-    nearby_starts = starts_around(best, len(starts), seed, minimum.covariance)
+    nearby_starts = np.concatenate([
+        starts_around(best, len(starts), seed, minimum.covariance),
+        starts_beside(problem, best, minimum.covariance),
+    ])  # fmt: skip
     # the second takes the noise that the first one left: priors weigh against it
     first = first._replace(cost=first.cost * (problem.noise / minimum.noise) ** 2)
     problem = replace(problem, noise=minimum.noise)

@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 import fascicle as fs
 from fascicle.calibrate.data import Grid
-from fascicle.calibrate.least_squares import LOSSES, Problem
+from fascicle.calibrate.least_squares import LOSSES, Problem, starts_beside
 from fascicle.calibrate.parameters import select_parameters
 
 
@@ -127,3 +127,13 @@ def test_strains_refer_to_the_length_they_were_measured_on():
     half = made.muscle_at(np.log(np.asarray([0.075])))
     assert_allclose(made.strain(half), 0.2, rtol=1e-14)
     assert_allclose(problem([0.0], parameters=free).strain(half), 0.1, rtol=0)
+
+
+def test_starts_lie_beside_a_point_along_what_the_data_do_not_determine():
+    free = select_parameters(["hinge_stiffness_slope", "transition_rate", "c10"], muscle)
+    made, point = problem([0.0], parameters=free), np.array([0.5, 1.0, 2.0])
+    # a unit of the slope's coordinate is ten of the others', which are logarithms
+    starts = starts_beside(made, point, np.diag([101.0, 0.9, 4.0]))
+    steps = [[10, 0, 0], [0, 0, 1], [-10, 0, 0], [0, 0, -1]]
+    assert_array_equal(starts, point + steps)
+    assert len(starts_beside(made, point, np.diag([99.0, 0.9, 0.9]))) == 0
