@@ -56,7 +56,6 @@ from numpy.polynomial.chebyshev import chebval
 from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
-from ..tension import Pull
 from . import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
@@ -80,9 +79,11 @@ class Kim2021(AbstractBuckling):
     braid_share: Batch = BRAID_SHARE.field()
     shear: str = SHEAR.field()
 
-    def branch(self, column: BucklingColumn) -> Pull:
-        """Force of the tension law at the free strain [N], by component, with slopes [N]."""
-        return column.pull(column.free_strain)
+    def branch(self, column: BucklingColumn) -> Batch:
+        """The bladder's force at the free strain [N], at which no ends yield."""
+        tension = column.tension
+        strain = column.free_strain * tension.strain_ratio
+        return tension.bladder_pull(column.pressure, strain).bladder
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
@@ -98,7 +99,7 @@ class Kim2021(AbstractBuckling):
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(
             mesh=pull.mesh,
-            bladder=column.branch.bladder + 0.0 * shortening,
+            bladder=column.branch + 0.0 * shortening,
             bending=bending,
             slope=pull.mesh_slope * growth - EA * stiffening / (1 - eps_f),
             arc_strain=arc,
