@@ -38,6 +38,7 @@ _SUGGESTIONS = {"pressure": ("kPa", "bar", "psi", "Pa", "MPa"), "force": ("N", "
 _DATE = 1e8  # s since 1970, in 1973
 _PER_SECOND = (("ns", 1e9), ("µs", 1e6), ("ms", 1e3))
 _DAYS = (3e4, 7e4)  # dates of 1982 to 2091 as Excel counts them
+_FREE = 0.45  # contraction beyond any muscle's free strain
 _FAR = 0.05  # of the rest length: a muscle begins nearer to it
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 _TOP = 0.95  # of the highest pressure: readings above it show how the force follows contraction
@@ -291,10 +292,13 @@ def read_strain(
     if column.role != "length" and not has_direction:
         _check_direction(readings, strain, pressure, force)
     reach, moved = (np.array([np.min(x), np.max(x)]) for x in (strain, strain - strain[0]))
-    far = not _is_strain(reach) and _is_strain(moved)
+    far, row = not _is_strain(reach) and _is_strain(moved), 0
+    if reach[0] > _FAR and reach[1] > _FREE and _is_strain(reach):
+        far, row = True, int(np.argmin(strain))
     if column.role == "displacement" and info.displacement_at_rest is None and far:
-        before = f"{cell_error(0, column, '')}{raw[0]:.6g} {column.unit} is far from rest:"
-        choice = ("zeros", "displacement", f"{raw[0]:.6g} {column.unit}", ", or its value at rest")
+        text = f"{raw[row]:.6g} {column.unit}"
+        before = f"{cell_error(row, column, '')}{text} is far from rest:"
+        choice = ("zeros", "displacement", text, ", or its value at rest")
         raise MissingMetadataError(f"{before} give ", choice)
     low, high = STRAINS
     row = int(np.argmax(np.maximum(low - strain, strain - high)))

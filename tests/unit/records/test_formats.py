@@ -554,13 +554,14 @@ def test_a_muscle_that_lengthens_with_pressure_under_one_load_is_refused():
     assert len(loads(steady, rest_length=REST)) == 6  # its pressure is constant
 
 
-def test_a_position_that_counts_from_elsewhere_offers_its_zero():
-    position = [512.4 + x for x in CONTRACTION]
+@pytest.mark.parametrize("zero", ["512.4 mm", "80 mm"])
+def test_a_position_that_counts_from_elsewhere_offers_its_zero(zero):
+    position = [float(zero.removesuffix(" mm")) + x for x in CONTRACTION]
     text = "P [kPa],F [N],position [mm]\n" + table(",", [PRESSURE, FORCE, position])
     with pytest.raises(MissingMetadataError) as error:
         loads(text, rest_length=REST)
-    assert error.value.choices[0][:3] == ("zeros", "displacement", "512.4 mm")
-    check(loads(text, rest_length=REST, zeros={"displacement": "512.4 mm"}), time=False)
+    assert error.value.choices[0][:3] == ("zeros", "displacement", zero)
+    check(loads(text, rest_length=REST, zeros={"displacement": zero}), time=False)
 
 
 @pytest.mark.parametrize("other", ["Barometric pressure", "p_atm", "Supply pressure", "Luftdruck"])
