@@ -74,6 +74,16 @@ def test_a_steep_dip_is_crossed_no_faster_than_the_first_unit_can_follow(
     assert np.all(handed.least == 0) and handed.dip.max() <= largest
 
 
+@pytest.mark.slow
+def test_force_withheld_from_a_fast_sine_comes_before_the_demand_falls(study, monkeypatch):
+    # all three can cross; a second unit that came past its dip as slowly as before it let the force
+    # jump by a dip when the demand already fell
+    muscles = [study.draw_muscles(24, 1)[index] for index in (1, 6, 20)]
+    monkeypatch.setattr(study, "draw_muscles", lambda *_: muscles)
+    handed = study.study(4, 0.2, 3, duration=1.0, shape="sine")["hand_over"]
+    assert np.all(handed.least == 0) and handed.dip.max() <= 0.25
+
+
 def test_the_observer_is_one_of_policies_that_hand_over(study):
     plant = study.make_plant(study.NOMINAL, 1, 0.2)
     assert control.cascade(plant, "hand_over").gains.observer_time == 5e-3
