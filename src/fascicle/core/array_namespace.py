@@ -176,7 +176,11 @@ _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay 
 
 
 def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """Elementwise `function` of two NumPy arrays that broadcast, in chunks to save memory."""
+    """Elementwise `function` of two arrays that broadcast, in chunks to save memory."""
+    if type(first) in NUMPY_SCALARS and type(second) in NUMPY_SCALARS:
+        return function(first, second)
+    if is_jax_array(first) or is_jax_array(second):
+        return jax_backend().map_in_chunks(function, first, second)
     shape = np.broadcast_shapes(np.shape(first), np.shape(second))
     if (size := math.prod(shape)) <= _CHUNK:
         return function(first, second)

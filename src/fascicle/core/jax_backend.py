@@ -3,6 +3,7 @@
 No other module of the core, of muscles and bundles imports JAX at its top.
 """
 
+import math
 from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
@@ -14,8 +15,12 @@ from jax import eval_shape, jit, lax  # noqa: F401 imported from here
 from jax.lax import stop_gradient
 
 from .array_namespace import where
-from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
+from .roots import NEAR, STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
+
+
+_CHUNK = 2**16  # points: fewer would keep other cores idle
+_NEWTON_STEPS = 4  # from the start of the free strain; that of collapse needs two
 
 
 @cache
@@ -44,6 +49,20 @@ def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> An
     return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
 
 
+def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
+    """Elementwise `function` of two large arrays of one shape, on a CPU in chunks that stay in its
+    cache; others whole.
+    """
+    shape, size = jnp.shape(first), jnp.size(first)
+    if shape != jnp.shape(second) or size <= _CHUNK or jax.default_backend() != "cpu":
+        return function(first, second)
+    rows = math.ceil(size / _CHUNK)
+    points = [jnp.resize(x, (rows, math.ceil(size / rows))) for x in (first, second)]
+    # derivatives compute a chunk again, rather than keep all of its numbers
+    law = jax.checkpoint(lambda point: function(*point), prevent_cse=False)
+    return jax.tree.map(lambda x: x.ravel()[:size].reshape(shape), lax.map(law, points))
+
+
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
     """Values of an elementwise `function` at `x` [any unit], and its slopes [any unit]."""
     x = jnp.asarray(x)
@@ -59,6 +78,16 @@ def search_root(
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
 
+    # from a law's start Newton's method alone mostly finds the root, in fewer passes over memory
+    x, done = start, start < -jnp.inf
+    for _ in range(_NEWTON_STEPS):
+        value, slope = residual(theta, x)
+        falls = (slope < 0) & (slope > -jnp.inf)
+        target = x - value / where(falls, slope, -1.0)
+        is_near = jnp.abs(target - x) <= NEAR * (1 + jnp.abs(x))
+        done = falls & (low <= target) & (target <= high) & is_near
+        x = jnp.clip(target, low, high)
+
     def step(state: tuple) -> tuple:
         n, search = state
         return n + 1, search_step(search, *residual(theta, search.x))
@@ -67,7 +96,8 @@ def search_root(
         n, search = state
         return (n < STEPS) & ~jnp.all(search.done)
 
-    return lax.while_loop(is_unfinished, step, (0, init_search(low, high, start)))[1].x
+    search = init_search(low, high, x)._replace(done=done)
+    return lax.while_loop(is_unfinished, step, (0, search))[1].x
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))

@@ -212,7 +212,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain, as all methods do.
         """
-        return self._evaluate(eval_force, *validate_point(self, pressure, strain))
+        return self._evaluate_at("pulling_force", pressure, strain)
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force and its components [N], the region, and whether other equilibria exist, at
@@ -330,13 +330,8 @@ class Muscle(Module):
         return self._evaluate(_quantity, *arrays, static=(quantity, *static))
 
     def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
-        single = self.is_single
-        if not single or max(map(np.ndim, arrays)):
-            check_broadcast(*arrays, batch=() if single else batch_shape(self))
-        # rows of muscles, functions of one argument and centerlines are too few for chunks
-        chunks = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
-        if chunks and max(map(np.size, arrays)) > 1:
-            return map_in_chunks(partial(evaluate, law, self, static=static), *arrays)
+        if not self.is_single or max(map(np.ndim, arrays)):
+            check_broadcast(*arrays, batch=() if self.is_single else batch_shape(self))
         return evaluate(law, self, *arrays, static=static)
 
     @cached_property
@@ -369,12 +364,18 @@ def tuning_tables(muscle: Muscle) -> set[int]:
 
 def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """Pulling force [N] at `pressure` [Pa] and `strain` [-], nothing checked."""
-    return muscle.law.at(pressure).force(strain)[0]
+    return _quantity(muscle, pressure, strain, "pulling_force")
 
 
 def _quantity(muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any) -> Any:
     """Method `quantity` of the muscle's laws at a pressure, of `strain` and `static` arguments."""
-    return getattr(muscle.law.at(pressure), quantity)(strain, *static)
+
+    def function(pressure: Batch, strain: Batch) -> Any:
+        return getattr(muscle.law.at(pressure), quantity)(strain, *static)
+
+    # rows of muscles and centerlines are too few for chunks
+    is_small = not muscle.is_single or static
+    return function(pressure, strain) if is_small else map_in_chunks(function, pressure, strain)
 
 
 def _call_method(module: Module, values: Batch, path: str, *static: Any) -> Any:
