@@ -85,7 +85,8 @@ class Elastica(AbstractBuckling):
         """Force by mesh, bladder, bending, its slope and the arc's strain at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
         state = _state_at_arc(column, arc)
-        pull, T, chord = state.pull, state.pull.force, state.chord
+        # straight at its free strain, an arc has a load of 0, which gives a chord of 0
+        pull, T, chord = state.pull, state.pull.force, guarded(bent, state.chord)
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
         slope = (pull.slope - T * state.chord_slope / chord) / chord
         slope = slope / guarded(state.strain_slope != 0, state.strain_slope)
