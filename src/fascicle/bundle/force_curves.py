@@ -76,8 +76,7 @@ class ForceOverLevel:
 
     def force_at_nodes(self, node: Array, plates: Array) -> Array:
         """As `force` at a `node` of the grid, whose free and collapse strains are stored."""
-        muscle = _pick_nodes(self.nodes, node, self.levels.size)
-        return self._between_plates(*muscle.force(self.strain(plates)))
+        return self._between_plates(*self.nodes.take(node).force(self.strain(plates)))
 
     def force(self, level: Array, plates: Array) -> Array:
         """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N].
@@ -211,15 +210,6 @@ def pressure_grid(muscles: "list[Muscle]", supply: float) -> Array:
 def run_starts(values: Array) -> Array:
     """Index of the first of each run of equal `values` [any unit] that rise from zero or more."""
     return np.flatnonzero(np.diff(values, prepend=-1))  # `np.unique` imports masked arrays
-
-
-def _pick_nodes(value: Any, node: Array, count: int) -> Any:
-    """A muscle at the pressures of some of `count` nodes, which are on the last axis."""
-    if isinstance(value, tuple):
-        picked = [_pick_nodes(x, node, count) for x in value]
-        return type(value)(*picked) if hasattr(value, "_fields") else tuple(picked)
-    has_nodes = isinstance(value, np.ndarray) and value.shape[-1:] == (count,)
-    return value[..., node] if has_nodes else value
 
 
 class Roots(NamedTuple):

@@ -37,11 +37,11 @@ from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
 from ..core.array_namespace import array_namespace, maximum, slices, where
-from ..core.module import tree_map, with_fields
+from ..core.module import with_fields
 from ..core.types import AnyArray, Batch, Float
 from ..muscle import Muscle
-from ..muscle.buckling import ROUNDING, BucklingColumn
-from ..muscle.piecewise import Piecewise, PressurizedMuscle
+from ..muscle.buckling import ROUNDING
+from ..muscle.piecewise import Piecewise
 from .data import Grid, Table
 from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
 from .parameters import FACTORS, WEAK, Parameter, put
@@ -273,25 +273,13 @@ def force_at_levels(law: Piecewise, pressure: Batch, level: np.ndarray, strain: 
     at_levels = law.at(pressure)
     free_strain = at_levels.column.free_strain[..., level]
     if array_namespace(free_strain, strain) is not np:
-        return _at_places(at_levels, level).force(strain)[0]
+        return at_levels.take(level).force(strain)[0]
     # where all of them pull, the tension law is all that is needed
     pulls = np.all(strain <= free_strain + ROUNDING, axis=tuple(range(free_strain.ndim - 1)))
     force = np.empty(np.broadcast_shapes(free_strain.shape, strain.shape))
     force[..., pulls] = law.tension.force(pressure[..., level[pulls]], strain[..., pulls])
-    force[..., ~pulls] = _at_places(at_levels, level[~pulls]).force(strain[..., ~pulls])[0]
+    force[..., ~pulls] = at_levels.take(level[~pulls]).force(strain[..., ~pulls])[0]
     return force
-
-
-def _at_places(at_levels: PressurizedMuscle, level: np.ndarray) -> PressurizedMuscle:
-    """The muscle at the pressure of each `level`, on the last axis."""
-    law, column, *rest = at_levels
-    tension, pressure, *fields = column
-
-    def take(x: Any) -> Any:
-        return x[..., level] if np.shape(x)[-1:] == pressure.shape[-1:] else x
-
-    column_fields, rest = tree_map(take, ([pressure, *fields], rest))
-    return PressurizedMuscle(law, BucklingColumn(tension, *column_fields), *rest)
 
 
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
@@ -473,8 +461,8 @@ def starts_beside(problem: Problem, point: np.ndarray, covariance: np.ndarray) -
     one step further.
     """
     unit = np.array([parameter.deviation / WEAK for parameter in problem.parameters])
-    unknown = np.diag(covariance) > (KNOWN * unit) ** 2
-    steps = np.diag(unit)[unknown]
+    undetermined = np.diag(covariance) > (KNOWN * unit) ** 2
+    steps = np.diag(unit)[undetermined]
     return np.concatenate([point + steps, point - steps])
 
 

@@ -134,6 +134,19 @@ class PressurizedMuscle(NamedTuple):
     hinge_moment: Batch
     collapse_strain: Batch
 
+    def take(self, index: IntBatch) -> "PressurizedMuscle":
+        """The muscle at the pressures of each `index`, which are on the last axis."""
+        count = np.shape(self.column.pressure)[-1:]
+
+        def pick(value: Any) -> Any:
+            if isinstance(value, tuple):
+                values = map(pick, value)
+                return type(value)(*values) if hasattr(value, "_fields") else tuple(values)
+            has_pressures = not isinstance(value, Module) and np.shape(value)[-1:] == count
+            return value[..., index] if has_pressures else value
+
+        return pick(self)
+
     @property
     def onset(self) -> Batch:
         """Strain [-] at which the muscle buckles; inf where it never does."""

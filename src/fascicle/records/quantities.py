@@ -228,8 +228,8 @@ def _check_forces(readings: Readings, force: np.ndarray, top: float) -> None:
     """Refuse a `force` [N] that needs too large an area at the pressure `top` [Pa]."""
     role = "force" if "force" in readings.columns else "torque"
     column, raw, row = readings.columns[role], readings.raws[role], int(np.argmax(np.abs(force)))
-    others = np.abs(force[raw != raw[row]])
-    if others.size > (1 - _ODD) * raw.size and 0 < _OUTLIER * others.max() < abs(force[row]):
+    usual = np.abs(force[raw != raw[row]])
+    if usual.size > (1 - _ODD) * raw.size and 0 < _OUTLIER * usual.max() < abs(force[row]):
         text = _reading_text(raw[row], column)
         raise readings.cell_error(row, column, f"{text}: {_ODD_REMEDY}.")
     area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0

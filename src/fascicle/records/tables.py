@@ -220,9 +220,9 @@ class Table:
         repeats, level, first = [list(self.header), list(self.units)], "", 0
         try:
             for cells in rows:
-                within, first = self.body[first + 1 : rows.line_num], rows.line_num
-                if within and self._swallows_readings(within):
-                    line = self._file_line(self.first + rows.line_num - 1 - len(within))
+                inner_lines, first = self.body[first + 1 : rows.line_num], rows.line_num
+                if inner_lines and self._swallows_readings(inner_lines):
+                    line = self._file_line(self.first + rows.line_num - 1 - len(inner_lines))
                     raise ValueError(
                         f"{self.source}, line {line}: its quote has no end: close or drop it."
                     )

@@ -48,11 +48,11 @@ def _read_header(
     width = max(map(len, [*rows, *readings]), default=0)
     rows = [[*row, *[""] * (width - len(row))] for row in rows]
     used = [any(j < len(row) and row[j] for row in readings) for j in range(width)]
-    for above, row in pairwise(rows):  # a name of pressures above numbers alone leads them
+    for name_row, row in pairwise(rows):  # a name of pressures above numbers alone leads them
         numbers = [j for j, cell in enumerate(row) if _PLAIN.fullmatch(cell)]
         j = numbers[0] if len(numbers) > 1 and len(numbers) == sum(map(bool, row)) else 0
-        if j and score(above[j], "", "pressure") > 1:
-            row[j - 1], above[j] = above[j], "force"
+        if j and score(name_row[j], "", "pressure") > 1:
+            row[j - 1], name_row[j] = name_row[j], "force"
     choices = ((kind, i) for kind in ("pressure", "length") for i in range(len(rows) - 1, -1, -1))
     kind, i = next((x for x in choices if len({*_levels(rows[x[1]], x[0])} - {None}) > 1), ("", 0))
     if not kind:
