@@ -142,8 +142,9 @@ class PressurizedMuscle(NamedTuple):
             if isinstance(value, tuple):
                 values = map(pick, value)
                 return type(value)(*values) if hasattr(value, "_fields") else tuple(values)
-            has_pressures = not isinstance(value, Module) and np.shape(value)[-1:] == count
-            return value[..., index] if has_pressures else value
+            if isinstance(value, Module) or np.shape(value)[-1:] != count:
+                return value
+            return value[..., index]
 
         return pick(self)
 
