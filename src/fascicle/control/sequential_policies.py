@@ -75,7 +75,7 @@ _FLAT = 0.5
 _STEEP = 2.0  # times the dip's mean slope: beyond `_FLAT` a unit takes its dip about so steeply
 # times the dip's pressure: from there on a late unit hurries. With 1, a random muscle whose dip is
 # at a higher pressure than the model's dips by 0.28 D in place of 0.10
-_PASSED = 1.2
+_PAST_DIP = 1.2
 # of the pressures: a faster rise overshoots, by 0.3 D more at valves late by 20 ms; with 6 of them
 # dips are larger by 0.03 D there, with 12 the rms error of a 4 s ramp by 0.04 to 0.06 D
 _LAGS = 8.0
@@ -253,7 +253,7 @@ class SequentialPolicy(Module):
         needed = where(is_behind, limit, minimum(needed, limit))
         slow = maximum(needed, 1 / (self.longest * time))
         fast = 1 / (SLACK * time)
-        hurries = (fraction < _FLAT * deepest) | (is_behind & (fraction >= _PASSED * deepest))
+        hurries = (fraction < _FLAT * deepest) | (is_behind & (fraction >= _PAST_DIP * deepest))
         return where(hurries, fast, minimum(slow, fast))
 
     def _reserves(
@@ -279,8 +279,8 @@ class SequentialPolicy(Module):
 
 
 def _late_time(demand: UnitDemand, dip: Batch, beyond_dip: Any) -> Batch:
-    """Time [s] that late loops need for a hand-over; before it is `beyond_dip`, no more than that
-    in which the `demand` rises by half the `dip` [N].
+    """Shortest hand-over [s] of late loops. Until the next unit is `beyond_dip`, it need not be
+    longer than the `demand` takes to rise by half the `dip` [N].
     """
     lags = _LAGS * demand.lag
     # 1e-9 N/s keeps the quotient finite: a demand at rest leaves all the time

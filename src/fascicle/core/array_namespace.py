@@ -172,7 +172,9 @@ def slices(count: int, size: int) -> list[slice]:
     return [slice(start, start + size) for start in range(0, max(1, count), size)]
 
 
-_CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay in the cache
+# points: half a megabyte an array, so that a law's passes stay in the cache, and enough for XLA to
+# split them among cores
+_CHUNK = 2**16
 
 
 def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
@@ -180,7 +182,7 @@ def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
     if type(first) in NUMPY_SCALARS and type(second) in NUMPY_SCALARS:
         return function(first, second)
     if is_jax_array(first) or is_jax_array(second):
-        return jax_backend().map_in_chunks(function, first, second)
+        return jax_backend().map_in_chunks(function, first, second, _CHUNK)
     shape = np.broadcast_shapes(np.shape(first), np.shape(second))
     if (size := math.prod(shape)) <= _CHUNK:
         return function(first, second)

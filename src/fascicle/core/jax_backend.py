@@ -15,11 +15,10 @@ from jax import eval_shape, jit, lax  # noqa: F401 imported from here
 from jax.lax import stop_gradient
 
 from .array_namespace import where
-from .roots import NEAR, STEPS, Residual, init_search, polish_root, safe_slope, search_step
+from .roots import SHORT_STEP, STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
 
 
-_CHUNK = 2**16  # points: fewer would keep other cores idle
 _NEWTON_STEPS = 4  # from the start of the free strain; that of collapse needs two
 
 
@@ -49,14 +48,14 @@ def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> An
     return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
 
 
-def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """Elementwise `function` of two large arrays of one shape, on a CPU in chunks that stay in its
-    cache; others whole.
+def map_in_chunks(function: Callable[..., Any], first: Any, second: Any, chunk: int) -> Any:
+    """Elementwise `function` of two large arrays of one shape, on a CPU in chunks of so many points
+    that stay in its cache; of other arrays at once.
     """
     shape, size = jnp.shape(first), jnp.size(first)
-    if shape != jnp.shape(second) or size <= _CHUNK or jax.default_backend() != "cpu":
+    if shape != jnp.shape(second) or size <= chunk or jax.default_backend() != "cpu":
         return function(first, second)
-    rows = math.ceil(size / _CHUNK)
+    rows = math.ceil(size / chunk)
     points = [jnp.resize(x, (rows, math.ceil(size / rows))) for x in (first, second)]
     # derivatives compute a chunk again, rather than keep all of its numbers
     law = jax.checkpoint(lambda point: function(*point), prevent_cse=False)
@@ -84,7 +83,7 @@ def search_root(
         value, slope = residual(theta, x)
         falls = (slope < 0) & (slope > -jnp.inf)
         target = x - value / where(falls, slope, -1.0)
-        is_near = jnp.abs(target - x) <= NEAR * (1 + jnp.abs(x))
+        is_near = jnp.abs(target - x) <= SHORT_STEP * (1 + jnp.abs(x))
         done = falls & (low <= target) & (target <= high) & is_near
         x = jnp.clip(target, low, high)
 

@@ -20,7 +20,7 @@ from .types import Batch, BatchLike, BoolBatch
 STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
 _UNROLLED_STEPS = 18  # of symbols, which can't be compared; all laws' searches end by then
 _ROUNDING = 4 * 2.0**-52  # of a root: a Newton step this short changes its last bits alone
-NEAR = 1e-7  # a Newton step this short leaves an error that one more takes to rounding
+SHORT_STEP = 1e-7  # a Newton step this short leaves an error that one more takes to rounding
 _LONGEST_STEP = 1e-3  # of a root's size: after a search a longer step comes from a jump
 
 
@@ -132,6 +132,6 @@ def search_step(search: Search, value: Batch, slope: Batch) -> Search:
     clipped = xp.minimum(xp.maximum(target, low), high)
     new = where(accepted, clipped, 0.5 * (low + high))
     converged = logical_or(
-        logical_and(accepted, length <= size * NEAR), absolute(new - x) <= size * _ROUNDING
+        logical_and(accepted, length <= size * SHORT_STEP), absolute(new - x) <= size * _ROUNDING
     )
     return Search(where(done, x, new), x, low, high, logical_or(done, converged))

@@ -196,7 +196,7 @@ class TunedTension(Module):
         """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
         return self.at(pressure).pull(strain)
 
-    def at(self, pressure: BatchLike) -> "PressurizedTension":
+    def at(self, pressure: BatchLike) -> PressurizedTension:
         """The bladder's law with its corrections at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
         c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)

@@ -435,12 +435,16 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
 
 def check_stated(table: Table, roles: Iterable[str]) -> None:
     """Refuse a constant of `roles` for which lines between the readings state several values."""
-    for role in {"pressure", "force"} & set(roles):
-        titles = (*table.remarks, *table.titles)
-        texts = [line for line in table.body if line.lstrip(' #%/;!"')[:1].isalpha()]
-        between = _stated_values([line.lstrip(' #%/;!"') for line in texts], role)
-        values = list(dict.fromkeys((*_stated_values(titles, role), *between)))
-        if between and len(values) > 1:
+    roles = [role for role in ("pressure", "force") if role in roles]
+    if not roles:
+        return
+    texts = [line.lstrip(' #%/;!"') for line in table.body]
+    texts = [text for text in texts if text[:1].isalpha()]
+    for role in roles:
+        body_values = _stated_values(texts, role)
+        title_values = _stated_values((*table.remarks, *table.titles), role)
+        values = list(dict.fromkeys((*title_values, *body_values)))
+        if body_values and len(values) > 1:
             listed = f"its lines state a {role} of {', '.join(values[:4])}"
             remedy = f"write a column of {role}, or read those of one by --rows"
             raise ValueError(f"{table.source}: {listed}: {remedy}.")

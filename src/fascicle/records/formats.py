@@ -52,8 +52,9 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     **Raises:** `ValueError` for a file that can't be read; `MissingExtraError` if its library isn't
     installed.
     """
+    beginning = raw[:64].lstrip().lower()
     for start, remedy in _REMEDIES.items():
-        if raw[:64].lstrip().lower().startswith(start.lower()):
+        if beginning.startswith(start.lower()):
             raise ValueError(f"{source}: {remedy}.")
     if raw.startswith(b"PK\3\4"):
         tables = _sheets(raw, source)

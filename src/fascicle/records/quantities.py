@@ -93,6 +93,11 @@ class Readings:
         """Column of strains, lengths, displacements or angles."""
         return self.columns[next(role for role in POSITIONS if role in self.columns)]
 
+    @property
+    def pull(self) -> Column:
+        """Column of forces or torques."""
+        return self.columns["force" if "force" in self.columns else "torque"]
+
     def si(self, role: str) -> np.ndarray | None:
         """Numbers of a role [SI], or `None`."""
         column = self.columns.get(role)
@@ -226,10 +231,10 @@ def read_pressure(
 
 def _check_forces(readings: Readings, force: np.ndarray, top: float) -> None:
     """Refuse a `force` [N] that needs too large an area at the pressure `top` [Pa]."""
-    role = "force" if "force" in readings.columns else "torque"
-    column, raw, row = readings.columns[role], readings.raws[role], int(np.argmax(np.abs(force)))
-    usual = np.abs(force[raw != raw[row]])
-    if usual.size > (1 - _ODD) * raw.size and 0 < _OUTLIER * usual.max() < abs(force[row]):
+    column, row = readings.pull, int(np.argmax(np.abs(force)))
+    raw = readings.raws[column.role]
+    ordinary = np.abs(force[raw != raw[row]])
+    if ordinary.size > (1 - _ODD) * raw.size and 0 < _OUTLIER * ordinary.max() < abs(force[row]):
         text = _reading_text(raw[row], column)
         raise readings.cell_error(row, column, f"{text}: {_ODD_REMEDY}.")
     area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0
@@ -426,8 +431,7 @@ def check_pull(
     pushes_at_rest = np.any(at_rest) and np.max(F[at_rest]) < 0
     is_sweep = x.size >= _MIN_READINGS and np.ptp(x) > 0 < np.ptp(F) and np.mean(F) < 0
     if pushes_at_rest or (is_sweep and np.corrcoef(x, F)[0, 1] > _RISING):
-        role = "force" if "force" in readings.columns else "torque"
-        where = f"{readings.table.where}, column `{readings.columns[role].header}`"
+        where = f"{readings.table.where}, column `{readings.pull.header}`"
         before = f"{where}: the muscle pushes where all muscles pull: if a pull is negative, give "
         raise MissingMetadataError(before, ("signs", "force", "pushing positive", ", else pulling"))
 

@@ -51,7 +51,7 @@ _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
-_HOLES = {"nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
+_HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
@@ -388,7 +388,7 @@ def open_table(
 
 
 def _is_hole(cell: str) -> bool:
-    return cell.lower().lstrip("+-?*.") in {"", *_HOLES}
+    return cell.lower().lstrip("+-?*.") in _HOLES
 
 
 def has_readings(raw: bytes) -> bool:

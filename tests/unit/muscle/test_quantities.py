@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.core import array_namespace, jax_backend
+from fascicle.core import array_namespace
 from fascicle.muscle.muscle import eval_force
 
 
@@ -28,8 +28,7 @@ MUSCLES = {
 @pytest.fixture(autouse=True)
 def few(monkeypatch):
     """Few points are many."""
-    for module in (array_namespace, jax_backend):
-        monkeypatch.setattr(module, "_CHUNK", 512)
+    monkeypatch.setattr(array_namespace, "_CHUNK", 512)
 
 
 @pytest.mark.parametrize(
