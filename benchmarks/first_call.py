@@ -54,7 +54,7 @@ CALLS = {
     "`bundle.free_strain`, 5 units": (BUNDLE, "b.free_strain(P)", 0.05),
     "`bundle.equilibria`, 5 units": (BUNDLE, "b.equilibria(P)", 0.05),
     "`bundle.free_strain`, elastica": (ELASTICA, "b.free_strain([4e5, 1e5])", 0.3),
-    "`average_efficiency`, 5 units": (f"{BUNDLE}; from fascicle.energetics import "
+    "`average_efficiency`, 5 units": (f"{BUNDLE}; from fascicle.bundle.energetics import "
                                       "average_efficiency", "average_efficiency(b, 4e5)", 1.0),
     "`recruit`, one demand": (BUNDLE, "fs.recruitment.recruit(b, 50.0, 0.1, 4e5)", 0.3),
     "`recruit`, 1000 demands": (f"{BUNDLE}; import numpy as np; F = np.linspace(-20, 300, 1000)",

@@ -5,7 +5,6 @@ Functions such as `sqrt` and `where` come from `array_namespace(x)`, the library
 """
 
 from .core.array_namespace import array_namespace
-from .core.lazy import attach_lazy
 from .core.parameters import (
     POSITIVE,
     SHARE,
@@ -55,5 +54,3 @@ __all__ = [
     "solved_free_strain",
     "symmetric_scale",
 ]
-
-__getattr__, __dir__ = attach_lazy(__name__, {})  # former names

@@ -1,7 +1,6 @@
 """The project's own files agree with one another."""
 
 import ast
-import importlib
 import json
 import re
 import sys
@@ -9,11 +8,9 @@ import tomllib
 from importlib import metadata
 from pathlib import Path
 
-import pytest
 import yaml
 
 import fascicle
-from fascicle import former_names
 
 
 ROOT = Path(__file__).parents[2]
@@ -85,37 +82,6 @@ def test_the_changelog_has_the_form_of_keep_a_changelog():
     kinds = set(re.findall(r"^### (.+)$", text, re.MULTILINE))
     assert kinds <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
     assert len(first.splitlines()) <= 60
-
-
-def test_former_names_name_others_and_go_in_time():
-    """Every former name of the tables warns with a present one, until its version comes."""
-    for package, names in former_names.NAMES.items():
-        module = importlib.import_module(package)
-        for old, new in names.items():
-            with pytest.warns(DeprecationWarning, match=former_names.REMOVAL):
-                assert getattr(module, old) is getattr(module, new)
-    for modules in former_names.MODULES.values():
-        assert all(importlib.import_module(f"fascicle.{new}") for new in modules.values())
-    removal, present = former_names.REMOVAL.split("."), fascicle.__version__.split(".")
-    assert tuple(map(int, removal)) > tuple(map(int, present))
-
-
-def test_every_former_attribute_has_its_class():
-    """A class takes its former names by the decorator: no entry of the table is forgotten."""
-    decorated = {}
-    for path in Path(fascicle.__file__).parent.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef) and "with_former_names" in map(
-                ast.unparse, node.decorator_list
-            ):
-                decorated[node.name] = path
-    assert decorated.keys() == former_names.ATTRIBUTES.keys()
-    for name, path in decorated.items():
-        module = path.relative_to(Path(fascicle.__file__).parents[1]).with_suffix("")
-        owner = getattr(importlib.import_module(".".join(module.parts)), name)
-        for old, new in former_names.ATTRIBUTES[name].items():
-            assert isinstance(vars(owner)[old], property)
-            assert hasattr(owner, new) or new in owner.__annotations__
 
 
 def test_the_lock_covers_what_is_declared():

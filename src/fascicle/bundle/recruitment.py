@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core.lazy import attach_lazy
 from ..core.types import Float, Values
 from ..core.validation import (
     check_gauge_pressure,
@@ -47,7 +46,6 @@ __all__ = [
     "recruit",
     "workspace",
 ]
-__getattr__, _ = attach_lazy(__name__, {})
 
 _LEVELS = 241  # pressures over which a region's edges are taken: 0.4 % of the supply apart
 _TOUCH = 1e-9  # of the largest force: regions that share an edge alone differ by rounding

@@ -2,7 +2,6 @@
 controllers.
 """
 
-from ..core.lazy import attach_lazy
 from .branches import Branches as Branches
 from .cascade import Cascade as Cascade
 from .cascade import Gains as Gains
@@ -41,7 +40,3 @@ from .uncertainty import draw_bundles as draw_bundles
 from .valves import GasValves as GasValves
 from .valves import OilValves as OilValves
 from .valves import PlantValves as PlantValves
-
-
-# names of the last release
-__getattr__, __dir__ = attach_lazy(__name__, {})

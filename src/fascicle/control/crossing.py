@@ -25,7 +25,6 @@ import numpy as np
 from ..bundle.bundle import Bundle
 from ..bundle.states import resolve_supply_pressure
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_interval
 from .branches import Branches
@@ -73,7 +72,6 @@ class Path(NamedTuple):
         return cls(t, F, np.broadcast_to(eps, t.shape) + 0.0)
 
 
-@with_former_names
 class Crossing(NamedTuple):
     """Crossing of a transition: a hand-over to the next unit without a dip.
 

@@ -33,7 +33,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
 from ..dynamics import Plant, State, simulate
@@ -49,7 +48,6 @@ _GROWTH_TIME = 1.0  # s, in which an amplitude is reached: several time constant
 _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop", "supply_empty"))
 
 
-@with_former_names
 class FrequencyResponse(NamedTuple):
     """Tracking error, work and flow of a plant that follows sines of its reference.
 

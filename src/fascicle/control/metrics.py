@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
 from ..dynamics.energy_ledger import LEDGER
@@ -54,7 +53,6 @@ class ControlMetrics(NamedTuple):
     short: float
 
 
-@with_former_names
 class Reachability(NamedTuple):
     """Reachability at each step: the reference's `target` for the muscles, and the `lower` and
     `upper` ends of their range, forces or moments [SI]; `in_stroke`, true if the load can go there.

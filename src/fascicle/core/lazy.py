@@ -1,72 +1,34 @@
-"""Imports: packages that load their names at first use, former names, and settings of JAX.
+"""Imports: packages that load their names at first use, and settings of JAX.
 
 The command line's help needs no JAX, laws need no pint: a package says in which module each of its
-names is, and imports nothing for it. A module that moved can be imported by its old name, and warns
-with the new one until a later version drops it. `call_on_import` acts when a library is imported,
-by whomever: JAX is then switched to float64, without which roots lose digits.
+names is, and imports nothing for it. `call_on_import` acts when a library is imported, by whomever:
+JAX is then switched to float64, without which roots lose digits.
 """
 
 import importlib
-import importlib.util
 import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
 from types import MethodType, ModuleType
-from typing import Any, TypeVar, cast
-
-from ..former_names import ATTRIBUTES, MODULES, NAMES, REMOVAL
-
-
-_Class = TypeVar("_Class", bound=type)
-
-
-def warn_renamed(old: str, new: str, verb: str = "is now") -> None:
-    """Warn, at the line that uses it, that a name is another one now."""
-    message = f"`{old}` {verb} `{new}`. The former name goes with fascicle {REMOVAL}."
-    warnings.warn(message, DeprecationWarning, stacklevel=3)
-
-
-def with_former_names(owner: _Class) -> _Class:
-    """Class decorator: former names of attributes and methods, from `ATTRIBUTES`."""
-
-    def alias(old: str, new: str) -> property:
-        def get_present(self: Any) -> Any:
-            warn_renamed(f"{type(self).__name__}.{old}", new)
-            return getattr(self, new)
-
-        get_present.__doc__ = f"Former name of `{new}`."
-        return property(get_present)
-
-    for old, new in ATTRIBUTES[owner.__name__].items():
-        setattr(owner, old, alias(old, new))
-    return owner
+from typing import Any, cast
 
 
 def attach_lazy(
     package: str, homes: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a `package`. `homes`: module of each of its names; "" for a
-    name that is a module. Former names, of `former_names`, warn. `ValueError` for a name that
-    is its module's, too: importing that module would replace the object.
+    name that is a module. `ValueError` for a name that is its module's, too: importing that module
+    would replace the object.
     """
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
-    renamed, modules = NAMES.get(package, {}), MODULES.get(package, {})
-    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in modules.items()}
-    _FORMER_NAMES.aliases.update(former)
-    _ALIASES.aliases.update(
-        {f"{package}.{name}": f"{package}.{home}.{name}" for name, home in homes.items() if home}
-    )
 
     def get_attribute(name: str) -> Any:
-        if name in renamed:
-            warn_renamed(f"{package}.{name}", f"{package}.{renamed[name]}")
-            return getattr(sys.modules[package], renamed[name])
         if homes.get(name):
             return getattr(_import(f".{homes[name]}", package), name)
-        if name in homes or f"{package}.{name}" in former:
+        if name in homes:
             return _import(f".{name}", package)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
@@ -100,44 +62,6 @@ def _import(name: str, package: str) -> ModuleType:
         raise missing_extra(error) or error from None
 
 
-class _AliasFinder:
-    """Finder of modules by other names: `fascicle.recruitment` is `fascicle.bundle.recruitment`."""
-
-    def __init__(self, warns: bool):
-        self.aliases: dict[str, str] = {}
-        self.warns = warns
-
-    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
-        """Spec of an alias, or of a module inside of one; `None` for other names."""
-        target, loader = self._target(name), cast(Any, self)
-        if self.warns:  # a package without a path, whose modules no other finder knows
-            return ModuleSpec(name, loader, is_package=True) if target else None
-        spec = importlib.util.find_spec(target) if target else None
-        if spec is None or spec.loader is None:  # a function, or a folder of data
-            return None
-        return ModuleSpec(name, loader, is_package=spec.submodule_search_locations is not None)
-
-    def create_module(self, spec: ModuleSpec) -> None:
-        """Python's default, an empty module, which is replaced."""
-        del spec
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Replace the empty `module`, or forward it to its successor and warn."""
-        name, target = module.__name__, self._target(module.__name__)
-        if self.warns:  # the import system's own frames are skipped: the caller's line is shown
-            module.__getattr__ = lambda name: getattr(importlib.import_module(target), name)
-            warn_renamed(name, target, "has moved to")
-        else:
-            sys.modules[name] = importlib.import_module(target)
-
-    def _target(self, name: str) -> str:
-        """Present name of an alias, and of a module in one unless it warns; empty for others."""
-        for alias, target in self.aliases.items():
-            if name == alias or (not self.warns and name.startswith(f"{alias}.")):
-                return target + name.removeprefix(alias)
-        return ""
-
-
 class _HookFinder:
     """Finder that calls actions with a module after other finders have imported it."""
 
@@ -162,9 +86,8 @@ class _HookFinder:
 
 
 # wrapt has such hooks, too, and takes as long to import as all laws of a muscle
-_ALIASES, _FORMER_NAMES, _HOOKS = _AliasFinder(warns=False), _AliasFinder(warns=True), _HookFinder()
-sys.meta_path[:0] = [_HOOKS, _ALIASES]  # first: others would load a borrowed module twice
-sys.meta_path.append(_FORMER_NAMES)  # last: a module that exists under an old name is another one
+_HOOKS = _HookFinder()
+sys.meta_path.insert(0, _HOOKS)
 
 
 def call_on_import(name: str, action: Callable[[ModuleType], Any]) -> None:

@@ -25,7 +25,6 @@ from ..bundle import Bundle, MotorUnit
 from ..bundle.energetics import check_volume_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import to_numpy, with_fields
 from ..core.types import Float, Int, Numbers, Values
 from ..muscle import Muscle
@@ -93,7 +92,6 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
     return where(N == 2, side_by_side, maximum(dense, side_by_side))
 
 
-@with_former_names
 @dataclass(frozen=True, eq=False)
 class Designs:
     """Many designs of bundles as arrays, designs on the first axis.

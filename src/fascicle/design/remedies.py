@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.lazy import with_former_names
 from ..core.types import Float, Int
 from ..core.validation import HIGHEST_PRESSURE
 from .catalog import Product
@@ -29,7 +28,6 @@ _PRECISION = 1e-6  # of a pressure or a size: finer than any gauge
 _FEW = 256  # points solved for at first; the others are checked when it is solved
 
 
-@with_former_names
 @dataclass(frozen=True)
 class Remedy:
     """Change of one quantity for a design to reach its task: the sufficient value, or if none is

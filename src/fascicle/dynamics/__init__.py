@@ -11,7 +11,6 @@ package before you compile anything.
 
 # ruff: noqa: E402, I001 the option comes before all that imports JAX
 from ..core.lazy import enable_whole_loops
-from ..core.lazy import attach_lazy
 
 enable_whole_loops()
 
@@ -41,7 +40,3 @@ from .schedule import Schedule as Schedule
 from .outputs import PlantOutputs as PlantOutputs
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
-
-
-# names of the last release
-__getattr__, __dir__ = attach_lazy(__name__, {})

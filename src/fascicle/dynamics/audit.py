@@ -26,7 +26,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
 from .energy_ledger import LEDGER, STORES
@@ -59,7 +58,6 @@ _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"co
 _HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
 
 
-@with_former_names
 class Balance(NamedTuple):
     """Balance of energy or mass over a run.
 
@@ -84,7 +82,6 @@ class Balance(NamedTuple):
         return bool(self.relative_residual <= self.tolerance)
 
 
-@with_former_names
 class Event(NamedTuple):
     """Event of a run: `name`; `first` and `last` time [s]; number of `samples` [-]; its
     `message`, a sentence; `trusted`, true if the run can be trusted all the same.

@@ -20,7 +20,6 @@ import numpy as np
 from jax import lax
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module, to_numpy
 from ..core.types import Batch, BoolBatch, Numbers, Values
 from ..core.validation import check_positive, is_concrete
@@ -128,7 +127,6 @@ def project_pressures(plant: Plant, time: Batch, state: State, steps: int) -> St
     )
 
 
-@with_former_names
 class Trajectory(NamedTuple):
     """Results of a simulated run, times on the first axis.
 

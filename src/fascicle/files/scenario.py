@@ -11,7 +11,6 @@ from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.validation import check_choice
 from ..dynamics import (
     AntagonisticJoint,
@@ -110,7 +109,6 @@ class ScenarioControl(NamedTuple):
         return self._replace(controller=controller, choice=choice, policy=policy, options=options)
 
 
-@with_former_names
 @dataclass(frozen=True, eq=False)
 class Scenario:
     """A plant with its commands or controller, and its initial state.

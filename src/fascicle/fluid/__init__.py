@@ -4,7 +4,6 @@ All are modules whose numbers are fields, so that they are differentiated and ba
 elementwise, of NumPy or JAX. Pressures are gauge pressures save where a name says `absolute`.
 """
 
-from ..core.lazy import attach_lazy
 from .accumulator import Accumulator as Accumulator
 from .accumulator import PumpedAccumulator as PumpedAccumulator
 from .chamber import AbstractChamber as AbstractChamber
@@ -40,7 +39,3 @@ from .supply import ConstantSupply as ConstantSupply
 from .supply import Tank as Tank
 from .valve_catalog import CatalogValve as CatalogValve
 from .valve_catalog import catalog_valves as catalog_valves
-
-
-# until the release after 0.1
-__getattr__, __dir__ = attach_lazy(__name__, {})

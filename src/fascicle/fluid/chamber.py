@@ -17,7 +17,6 @@ from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
-from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
@@ -38,7 +37,6 @@ class StateResidual(NamedTuple):
     by_volume: Batch
 
 
-@with_former_names
 class AbstractChamber(Module):
     """Chamber of fluid in a volume that moves; its fields here are given by keyword.
 

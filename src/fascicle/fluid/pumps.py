@@ -31,7 +31,6 @@ import numpy as np
 
 from ..core.array_namespace import logical_and, maximum, minimum, where
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range, is_concrete
@@ -122,7 +121,6 @@ class VariablePump(_Pump):
         return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
 
 
-@with_former_names
 class PressureBand(Module):
     """A switch between two pressures, with hysteresis. `low`, `high`: gauge [Pa]."""
 

@@ -31,7 +31,6 @@ import numpy as np
 
 from ..core.array_namespace import maximum, minimum
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
@@ -48,7 +47,6 @@ class Openings(NamedTuple):
     exhaust: Batch
 
 
-@with_former_names
 class AbstractSpool(Module):
     """Spools of valves: their motion by commands, and the ports they open; `overlap`: closed share
     of the travel [-], in [0, 1).
@@ -128,7 +126,6 @@ class Servovalve(AbstractSpool):
         return self._port_openings(spool)
 
 
-@with_former_names
 class OrderlyValve(AbstractSpool):
     """One spool for all units, equations (F10) and (F11).
 

@@ -15,7 +15,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
@@ -35,7 +34,6 @@ _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
 _EMPTY_PRESSURE = 100.0
 
 
-@with_former_names
 class AbstractSupply(Module):
     """Supply of fluid with a state: `names`, `units` and `count` of its variables."""
 

@@ -28,7 +28,6 @@ import numpy as np
 
 from ..core import array_namespace as xp
 from ..core.array_namespace import add_table_axis, array_namespace, exp, stack, where
-from ..core.lazy import with_former_names
 from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch
@@ -121,7 +120,6 @@ class Piecewise(Module):
         return PressurizedMuscle(self, column, hinge, collapse)
 
 
-@with_former_names
 class PressurizedMuscle(NamedTuple):
     """Force, shape and moment of a muscle at given pressures, as functions of strain, elementwise.
 

@@ -26,7 +26,6 @@ import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module, static, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
@@ -63,7 +62,6 @@ class Surface(NamedTuple):
     volume_by_pressure: Batch
 
 
-@with_former_names
 class UnitSurface(Module):
     """A muscle's co-energy on a grid, (V3), from `UnitSurface.tabulate(muscle)`.
 

@@ -1,11 +1,7 @@
 """Figures in one style; functions take arrays and laws, and return matplotlib figures."""
 
-from ..core.lazy import attach_lazy
 from .curves import bundle_force_strain as bundle_force_strain
 from .curves import force_strain as force_strain
 from .curves import free_strain as free_strain
 from .shapes import shapes as shapes
 from .theme import to_bytes as to_bytes
-
-
-__getattr__, __dir__ = attach_lazy(__name__, {})

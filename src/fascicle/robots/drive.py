@@ -26,7 +26,6 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
-from ..core.lazy import with_former_names
 from ..core.module import Module, static, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import (
@@ -57,7 +56,6 @@ from .runge_kutta import runge_kutta_step
 from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
-@with_former_names
 class Fluid(NamedTuple):
     """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
     `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and

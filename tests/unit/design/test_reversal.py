@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fascicle.bundle.schemes import Batch, Orderly
 from fascicle.design import Task
 from fascicle.design.designs import Sizes
 from fascicle.design.evaluation import Resolution, every_level_table
@@ -18,7 +19,6 @@ from fascicle.design.reversal import (
     uniform_reversal_depths,
 )
 from fascicle.design.space import compositions
-from fascicle.schemes import Batch, Orderly
 
 
 SUPPLY, N, COARSE = 413.7e3, 6, Resolution(33, 65)

@@ -27,11 +27,6 @@ def test_a_drawing_is_reproducible_and_leaves_the_global_style_alone(kind):
     assert dict(mpl.rcParams) == before
 
 
-def test_a_former_module_warns():
-    with pytest.warns(DeprecationWarning, match="plot.theme"):
-        from fascicle.plot.style import letter  # noqa: F401
-
-
 def test_force_over_strain_shows_the_law():
     axes = plot.force_strain(MUSCLE, PRESSURES, STRAINS).axes[0]
     curves = {line.get_label(): line.get_ydata() for line in axes.lines}

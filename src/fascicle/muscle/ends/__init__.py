@@ -36,7 +36,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
-from ...core.lazy import with_former_names
 from ...core.parameters import Constant, log1p_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -64,7 +63,6 @@ def integrate_pieces(
     return half * sum_nodes(weight * force(middle + half * node))
 
 
-@with_former_names
 class AbstractEnds(AbstractLaw):
     """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them, and
     are used if `is_compliant`, which all but `Rigid` are. `compliance`: of both ends [m/N].

@@ -20,7 +20,6 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
-from ...core.lazy import with_former_names
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..buckling import BucklingColumn, Centerline
@@ -32,7 +31,6 @@ def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
     return np.pi / 4 * youngs_modulus * bladder.braid.radius * bladder.wall_thickness**2
 
 
-@with_former_names
 class AbstractPostCollapse(AbstractLaw):
     """A reading of (25): two clamped halves and a hinge that push the ends apart. `slope_factor`:
     $f$ of their slope at the hinge, $f \\sqrt{x/(L_{fs} - x)}$.

@@ -34,7 +34,6 @@ from typing import ClassVar
 import numpy as np
 
 from ...core.array_namespace import cos, logical_not, minimum, sqrt, where
-from ...core.lazy import with_former_names
 from ...core.parameters import POSITIVE, Constant
 from ...core.roots import guarded, root
 from ...core.types import Batch, BatchLike, BoolBatch, Values
@@ -45,7 +44,6 @@ from ..materials import Slopes
 from . import SIZES, AbstractTension, Pull
 
 
-@with_former_names
 class ElasticBraid(AbstractTension):
     """Stretching fibers and a hyperelastic bladder, equation (EB2)."""
 

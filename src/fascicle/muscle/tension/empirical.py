@@ -49,7 +49,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
-from ...core.lazy import with_former_names
 from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
@@ -160,7 +159,6 @@ _LEAST = 1e-6  # of an arc: a muscle too short to hold anything still has a free
 _SMALL = (1e-3, 1e-2, 30.0, 100.0)  # bounds wide of the published numbers
 
 
-@with_former_names
 class AbstractBolen(AbstractEmpirical):
     """A largest force that grows with length, and two exponentials, equation (BF)."""
 
