@@ -72,7 +72,6 @@ LINES = [
     ("simulate lift_gas --no-compensate", "--compensate needs a scenario with [control]"),
     ("simulate ramp_hand_over --policy handover", "did you mean 'hand_over'?"),
     ("simulate ramp_hand_over --policy batch --compare", "drop --policy"),
-    ("design t.toml --checkpoint x", "--generations"),
     ("sweep t.toml --workers 1 --scheduler tcp://x", "--scheduler and --workers"),
     # options that were given twice
     (f"force {SIX} -p '1 bar' --pressure='2 bar' -s 0", "--pressure was given twice"),

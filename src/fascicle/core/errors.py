@@ -42,7 +42,7 @@ _EXTRAS = {
     "jax": "jax", "jaxlib": "jax", "equinox": "jax", "diffrax": "jax", "matplotlib": "plot",
     "pandas": "data", "xarray": "data", "netCDF4": "data", "openpyxl": "data",
     "nptdms": "tdms", "moocore": "design", "pymoo": "design",
-    "optax": "design", "SALib": "design", "dask": "sweep", "zarr": "sweep", "panel": "explorer",
+    "dask": "sweep", "zarr": "sweep", "panel": "explorer",
     "bokeh": "explorer", "tornado": "explorer", "casadi": "export", "mujoco": "robots",
     "gymnasium": "robots", "numpyro": "posterior",
 }  # fmt: skip

@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     from .genetic import evolve
     from .objectives import OBJECTIVES, Limit, objective
     from .outcome import Outcome
-    from .refine import refine_sizes
     from .remedies import Remedy
     from .scatter import DesignScatter, Spread, Uncertainty, spread
-    from .sensitivity import sensitivities
     from .space import Space, compositions, partitions
     from .summary import Cases, Summary, summarize
     from .sweep import Store, Study
@@ -35,8 +33,7 @@ __all__ = [
     "OBJECTIVES", "Cases", "Catalog", "DesignScatter", "Designs", "Limit", "Outcome", "Product",
     "Remedy", "SearchResult", "Space", "Spread", "Store", "Study", "Summary", "Task",
     "Uncertainty", "compositions", "evaluate", "evolve", "example_task", "hypervolume",
-    "judge_safety", "non_dominated", "objective", "partitions", "refine_sizes", "search",
-    "sensitivities", "spread", "summarize",
+    "judge_safety", "non_dominated", "objective", "partitions", "search", "spread", "summarize",
 ]  # fmt: skip
 
 _HOMES = {
@@ -48,10 +45,8 @@ _HOMES = {
     "evolve": "genetic",
     **dict.fromkeys(("OBJECTIVES", "Limit", "objective"), "objectives"),
     "Outcome": "outcome",
-    "refine_sizes": "refine",
     "Remedy": "remedies",
     **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty", "spread"), "scatter"),
-    "sensitivities": "sensitivity",
     **dict.fromkeys(("Space", "compositions", "partitions"), "space"),
     **dict.fromkeys(("Cases", "Summary", "summarize"), "summary"),
     **dict.fromkeys(("Store", "Study"), "sweep"),

@@ -58,7 +58,6 @@ USUAL = {
     "envelope": "min",
     "valves": "min",
 }
-MAX_DESIGNS = 20_000_000  # designs of one search: their objectives are in memory together
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
@@ -235,16 +234,13 @@ def search(
 
     **Returns:** the result.
 
-    **Raises:** `ValueError` for unknown objectives and a space too large for one search.
+    **Raises:** `ValueError` for unknown objectives.
     """
     senses = dict(USUAL if senses is None else senses)
     limits = with_reach_limits(limits)
     names = recorded_objectives(senses, limits, extra)
     check_search(senses, limits)
     size = len(space)
-    if size > MAX_DESIGNS:
-        rule = f"the space holds {size} designs, more than {MAX_DESIGNS}"
-        raise ValueError(f"{rule}: use `fascicle sweep`, or NSGA-II (--generations).")
     blocks = []
     for start in range(0, size, _BLOCK):
         index = np.arange(start, min(start + _BLOCK, size))

@@ -9,23 +9,16 @@ A design that doesn't reach the task is worse than any that does, the more so th
 of its worst point it misses, so that a search leads there; where none does, the nearest is the
 result.
 
-The same seed gives the same front. A search that was stopped after any generation resumes from its
-checkpoint to the same end. The file may come from anybody, so all of it is validated.
+The same seed gives the same front.
 """
 
-import json
-import os
 from collections.abc import Callable, Mapping
-from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float
-from ..io.atomic import write_text
-from ..io.input_file import read_bytes
 from .catalog import Catalog
 from .designs import Designs, scaled_designs
 from .evaluation import MIXED, Values, evaluate
@@ -44,85 +37,12 @@ from .objectives import (
     with_reach_limits,
 )
 from .space import Space, drawing_sizes
-from .sweep import Study
 from .task import Task
 
 
 _AXES = ("length", "radius", "wall_ratio", "braid_angle")
-_LARGEST = 1_000_000_000  # bytes of a checkpoint; a hundred generations take some two million
-_ENDLESS = 10**9  # generations; the loop below ends the search
 
 Genomes = Float[np.ndarray, "design gene"]
-
-
-class Checkpoint:
-    """Objectives of every generation of a search, in a file of JSON lines.
-
-    A search resumes by running again with these objectives instead of the designs: the same seed
-    makes the same generations, which a digest in each line confirms.
-    """
-
-    def __init__(self, path: Path, search: dict[str, Any]):
-        """**Arguments:**
-
-        - `path`: of the file, which may exist.
-        - `search`: all that distinguishes this search from others, as JSON can hold it.
-
-        **Raises:** `ValueError`, one line, for a file that isn't this search's checkpoint.
-        """
-        self.path, self.header = path, json.dumps({"format": 2, "search": search})
-        self.generations: list[dict[str, Any]] = []
-        if not path.exists():
-            return
-        first, lines, torn = "", [], ""
-        try:
-            # a last line without its end was cut off, and its generation is computed again
-            first, *lines, torn = read_bytes(path, _LARGEST, "checkpoint").decode().split("\n")
-            header, self.generations = json.loads(first), [json.loads(line) for line in lines]
-            keys = {"genomes", "values"}
-            valid = header["format"] == 2 and all(set(line) == keys for line in self.generations)
-        except OSError as error:
-            raise ValueError(f"{str(error).rstrip('.')}: name a new file.") from None
-        except Exception:  # noqa: BLE001 there is no end to what a made-up file can provoke
-            valid = False
-        if not valid:
-            raise ValueError(f"{path}: is no checkpoint of a search: name a new file.")
-        if first != self.header:
-            raise ValueError(f"{path}: is another search's: name a new file.")
-        if torn:
-            write_text(path, "\n".join([first, *lines, ""]))
-
-    def values(self, generation: int, genomes: Genomes, names: tuple[str, ...]) -> Values | None:
-        """Objectives [SI] of a `generation`, counted from 0, by name; `None` if the file lacks
-        them; `ValueError` for those of other `genomes`.
-        """
-        if generation >= len(self.generations):
-            return None
-        line = self.generations[generation]
-        try:
-            values: np.ndarray = np.array(line["values"], float)
-        except (TypeError, ValueError):
-            values = np.zeros(0)
-        shape = (len(names), len(genomes))
-        if line["genomes"] != _digest(genomes) or values.shape != shape or np.isnan(values).any():
-            raise ValueError(f"{self.path}: holds numbers that no search has: name a new file.")
-        return dict(zip(names, values, strict=True))
-
-    def append(self, genomes: Genomes, values: Values) -> None:
-        """Add a generation's `genomes` and `values` [SI]; on the disk on return."""
-        rows = [row.tolist() for row in values.values()]
-        line = json.dumps({"genomes": _digest(genomes), "values": rows}) + "\n"
-        if not self.path.exists():
-            write_text(self.path, f"{self.header}\n")
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(line)
-            file.flush()
-            os.fsync(file.fileno())
-
-
-def _digest(genomes: Genomes) -> str:
-    """SHA-256 of the bits of `genomes`, in hexadecimal digits."""
-    return sha256(np.ascontiguousarray(genomes, "<f8").tobytes()).hexdigest()
 
 
 class GenomeDecoder:
@@ -198,7 +118,6 @@ def evolve(
     generations: int = 100,
     seed: int = 0,
     continuous: bool = True,
-    checkpoint: Path | None = None,
     watch: Callable[[int], None] | None = None,
     extra: tuple[str, ...] = (),
     catalog: Catalog | None = None,
@@ -216,8 +135,6 @@ def evolve(
     - `generations`: their number [-].
     - `seed`: random seed.
     - `continuous`: true if sizes may lie between those listed.
-    - `checkpoint`: a file that is written after each generation; if it exists, the search resumes
-      from it.
     - `watch`: called with the number of finished generations [-].
     - `extra`: objectives to record that don't make the front.
     - `catalog`: products and prices [-]; default: no price is known.
@@ -226,8 +143,7 @@ def evolve(
     **Returns:** the result, with those of all evaluated designs that are on the front and the
     cheapest, or where none keeps the limits the one that comes nearest to the task.
 
-    **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
-    `ModuleNotFoundError` without pymoo.
+    **Raises:** `ValueError` for a space it can't search; `ModuleNotFoundError` without pymoo.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
@@ -238,30 +154,20 @@ def evolve(
     reported = recorded_objectives(senses, limits, extra)
     check_search(senses, limits)
     decoder = GenomeDecoder(space, continuous)
-    # the digest is that of the numbers, the other entries are of the search
-    digest = Study(space, task, names, senses, limits, block=1).digest
-    store = None if checkpoint is None else Checkpoint(checkpoint, {
-        "study": digest, "senses": senses, "limits": str(limits), "catalog": str(catalog),
-        "population": population, "seed": seed, "continuous": continuous,
-    })  # fmt: skip
-    generations = max(generations, len(store.generations) if store else 0)
     algorithm: Any = NSGA2(pop_size=population)
     algorithm.setup(
         Problem(
             n_var=decoder.genes, n_obj=len(senses), n_ieq_constr=1 + len(other_limits(limits)),
             xl=np.zeros(decoder.genes), xu=np.ones(decoder.genes),
         ),
-        termination=get_termination("n_gen", _ENDLESS), seed=seed, verbose=False,
+        termination=get_termination("n_gen", generations), seed=seed, verbose=False,
     )  # fmt: skip
     genomes, values = np.zeros((0, decoder.genes)), {name: np.zeros(0) for name in names}
     evaluated = 0
     for generation in range(generations):
         infills = algorithm.ask()
         new = np.asarray(infills.get("X"), float)
-        new_values = store.values(generation, new, names) if store else None
-        resumed = new_values is not None
-        if new_values is None:
-            new_values = evaluate(decoder.designs(new), task, names, MIXED)
+        new_values = evaluate(decoder.designs(new), task, names, MIXED)
         infills.set("F", as_minimization(new_values, senses))
         infills.set("G", _violations(new_values, limits))
         algorithm.tell(infills=infills)
@@ -277,11 +183,8 @@ def evolve(
         extra_rows = [row for row in (result.cheapest, result.nearest) if row is not None]
         best = np.union1d(result.front[first], extra_rows).astype(int)
         genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
-        if not resumed:
-            if store:
-                store.append(new, new_values)
-            if watch is not None:
-                watch(generation + 1)
+        if watch is not None:
+            watch(generation + 1)
     designs = decoder.designs(genomes)
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, reported)

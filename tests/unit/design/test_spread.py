@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
 from fascicle.design.scatter import spread
-from fascicle.design.sensitivity import sensitivities
 from fascicle.records.dynamometer import Scatter
 
 
@@ -85,16 +84,3 @@ def test_draws_of_a_calibrated_muscle(muscle, designs, reachable):
     result = spread(designs, reachable, ("largest_force",), muscles=draws, draws=64, seed=1)
     # two kinds of draws, two values
     assert len(np.unique(np.round(result.values["largest_force"][0], 6))) == 2
-
-
-def test_sobol_indices(designs, reachable):
-    pytest.importorskip("SALib", reason="needs the extra `design`")
-    ranges = {"outer_radius": 0.05, "length": 0.05}
-    result = sensitivities(designs, 0, reachable, ranges, ("largest_force", "valves"), samples=128)
-    indices = result["largest_force"]
-    # the blocked force grows with the radius squared, and doesn't know the length; estimates
-    # from 128 samples scatter by a few hundredths
-    assert_allclose(indices["ST"], [1.0, 0.0], atol=0.1)
-    assert not np.any(result["valves"]["ST"])
-    with pytest.raises(ValueError, match="did you mean 'length'"):
-        sensitivities(designs, 0, reachable, {"lenght": 0.1}, ("valves",))

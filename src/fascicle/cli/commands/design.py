@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...core.errors import require
 from ...io.sanitize import dump_json
 from .. import options
-from ..errors import INCOMPLETE, UserError, user_errors
+from ..errors import INCOMPLETE, user_errors
 from ..inputs import load_laws
 from ..options import argument, option
 from ..outputs import SOURCE, print_line, print_table, result_folder, status, today, write_folder
@@ -47,9 +47,6 @@ def run(
     ),
     population: int = option("Number of designs in a generation.", default=100, min=4, max=10_000),
     seed: int = options.SEED,
-    checkpoint: str | None = option(
-        "Checkpoint file; the search resumes from it if it exists.", metavar="PATH"
-    ),
     overwrite: bool = options.OVERWRITE,
     as_json: bool = options.JSON,
 ) -> int:
@@ -61,13 +58,6 @@ def run(
     folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
     if generations is not None:
         require("pymoo")
-    if checkpoint is not None:
-        if generations is None:
-            raise UserError("--checkpoint: only a search with --generations has one: drop it.")
-        from ...io.atomic import check_writable
-
-        with user_errors("--checkpoint "):
-            check_writable(checkpoint)
     load_laws()
     from ...design.summary import Summary
     from ...files.task import load_task
@@ -91,7 +81,7 @@ def run(
 
             result = evolve(
                 *problem, population, generations, seed,
-                checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
+                extra=extra,
                 watch=lambda done: update(f"{done} of {generations} generations"),
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
