@@ -1,5 +1,5 @@
-"""Results of runs that take too long for the pages: error maps of sines, with 1 + 4 muscles and as
-one unit of five; a stride with and without friction compensation; a fit of a clipped record.
+"""Results of runs that take too long for the pages: a stride with and without friction
+compensation; a fit of a clipped record.
 
 python docs/runs.py docs/_static/runs.json
 """
@@ -7,39 +7,13 @@ python docs/runs.py docs/_static/runs.json
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import fascicle as fs
-from fascicle import control, fluid
+from fascicle import control
 from fascicle.records import VirtualDynamometer
 from fascicle.units import pretty
-
-
-FREQUENCIES, AMPLITUDES = [0.5, 1.0, 1.5, 2.0], [2e-3, 4e-3, 6e-3, 8e-3, 10e-3]  # Hz, m
-MEAN, SUPPLY = 12.7e-3, 413.7e3  # m, Pa
-SINES = {
-    "threshold": ("sine_1_4", "threshold"),
-    "hand_over": ("sine_1_4", "hand_over"),
-    "one unit of five": ("sine_1x5", "orderly"),
-}
-
-
-def sine_map(name: str, policy: str) -> dict[str, Any]:
-    """Errors [-] and efficiency [-] of a scenario with a policy, over frequency and amplitude."""
-    scenario = fs.example(name)
-    controller = scenario.with_policy(policy).control.controller
-    response = control.frequency_response(
-        scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start
-    )
-    works = control.shaft_work(response, SUPPLY, fluid.OIL.reference_density)
-    return {
-        "error": _round(response.error),
-        "efficiency": {unit: _round(response.work / work) for unit, work in works.items()},
-        "trusted": bool(np.all(response.is_valid)),
-        "held": bool(np.all(response.reachable_share == 1)),
-    }
 
 
 def stride_error(compensate: bool) -> float:
@@ -69,17 +43,10 @@ def clipped_fit() -> list[str]:
     return [*values, *(f"- {line}" for line in calibration.warnings)]
 
 
-def _round(values: np.ndarray) -> list[list[float]]:
-    """Values with five digits."""
-    return [[float(f"{x:.5g}") for x in row] for row in values]
-
-
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("path", type=Path)
     path = parser.parse_args().path
-    sines = {"frequencies": FREQUENCIES, "amplitudes": AMPLITUDES}
-    sines |= {"runs": {run: sine_map(*scenario) for run, scenario in SINES.items()}}
     gait = {"compensated": stride_error(True), "not": stride_error(False)}
-    results = {"sines": sines, "gait": gait, "clipped": clipped_fit()}
+    results = {"gait": gait, "clipped": clipped_fit()}
     path.write_text(json.dumps(results) + "\n", encoding="utf-8")

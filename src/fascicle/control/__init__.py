@@ -11,10 +11,6 @@ from .crossing import Crossing as Crossing
 from .crossing import Path as Path
 from .crossing import crossing as crossing
 from .crossing import hand_over_time as hand_over_time
-from .frequency_response import POWER_UNITS as POWER_UNITS
-from .frequency_response import FrequencyResponse as FrequencyResponse
-from .frequency_response import frequency_response as frequency_response
-from .frequency_response import shaft_work as shaft_work
 from .identify import LoopMargins as LoopMargins
 from .identify import StepResponse as StepResponse
 from .identify import identify as identify

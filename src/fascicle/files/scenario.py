@@ -566,12 +566,7 @@ def _control(
 
 def _reference(file: Any, dt: float, duration: float, root: FileLocation) -> tuple[str, np.ndarray]:
     """The controlled output, "force" or "position", and its demand at each step [SI]."""
-    time, sine = dt * np.arange(round(duration / dt)), file.sine
-    if (file.demand is None) == (sine is None):
-        rule = "write [[demand]] with time and force or position, or [sine], one of both."
-        raise root.error(("demand",), rule)
-    if sine is not None:
-        return "position", sine.mean + sine.amplitude * np.sin(2 * np.pi * sine.frequency * time)
+    time = dt * np.arange(round(duration / dt))
     times = _rising_times(file.demand, "demand", root)
     output = "force" if file.demand[0].force is not None else "position"
     for index, row in enumerate(file.demand):

@@ -263,14 +263,9 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
         "DemandSection", __base__=TableModel, time=_key("time"),
         force=_key(force, required=False), position=_key(position, required=False),
     )  # fmt: skip
-    sine: Any = create_model(
-        "SineSection", __base__=TableModel, mean=_key(position), amplitude=_key(position),
-        frequency=_key("frequency", gt=0),
-    )  # fmt: skip
     return {
         "control": (control, Field(examples=["[control]"])),
-        "demand": (list[demand] | None, None),
-        "sine": (sine | None, None),
+        "demand": (list[demand], Field(examples=["[[demand]]"])),
     }
 
 

@@ -10,7 +10,7 @@ from fascicle.files import example_text, loads_scenario
 
 
 RAMP = example_text("ramp_hand_over")
-SINE = (
+POSITION = (
     RAMP[: RAMP.index("[[demand]]")].replace(
         'policy = "hand_over"',
         """policy = "hand_over"
@@ -18,14 +18,16 @@ position_gain = "4 N/mm"
 integral_time = "0.5 s"
 velocity_gain = "100 N*s/m\"""",
     )
-    + """[sine]
-mean = "16 mm"
-amplitude = "5 mm"
-frequency = "0.5 Hz"
+    + """[[demand]]
+time = "0 s"
+position = "11 mm"
+[[demand]]
+time = "4 s"
+position = "21 mm"
 """
 )
 HELD = '"prescribed_motion"       # held by a dynamometer, at a strain of 0.2\nmean = "25.4 mm"'
-SINE = SINE.replace(HELD, '"hanging_mass"\nmass = "5 kg"')
+POSITION = POSITION.replace(HELD, '"hanging_mass"\nmass = "5 kg"')
 
 
 def edited(text, *edits):
@@ -44,11 +46,11 @@ def test_control_keys_reach_the_controller():
     assert_allclose(control.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
     assert len(control.reference) == 4000
     assert_allclose(read.start.pressures, [265e3, 0.0])
-    sine = loads_scenario(SINE).control
-    gains = sine.controller.gains
-    assert sine.controller.of == "position"
+    raised = loads_scenario(POSITION).control
+    gains = raised.controller.gains
+    assert raised.controller.of == "position"
     assert_allclose([gains.position, gains.integral, gains.velocity], [4e3, 8e3, 100.0])
-    assert_allclose([sine.reference.min(), sine.reference.max()], [11e-3, 21e-3], rtol=1e-6)
+    assert_allclose(raised.reference[[0, -1]], [11e-3, 21e-3 - 10e-3 / 4000], rtol=1e-9)
 
 
 def test_shipped_controlled_scenarios_are_complete():
