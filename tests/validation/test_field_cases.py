@@ -16,7 +16,7 @@ READ = {
     "04b_bluehill_raw_only_200kPa.csv": (5, {"name_pattern": "{pressure}kPa"}),
     "05_labview.lvm": (5, {}), "06_timestamps.csv": (5, {}),
     "07_hanging_mass.csv": (8, {"units": {"force": "gf"}}),
-    "07b_mass_kg.csv": (8, {"units": {"force": "kgf"}}), "08_arduino_monitor.txt": (4, {}),
+    "07b_mass_kg.csv": (8, {"units": {"force": "kgf"}}),
     "09_whitespace.dat": (4, {}), "12b_zero_offset.csv": (4, {"zeros": {"pressure": "8.2 kPa"}}),
     "13_isometric_two_branches.csv": (480, {}),
     "20_short_zero_sweep_german.csv": (540, {"rest_length": 0.2}),
@@ -36,7 +36,7 @@ def test_every_file_is_read(name):
     ("name", "choice"),
     [
         ("01_headerless.csv", ("columns", "")),
-        ("04_bluehill_200kPa.csv", ("name_pattern", "")),
+        ("04_bluehill_200kPa.csv", ("constants", "pressure")),
         ("07_hanging_mass.csv", ("units", "force")), ("07b_mass_kg.csv", ("units", "force")),
     ],
 )  # fmt: skip
@@ -62,3 +62,12 @@ def test_hanging_masses_are_weights(name, column, unit):
     assert (asked.value.argument, asked.value.role, asked.value.value) == ("units", "force", unit)
     record = load(path, rest_length=0.18, units={"force": unit}, **given)
     assert record.force.min() == pytest.approx(0.2 * 9.80665)  # N: the lightest mass, of 200 g
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("08_arduino_monitor.txt", "serial monitor"), ("28_wide.csv", "melt")],
+)
+def test_what_is_not_read_is_refused_with_a_remedy(name, words):
+    with pytest.raises(ValueError, match=words):
+        load(measured(f"field-cases/{name}"), constants={"force": "2.55 kgf"}, **LENGTH)

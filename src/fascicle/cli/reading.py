@@ -45,7 +45,7 @@ DECIMAL = option(
     metavar="SIGN",
 )
 TABLE = option(
-    "Sheet (.xlsx), structure (.mat) or group (.tdms) of a file that has several; '*' for all.",
+    "Sheet (.xlsx), matrix (.mat) or group (.tdms) of a file that has several; '*' for all.",
     metavar="NAME",
 )
 PRESSURE = option("Pressure of all readings of the files.", metavar="PRESSURE")
@@ -133,14 +133,13 @@ def read_record(
       refused.
     """
     from ..records import join, load
-    from ..records.columns import MissingMetadataError, check_pressures_in_names
+    from ..records.columns import MissingMetadataError
     from ..records.reading import find_files
 
     records, assumed = [], False
     with user_errors():
         try:
             files = find_files(paths)
-            check_pressures_in_names(files, options["constants"])
             for path in files:
                 try:
                     records.append(load(path, **options))

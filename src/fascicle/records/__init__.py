@@ -11,12 +11,9 @@ from ..core.lazy import attach_lazy
 if TYPE_CHECKING:
     from .columns import MissingMetadataError
     from .dynamometer import (
-        Pairs,
         Scatter,
         Sweeps,
         VirtualDynamometer,
-        agreements,
-        fabricated_pairs,
     )
     from .hysteresis import Averaged, Loop, averaged, loop_of
     from .published import json_schema, write
@@ -25,8 +22,8 @@ if TYPE_CHECKING:
     from .segmentation import Run, runs
 
 __all__ = [
-    "Averaged", "Loop", "MissingMetadataError", "Pairs", "Record", "Run", "Scatter", "Source",
-    "Sweeps", "VirtualDynamometer", "agreements", "averaged", "dumps", "fabricated_pairs", "join",
+    "Averaged", "Loop", "MissingMetadataError", "Record", "Run", "Scatter", "Source",
+    "Sweeps", "VirtualDynamometer", "averaged", "dumps", "join",
     "json_schema", "load", "loads", "loop_of", "runs", "write",
 ]  # fmt: skip
 
@@ -36,7 +33,7 @@ _HOMES = {
     **dict.fromkeys(("load", "loads"), "reading"),
     **dict.fromkeys(("Run", "runs"), "segmentation"),
     **dict.fromkeys(
-        ("Pairs", "Scatter", "Sweeps", "VirtualDynamometer", "agreements", "fabricated_pairs"),
+        ("Scatter", "Sweeps", "VirtualDynamometer", "fabricated_pairs"),
         "dynamometer",
     ),
     "MissingMetadataError": "columns",

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..core.errors import InvalidInputError
 from ..units import parse
-from .cells import NUMBER, find_quantities
+from .cells import NUMBER, is_number, split_cells
 from .headers import (
     ABSOLUTE,
     CONSTANTS,
@@ -24,7 +24,6 @@ from .headers import (
     QUALIFIERS,
     ROLES,
     SIGNALS,
-    SPELLINGS,
     TERMS,
     USUAL_UNITS,
     MissingMetadataError,
@@ -33,6 +32,7 @@ from .headers import (
     is_absolute,
     is_any_unit,
     is_gauge_unit,
+    is_known,
     is_unit,
     list_words,
     read_header,
@@ -47,9 +47,16 @@ from .tables import Table
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")
-_LEVEL = re.compile(rf"{NUMBER.pattern} *[^\W\d_%]*%?")  # the name of a column for one value
+# the name of a column for one value of a quantity
+_LEVEL = re.compile(
+    r"(?<![\d.,])\d+(?:[.,]\d+)?\s*(?:[kM]?Pa|m?bar|psi|[cm]?m|kg|g|N|%)(?![a-zA-Z])"
+)
 _RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
-_UNITS = {"pressure": "kPa|mbar|bar|psi|MPa", "length": "mm|cm|in", "force": "kgf|gf|N|kg|g"}
+# a line above or between readings that states a value: `Pressure: 1,5 bar`
+_LONGEST_STATEMENT = 100  # characters
+_STATED = re.compile(
+    rf"[\s#%/;!\"]*([^\W\d][\w ]*?)\s*[:=]\s*({NUMBER.pattern})\s*([^\W\d_]+)\s*", re.ASCII
+)
 
 
 @dataclass(frozen=True)
@@ -338,13 +345,25 @@ def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueErr
     )
 
 
+def _check_wide(table: Table) -> None:
+    """Refuse a table with a column for each of several values of a quantity, such as `100 kPa`."""
+    for cells in (table.header, *(split_cells(line, table.delimiter) for line in table.titles)):
+        levels = [cell for cell in cells if is_number(cell) or _LEVEL.search(cell)]
+        if len(set(levels)) > 1 and (cells is table.header or is_known(cells[0]) or not cells[1]):
+            raise ValueError(
+                f"{table.where}: a column for each of {_list_names(levels)}: make a row of each"
+                " reading, with pandas.read_csv(FILE).melt(NAME_OF_FIRST_COLUMN), and name the"
+                " columns with their units."
+            )
+
+
 def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
+    _check_wide(table)
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
         before = f"{table.where}: column `{names[0]}` is there {len(names)} times: choose one with "
-        after = ", or write above each its pressure, such as `100 kPa`"
-        first, last = (("columns", "", _columns_in_order(table, i), "") for i in (0, -1))
-        return MissingMetadataError(before, first, (*last[:3], after))
+        choices = (("columns", "", _columns_in_order(table, i), "") for i in (0, -1))
+        return MissingMetadataError(before, *choices)
     how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
     return MissingMetadataError(how, ("columns", role, names[0], ""))
 
@@ -381,6 +400,7 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
     if len(table.header) == 1:
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
+    _check_wide(table)
     quantities = {"length": "length, strain, displacement or angle", "force": "force or torque"}
     quantity = quantities.get(role, role)
     dimension, names = dimension_of(role), []
@@ -398,30 +418,12 @@ def _missing(table: Table, role: str, used: set[int]) -> ValueError:
                if i not in used and _stated_unit(table, i).lower() in SIGNALS]  # fmt: skip
     if signals and not names:
         before += f"{_list_names(signals)} hold signals, convert one to {USUAL_UNITS[role]}: "
-    levels = [name for name in names if _LEVEL.fullmatch(name)]
-    if len(levels) > 1:
-        remedy = "write them one below the other, with a column of what their names state"
-        raise ValueError(f"{before}a column for each of {_list_names(levels)}: {remedy}.")
     # a length above the readings may be the muscle's
     stated = [] if role == "length" else _stated_values((*table.remarks, *table.titles), role)
     constant = ("constants", role, [*stated, _EXAMPLES[role]][0], ", if it is one for all readings")
-    pattern = suggest_pattern(Path(table.source).name, role)
-    if role == "pressure" and len(set(names)) < len(names):
-        what = f"{before}write above each `{names[0]}` its pressure, such as `100 kPa`, or give "
-        return MissingMetadataError(what, ("constants", role, "200 kPa", ", if it is one"))
     check_stated(table, (role,))
-    if role == "length" and table.origins:
-        names = table.header[:-1]
-        forces = [score(name, "", "force") > 1 for name in names]
-        position = forces.index(False) if False in forces else 0
-        example = ["strain[%]" if i == position else "force[N]" if is_force else "-"
-                   for i, is_force in enumerate(forces)]  # fmt: skip
-        after = ", or length[mm] or displacement[mm] instead, in the units of the file"
-        what = f"{before}name the columns of one pressure, {_list_names(names)}, with "
-        return MissingMetadataError(what, ("columns", "", ",".join(example), after))
-    if pattern or not names:
-        named = ("name_pattern", "", pattern, ", as the name says")
-        return MissingMetadataError(f"{before}add it, or give ", named if pattern else constant)
+    if not names:
+        return MissingMetadataError(f"{before}add it, or give ", constant)
     unit = _stated_unit(table, table.header.index(names[0]))
     roles = [role for role in ("length", "displacement", "strain", "angle")
              if unit and is_unit(unit, (dimension_of(role),))]  # fmt: skip
@@ -438,10 +440,8 @@ def check_stated(table: Table, roles: Iterable[str]) -> None:
     roles = [role for role in ("pressure", "force") if role in roles]
     if not roles:
         return
-    texts = [line.lstrip(' #%/;!"') for line in table.body]
-    texts = [text for text in texts if text[:1].isalpha()]
     for role in roles:
-        body_values = _stated_values(texts, role)
+        body_values = _stated_values(table.body, role)
         title_values = _stated_values((*table.remarks, *table.titles), role)
         values = list(dict.fromkeys((*title_values, *body_values)))
         if body_values and len(values) > 1:
@@ -452,11 +452,11 @@ def check_stated(table: Table, roles: Iterable[str]) -> None:
 
 def _stated_values(lines: Iterable[str], role: str) -> list[str]:
     """Values of a `role`, with units, that `lines` state, such as `Pressure: 100 kPa`."""
+    matches = (_STATED.fullmatch(line) for line in lines if len(line) < _LONGEST_STATEMENT)
     return [
-        f"{number.replace(',', '.')} {unit}"
-        for line in lines
-        for (name, _), (number, unit) in find_quantities(line).items()
-        if name.lower() in TERMS[role] and is_unit(unit, (dimension_of(role),))
+        f"{match[2].replace(',', '.')} {match[3]}"
+        for match in matches
+        if match and match[1].lower() in TERMS[role] and is_unit(match[3], (dimension_of(role),))
     ]
 
 
@@ -504,38 +504,3 @@ def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
 
 def _wildcard_expression(text: str) -> str:
     return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")
-
-
-def suggest_pattern(name: str, role: str) -> str:
-    """Pattern that reads a quantity with a unit in a file's `name`; empty without one."""
-    # 1_0bar may be 1.0 bar
-    number = r"(-?)(?<![\d.,])(?:\d+[.,]\d+|\d{2,}|(?<!\d_)\d)"
-    match = re.search(rf"{number}(\s*)({_UNITS[role]})(?![a-z])", name, re.IGNORECASE)
-    if match is None:
-        return ""
-    minus, blank, unit = match.groups()
-    usual = weight_unit(unit, role) or SPELLINGS[role][unit.lower()]
-    is_clear = (unit == usual or usual in ("gf", "kgf")) and not blank
-    return f"{minus}{{{role}{'' if is_clear else f':{usual}'}}}{blank}{unit}"
-
-
-def pressure_in_name(path: Path, table: str = "") -> float | None:
-    """Pressure [Pa] that the name of a file, or of a `table` in it, states; `None` without one."""
-    pattern = suggest_pattern(table or path.stem, "pressure")
-    return read_name(path, pattern, table)["pressure"] if pattern else None
-
-
-def check_pressures_in_names(
-    files: Sequence[Path], constants: Mapping[str, Any] | None, tables: Sequence[str] = ("",)
-) -> None:
-    """Refuse one pressure of all readings of `files`, or of the `tables` in a file, whose names
-    state several.
-    """
-    if "pressure" not in (constants or {}):
-        return
-    names = [(path, table) for path in files for table in tables]
-    if len({pressure_in_name(*name) for name in names} - {None}) > 1:
-        patterns = (suggest_pattern(table or path.stem, "pressure") for path, table in names)
-        before = f"{files[0]}: one pressure was given, the names state several: give "
-        choice = ("name_pattern", "", next(filter(None, patterns)), " instead")
-        raise MissingMetadataError(before, choice)

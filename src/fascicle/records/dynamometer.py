@@ -18,14 +18,6 @@ $$L = L_0 (1 + s_L z_1), \qquad \alpha = \alpha_0 + s_\alpha z_2, \tag{D2}$$
 
 independent of each other and from one muscle to the next.
 
-*Pairs* of such muscles repeat Fig. 13's experiment: unit 1 at one pressure, unit 2's rising, and
-the free strain of their bundle. The plates start where the pair, without pressure, neither pulls
-nor pushes, as in section 5.3, so that
-
-$$\varepsilon = 1 - \frac{1 - \varepsilon_f(P_1, P_2)}{1 - \varepsilon_f(0, 0)} \tag{D3}$$
-
-is what is measured, whatever distance free strains refer to.
-
 **Not simulated:** creep, dynamics, temperature, the softening's dependence on the largest
 strain. Every record is synthetic, and marked as such.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 5.3 and 6; friction between fibers after
@@ -38,7 +30,6 @@ from typing import Any
 
 import numpy as np
 
-from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.types import Batch, BatchLike, Bool, Float, Int, Values
@@ -308,114 +299,6 @@ class VirtualDynamometer:
             f" braid angle {pretty(float(muscle.braid_angle), 'angle', 6)}",
             *settings,
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """Free strains of bundles of two motor units, fabricated with scatter.
-
-    `free_strain`: a row for each pair [-], over unit 2's `pressure` [Pa] at one pressure of unit 1;
-    relative to the pair's length without pressure. `nominal`: of the pair on the drawing [-].
-    """
-
-    pressure: Float[np.ndarray, " pressure"]
-    nominal: Float[np.ndarray, " pressure"]
-    free_strain: Float[np.ndarray, "pair pressure"]
-
-    @property
-    def deviation(self) -> Float[np.ndarray, "pair pressure"]:
-        """Deviation from the drawing's free strain, over that [-]."""
-        return self.free_strain / self.nominal - 1
-
-    def agreement(self, most: float = 0.10, outlier: float = 0.15) -> tuple[float, float]:
-        """Share of the pairs that agree with the drawing as well as the paper's pair did, and share
-        of those that, like it, have exactly one point beyond `most`.
-
-        Every point of the paper lies within 10 % of the model, except one within 15 %.
-
-        **Arguments:**
-
-        - `most`: largest deviation of every point but one [-].
-        - `outlier`: largest deviation of that one [-].
-
-        **Returns:** the share of pairs within these limits [-], and of those with exactly one point
-        beyond `most`.
-        """
-        worst = np.sort(np.abs(self.deviation), axis=1)
-        good = (worst[:, -1] <= outlier) & (worst[:, -2] <= most)
-        return float(good.mean()), float((good & (worst[:, -1] > most)).mean())
-
-
-def fabricated_pairs(
-    muscle: Muscle,
-    scatter: Scatter,
-    first_pressure: Values,
-    pressures: Values,
-    draws: int = 256,
-    seed: int = 0,
-) -> Pairs:
-    """Fabricate pairs of one drawing and compute the free strain of each, equation (D3).
-
-    **Arguments:**
-
-    - `muscle`: the drawing.
-    - `scatter`: of fabrication.
-    - `first_pressure`: unit 1's gauge pressure [Pa].
-    - `pressures`: unit 2's [Pa], at least two.
-    - `draws`: number of pairs.
-    - `seed`: random seed; scatters drawn with one seed can be compared.
-
-    **Returns:** free strains [-] over pressures [Pa].
-
-    **Raises:** `InvalidInputError` for a pressure out of range.
-    """
-    first, second = (
-        check_interval(values, 0.0, HIGHEST_PRESSURE, name, "Pa", closed=(True, True))
-        for name, values in (("first_pressure", first_pressure), ("pressures", pressures))
-    )
-    drawn = scatter.draw(muscle, np.random.default_rng(seed), (draws, 2))
-    P = np.stack(np.broadcast_arrays(first, second), axis=-1)
-    P = np.concatenate([np.zeros((1, 2)), P])
-    # the first row is the drawing's own pair
-    lengths = np.concatenate([np.full((1, 2), muscle.length), drawn.length])
-    angles = np.concatenate([np.full((1, 2), muscle.braid_angle), drawn.braid_angle])
-    units = tuple(
-        MotorUnit(with_fields(muscle, length=lengths[:, i, None], braid_angle=angles[:, i, None]))
-        for i in range(2)
-    )
-    # unchecked: each pair has its own distance of the plates
-    bundle = Bundle([MotorUnit(muscle)] * 2)
-    pairs = with_fields(bundle, plate_distance=muscle.length, motor_units=units)
-    free = np.asarray(pairs.free_strain(P))
-    measured = 1 - (1 - free[:, 1:]) / (1 - free[:, :1])
-    return Pairs(np.asarray(second), measured[0], measured[1:])
-
-
-def agreements(
-    muscle: Muscle,
-    scatters: Sequence[Scatter],
-    first_pressure: Values,
-    pressures: Values,
-    draws: int = 256,
-    seed: int = 0,
-) -> Float[np.ndarray, "scatter 2"]:
-    """Agreement of pairs with their drawing at each of several scatters.
-
-    **Arguments:**
-
-    - `muscle`, `first_pressure`, `pressures`: as for `fabricated_pairs`.
-    - `scatters`: of fabrication.
-    - `draws`: pairs for each scatter.
-    - `seed`: random seed, the same for each scatter.
-
-    **Returns:** the shares of `Pairs.agreement` [-], a row for each scatter.
-    """
-    return np.array(
-        [
-            fabricated_pairs(muscle, scatter, first_pressure, pressures, draws, seed).agreement()
-            for scatter in scatters
-        ]
-    )
 
 
 def _check_scatters(length: float, angle: Values, length_name: str, angle_name: str) -> float:

@@ -1,7 +1,7 @@
 """Spreadsheets and binary files of instruments as text tables: .xlsx, .mat, .tdms.
 
 openpyxl, SciPy and npTDMS parse; here their columns get names and units. A file with several tables
-(sheets, structures, groups) is refused unless some are named or only one has readings.
+(sheets, matrices, groups) is refused unless some are named or only one has readings.
 """
 
 import fnmatch
@@ -9,14 +9,14 @@ import io
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..core.errors import require
-from .headers import ROLES, MissingMetadataError
+from .headers import MissingMetadataError
 from .tables import has_readings
 
 
@@ -35,9 +35,7 @@ _REMEDIES = {
     ),
 }
 _MAX_CELLS = 20_000_000  # of a sheet: a cell at its far corner makes 17 thousand million
-_CHANNEL_DATA = ("data", "values", "value", "y")  # keys of a structure that is one channel
 _COMPRESSED = 15  # type of a compressed element of a .mat file
-_LABELS = ("colheaders", "names", "labels", "columns", "header", "headers", "channels")
 
 
 def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, bytes]:
@@ -46,7 +44,7 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     **Arguments:**
 
     - `raw`: the file's bytes; `source`: its name in errors.
-    - `table`: name of the sheet, structure or group, or a pattern such as `"*"` for all with
+    - `table`: name of the sheet, matrix or group, or a pattern such as `"*"` for all with
       readings that it fits; default: the one with readings.
 
     **Raises:** `ValueError` for a file that can't be read; `MissingExtraError` if its library isn't
@@ -61,7 +59,7 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     elif raw.startswith(b"TDSm"):
         tables = _groups(raw, source)
     elif raw.startswith(b"MATLAB") or (source.lower().endswith(".mat") and b"\0" in raw):
-        tables = _structures(raw, source)
+        tables = _variables(raw, source)
     elif table is not None:
         raise ValueError(
             f"{source}: no table `{table}`: a text file holds one, leave the name out."
@@ -170,85 +168,38 @@ def _groups(raw: bytes, source: str) -> dict[str, bytes]:
     return {name: _tabbed_text(pd.DataFrame(columns)) for name, columns in tables.items()}
 
 
-def _structures(raw: bytes, source: str) -> dict[str, bytes]:
-    """Tab-separated text of each structure with columns in a .mat file, by name."""
+def _variables(raw: bytes, source: str) -> dict[str, bytes]:
+    """Tab-separated text of the vectors in a .mat file, or of each of its matrices, by name.
+
+    A number beside vectors holds for each of their rows; structures and cells are refused.
+    """
+    import pandas as pd
     from scipy.io import loadmat
 
     remedy = ": save it with save(…, '-v7'), or export its readings as CSV."
     with _refusal(f"{source}: can't be read as .mat", remedy):
-        content = loadmat(io.BytesIO(raw), simplify_cells=True)
-    tables: dict[str, bytes] = {}
-    _visit({k: v for k, v in content.items() if not k.startswith("__")}, ("variables",), tables)
-    return tables
-
-
-def _visit(
-    content: Mapping[str, Any],
-    path: tuple[str, ...],
-    tables: dict[str, bytes],
-    units: Mapping[str, Any] = {},
-) -> None:
-    """Add the tables of a structure, and of those in it, to the `tables`; `path`: names of the
-    structures around it and of itself, `units`: by name, of the one around it.
-    """
-    import pandas as pd
-
-    def add(frame: pd.DataFrame, *label: str, header: bool = True) -> None:
-        names = (*path, *label)
-        name = ".".join(names[1:]) if names[-1] in tables else names[-1]
-        tables[name] = _tabbed_text(frame, header=header)
-
-    by_name = {key.lower(): value for key, value in content.items()}
-    units = next((by_name[k] for k in ("units", "unit") if isinstance(by_name.get(k), dict)), units)
-    labels = next((by_name[key] for key in _LABELS if key in by_name), None)
-    columns: dict[str, np.ndarray] = {}
-    for label, entry in _entries(content):
-        unit, data = units.get(label), entry
-        if isinstance(entry, dict):
-            channel = {key.lower(): value for key, value in entry.items()}
-            data = next((channel[key] for key in _CHANNEL_DATA if key in channel), 0)
-            if np.ndim(data) != 1 or np.asarray(data).dtype.kind not in "fiu":
-                _visit(entry, (*path, label), tables, units)
-                continue
-            unit = channel.get("unit", channel.get("units", unit))
-        values = np.asarray(data)
-        values = values.astype(int) if values.dtype.kind == "b" else values
-        is_number = values.dtype.kind in "fiu"
-        if (values.ndim == 1 and values.size > 1) or (values.ndim == 0 and is_number):
-            columns[_header(label, unit)] = values
-        elif values.ndim == 2 and is_number:
-            has_labels = labels is not None and np.shape(labels) == values.shape[1:]
-            if not has_labels and values.shape[0] <= len(ROLES) < values.shape[1]:
-                values = values.T  # a row of each quantity
-            frame = pd.DataFrame(values, columns=labels if has_labels else None)
-            add(frame, label, header=has_labels)
-    sizes = [values.size for values in columns.values() if values.ndim]
+        content = loadmat(io.BytesIO(raw), squeeze_me=True)
+    arrays = {key: np.asarray(value) for key, value in content.items() if key[:2] != "__"}
+    numbers = {key: value for key, value in arrays.items() if value.dtype.kind in "fiub"}
+    tables = {
+        key: _tabbed_text(pd.DataFrame(value), header=False)
+        for key, value in numbers.items()
+        if value.ndim == 2
+    }
+    columns = {key: value for key, value in numbers.items() if value.ndim < 2}
+    sizes = {value.size for value in columns.values() if value.ndim}
+    if len(sizes) > 1:
+        rule = f"vectors of {min(sizes)} to {max(sizes)} numbers: save those of one length"
+        raise ValueError(f"{source}: {rule}.")
     if sizes:
-        size = max(set(sizes), key=lambda n: (sizes.count(n), n))
-        # a number beside columns holds for each of their rows
-        add(pd.DataFrame({
-            key: np.broadcast_to(values, size)
-            for key, values in columns.items()
-            if values.ndim == 0 or values.size == size
-        }))  # fmt: skip
-
-
-def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Entries of a structure, those of an array of structures one by one, or as columns if each
-    is a reading.
-    """
-    import pandas as pd
-
-    for key, value in content.items():
-        is_structures = isinstance(value, list | np.ndarray) and np.size(value) > 0
-        is_structures = is_structures and all(isinstance(x, dict) for x in value)
-        if is_structures and all(np.isscalar(x) for reading in value for x in reading.values()):
-            yield key, pd.DataFrame(list(value)).to_dict("series")
-        elif isinstance(value, list | np.ndarray) and any(isinstance(x, dict) for x in value):
-            for i, channel in enumerate(value):
-                yield str(channel.get("Name", channel.get("name", f"{key}({i + 1})"))), channel
-        else:
-            yield key, value
+        size = sizes.pop()
+        frame = pd.DataFrame({key: np.broadcast_to(x, size) for key, x in columns.items()})
+        tables["variables"] = _tabbed_text(frame)
+    if not tables and len(numbers) < len(arrays):
+        nested = ", ".join(f"`{key}`" for key in arrays.keys() - numbers.keys())
+        rule = f"no vectors of numbers, but {nested}: save each column as a vector of its own"
+        raise ValueError(f"{source}: {rule}.")
+    return tables
 
 
 def _header(name: str, unit: Any) -> str:

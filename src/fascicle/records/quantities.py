@@ -517,7 +517,7 @@ def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...
         rule = "the channels have several Delta_X: resample them to one rate"
         raise ValueError(f"{table.where}: {rule}.")
     is_one = is_time and len(starts) == len(steps) == 1 and None not in starts | steps
-    if not is_one or table.origins or any("End_of_Header" in x for x in table.body):
+    if not is_one or any("End_of_Header" in x for x in table.body):
         return None, ()
     start, step = starts.pop() or 0.0, steps.pop() or 0.0
     time = start + step * (readings.lines - table.first)

@@ -15,14 +15,12 @@ from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
-from .cells import CLOCK_NAME, read_seconds
+from .cells import read_seconds
 from .columns import (
     Column,
-    check_pressures_in_names,
     check_roles,
     check_stated,
     choose_columns,
-    pressure_in_name,
     read_name,
     split_names,
 )
@@ -30,10 +28,8 @@ from .formats import table_texts
 from .headers import (
     CONSTANTS,
     ROLES,
-    TERMS,
     MissingMetadataError,
     dimension_of,
-    read_header,
     si_unit,
 )
 from .joint import read_arm_table
@@ -108,7 +104,7 @@ def load(
     - `moment_arm`: of the muscle about the joint whose torque was measured [m]; or a table
       `{"angle": …, "arm": …}` [rad], [m], between whose angles it is linear.
     - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
-    - `table`: sheet, structure or group of a file with several, or a pattern such as `"*"`: all
+    - `table`: sheet, matrix or group of a file with several, or a pattern such as `"*"`: all
       tables that fit it are one record.
     - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
       inferred.
@@ -125,7 +121,6 @@ def load(
         "rows": rows, "table": table, "decimal": decimal,
     }  # fmt: skip
     records, files = [], find_files(path)
-    check_pressures_in_names(files, constants)
     for file in files:
         raw = read_bytes(file, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
         if sidecar is None:
@@ -241,12 +236,9 @@ def _read_tables(
     """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
     `name_pattern` and the `options`.
     """
-    # a log may have a JSON object in each line: a further one follows the first
-    is_json = re.match(rb"\s*(\{|\[\s*[\[{])", raw) is not None
-    is_published = is_json and not re.match(rb"\s*\{[^{}\[\]]*\}\s*\{", raw)
+    is_published = re.match(rb"\s*(\{|\[\s*[\[{])", raw) is not None
     selected = options.get("table") or info.table
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
-    check_pressures_in_names([path], options.get("constants"), list(texts))
     records = []
     for table, text in texts.items():
         table_info, table_notes = info, notes
@@ -255,10 +247,6 @@ def _read_tables(
             table_info = info.model_copy(update=changes)
             table_notes += (f"its name gives {_list_values(changes)}",)
         table_info = _overrule(table_info, **options)
-        stated, chosen = pressure_in_name(path, table), table_info.pressure
-        if stated is not None and chosen is not None and not np.isclose(stated, chosen):
-            pressures = (pretty(pressure, "pressure") for pressure in (stated, chosen))
-            table_notes += ("its name states {}, the pressure given is {}".format(*pressures),)
         label = f", {table}" if len(texts) > 1 else ""
         source = f"{path}{label}"
         if is_published:
@@ -275,8 +263,7 @@ def _read_tables(
 
 def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
     """Record of a table's text; `source`: its name in errors, `path`: of its file."""
-    is_wide = "pressure" not in info.constants
-    table = open_table(text, source, info.header, info.names, decimal=info.decimal, wide=is_wide)
+    table = open_table(text, source, info.header, info.names, decimal=info.decimal)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     rest_length, rest_notes = _rest_length(table, info, dict(remarks))
@@ -336,23 +323,13 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     """Numbers of the columns and constants of a `table`, and notes."""
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
-    names, notes = info.names, ()
     if info.rows is None:
         check_stated(table, constants)
-    if names and table.header[0] == CLOCK_NAME and len(names) < len(table.header):
-        has_time = any(read_header(name)[0][0] in TERMS["time"] for name in names)
-        names = ("" if has_time else "time", *names)
-    if table.origins:
-        level = read_header(table.header[-1])[0][0]  # pressure or length
-        if names:  # of the columns of one of them
-            names = (*names, *[""] * (len(table.header) - len(names) - 1), level)
-        notes = (f"columns for each {level} read as readings at these {level}s",)
-    columns, column_notes = choose_columns(
+    columns, notes = choose_columns(
         table, info.columns, info.units, constant_roles,
-        names=names, atmosphere=info.atmosphere is not None,
+        names=info.names, atmosphere=info.atmosphere is not None,
     )  # fmt: skip
     columns = {role: column for role, column in columns.items() if role not in constant_roles}
-    notes += column_notes
     cells, misread = _read_cells(table, columns, info)
     for column in misread:
         del columns[column.role]

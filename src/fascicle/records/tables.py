@@ -2,21 +2,20 @@
 
 Cells between tabs, semicolons, bars, commas or blanks; any encoding and line ends; decimal commas;
 remarks after `#` or `%`; titles above the header, units beside it; headers that are repeated
-between blocks of readings; a serial monitor's clock; lines of `name: number` pairs.
+between blocks of readings.
 """
 
 import csv
 import re
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from .cells import (
-    CLOCK_NAME,
     LONGEST_LINE,
     NumberFormat,
     decode,
@@ -27,7 +26,6 @@ from .cells import (
     printable,
     read_seconds,
     split_cells,
-    table_lines,
 )
 from .headers import (
     ROLES,
@@ -40,7 +38,6 @@ from .headers import (
     score,
     strip_brackets,
 )
-from .wide_tables import unfold
 
 
 MAX_ROWS = 20_000_000  # five hours at a kilohertz
@@ -97,7 +94,6 @@ class Table:
     - `delimiter`: the sign between cells; `numbers`: the format of numbers.
     - `body`: the lines of the rows; `first`: the number of the first one.
     - `row_width`: cells of a row between blanks, where a missing cell leaves no sign; else 0.
-    - `origins`: of a table that was wide, the file's line of each line.
     """
 
     source: str
@@ -111,7 +107,6 @@ class Table:
     body: list[str]
     first: int
     row_width: int
-    origins: tuple[int, ...] = ()
 
     @property
     def where(self) -> str:
@@ -222,7 +217,7 @@ class Table:
             for cells in rows:
                 inner_lines, first = self.body[first + 1 : rows.line_num], rows.line_num
                 if inner_lines and self._swallows_readings(inner_lines):
-                    line = self._file_line(self.first + rows.line_num - 1 - len(inner_lines))
+                    line = self.first + rows.line_num - 1 - len(inner_lines)
                     raise ValueError(
                         f"{self.source}, line {line}: its quote has no end: close or drop it."
                     )
@@ -231,9 +226,9 @@ class Table:
                     if block is not None:
                         row += [""] * (block + 1 - len(row))
                         level = row[block] = row[block] or level
-                    yield self._file_line(self.first + rows.line_num - 1), row
+                    yield self.first + rows.line_num - 1, row
         except csv.Error as error:
-            line = self._file_line(self.first + rows.line_num - 1)
+            line = self.first + rows.line_num - 1
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
 
     def _swallows_readings(self, lines: Sequence[str]) -> bool:
@@ -259,9 +254,6 @@ class Table:
             )
             choice = ("rows", "", f"1:{count - 1}", ", for those above it")
             raise MissingMetadataError(f"{before} file there, or give ", choice)
-
-    def _file_line(self, line: int) -> int:
-        return self.origins[line - 1] if self.origins else line
 
     def _empty_error(
         self,
@@ -313,17 +305,14 @@ def open_table(
     names: Sequence[str] = (),
     *,
     decimal: str | None = None,
-    wide: bool = True,
 ) -> Table:
     """Read the header of a table from the `raw` bytes of a text file; its cells stay text.
 
     `source` names the file in errors; `header_line` is the header's line, counted from 1, and
     `decimal` the sign before decimals; default: they are inferred. `names` are the columns' names
-    of a table without header. `wide`: a table with columns for each pressure becomes a long one.
-    Raises a `ValueError` for anything but a table.
+    of a table without header. Raises a `ValueError` for anything but a table.
     """
-    lines, printed_names = table_lines(decode(raw, source))
-    has_clock = printed_names[:1] == (CLOCK_NAME,)
+    lines = decode(raw, source).replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
@@ -338,14 +327,6 @@ def open_table(
                 f" {_HEAD_LINES} lines that is neither blank nor a remark."
             )
     layout = _find_layout([text for _, text in head], header_index)
-    if len(printed_names) > has_clock:
-        layout = layout._replace(header=None, units=None)
-        names = names or printed_names[has_clock:]
-    long = unfold(lines, head, layout.delimiter, layout.start, names, source) if wide else None
-    if long is not None:
-        text, origins = long
-        table = open_table(text.encode(), source, names=names, decimal=decimal, wide=False)
-        return replace(table, line=origins[table.line - 1], origins=origins)
     cells = [split_cells(text, layout.delimiter) for _, text in head]
     if layout.header is not None:
         line, text = head[layout.header]
@@ -361,10 +342,10 @@ def open_table(
             rule = "write above each column what its number means, such as `100 kPa`"
             raise ValueError(f"{source}, line {line}: numbers for a header: {rule}.")
         where, leading = f"{source}, line {line}", remarks if last < 0 else []
-        # the names are those of what was printed behind the clock
-        printed = layout._replace(width=layout.width - has_clock)
-        names = names[has_clock and len(names) == layout.width :]
-        header = [*[CLOCK_NAME] * has_clock, *_headless(leading, names, printed, where)]
+        header = _headless(leading, names, layout, where)
+    if header and "->" in header[0]:
+        rule = "remove the clock of the serial monitor before each line, or switch it off"
+        raise ValueError(f"{source}, line {line}: {rule}.")
     if any(len(name) > _LONGEST_NAME for name in header):
         raise ValueError(
             f"{source}, line {line}: a column's name is longer than {_LONGEST_NAME}"

@@ -46,8 +46,8 @@ def test_options_that_contradict_each_other():
         read_options(zero=["force"])
 
 
-def test_a_joint_and_a_digitized_figure_are_read_by_options(tmp_path):
-    knee, figure = tmp_path / "knee.csv", tmp_path / "figure.csv"
+def test_a_joint_is_read_by_options(tmp_path):
+    knee = tmp_path / "knee.csv"
     knee.write_text("P [kPa],angle [deg],torque [Nm]\n200,10,2\n200,40,1\n")
     for arguments, option in (
         ({}, "--moment-arm '25 mm'"), ({"moment_arm": "25mm"}, "--zero angle='0 deg'"),
@@ -59,11 +59,6 @@ def test_a_joint_and_a_digitized_figure_are_read_by_options(tmp_path):
     options = read_options(moment_arm="25mm", zero=["angle=10deg"])
     record, _ = read_record([str(knee)], options, 0.18)
     assert record.force == pytest.approx([80, 40])
-    figure.write_text("1 bar,,2 bar,\nX,Y,X,Y\n0,60,0,120\n10,25,10,70\n")
-    with pytest.raises(UserError, match=r"--columns 'strain\[%\],force\[N\]'"):
-        read_record([str(figure)], read_options(), 0.18)
-    record, _ = read_record([str(figure)], read_options(columns="strain[%],force[N]"), 0.18)
-    assert record.pressure == pytest.approx([1e5, 1e5, 2e5, 2e5])
 
 
 def test_a_decimal_sign_is_offered_as_an_option(tmp_path):

@@ -209,7 +209,8 @@ def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
     assert path.stat().st_size < LARGEST_FILE
     with pytest.raises(ValueError, match=f"more than {LARGEST_CONTENT}"):
         read_record(path.read_bytes(), path.name, MUSCLE)
-    savemat(path, {"up": columns, "down": columns})
+    matrix = np.array([P, F, x]).T
+    savemat(path, {"up": matrix, "down": matrix})
     with pytest.raises(ValueError, match="several tables, `up`, `down`: save one"):
         read_record(path.read_bytes(), path.name, MUSCLE)
     with pytest.raises(ValueError, match="export it as CSV"):

@@ -1,7 +1,6 @@
 """Files in the manner of instruments and loggers, all with the same four readings."""
 
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.core.errors import MissingExtraError
 from fascicle.records import load, loads, runs
-from fascicle.records.columns import MissingMetadataError, read_name, suggest_pattern
+from fascicle.records.columns import MissingMetadataError
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
@@ -86,31 +85,6 @@ CATMAN = (
 SHIMADZU = '"Name","7_1_1",,\n"Time","Force","Length","Pressure"\n"sec","N","mm","kPa"\n' + table(
     ",", [TIME, FORCE, LENGTH, PRESSURE]
 )
-MONITOR = "\n".join(f"12:00:0{3 + t:.3f} -> {f}, {p}, {x}" for t, p, f, x in ROWS)
-MONITOR = f"12:00:02.900 -> force_N, pressure_kPa, length_mm\n{MONITOR}\n"
-PLOTTER = "".join(f"t_s:{t},pressure_kPa:{p},force_N:{f},length_mm:{x}\n" for t, p, f, x in ROWS)
-SENTENCES = "".join(f"Force: {f} N  Pressure = {p} kPa; Length: {x} mm\n" for _, p, f, x in ROWS)
-BRACKETS = "".join(f"[{t:.3f}] p={p} kPa F={f} N L={x} mm\n" for t, p, f, x in ROWS)
-COLONS = "".join(f"{t}: {p} kPa; {f} N; {x} mm\n" for t, p, f, x in ROWS)
-BRACKET_CLOCK = "".join(f"[2024-03-05 10:59:0{5 + t:.2f}] {p},{f},{x}\n" for t, p, f, x in ROWS)
-BLANK_CLOCK = BRACKET_CLOCK.replace("[", "").replace("]", "")
-NAMES_WITH_UNITS = "".join(
-    f"Time[s]={t} Pressure (kPa): {p} Force[N]={f} Length[mm]={x}\n" for t, p, f, x in ROWS
-)
-COMMAS_IN_PAIRS = "".join(
-    f"t: {t}; p: {p} kPa; F: {f} N; L: {x} mm\n".replace(".", ",") for t, p, f, x in ROWS
-)
-TWO_ORDERS = "".join(
-    f"t={t} p={p}kPa F={f}N L={x}mm\n" if t > 0.1 else f"F={f}N L={x}mm p={p}kPa t={t}\n"
-    for t, p, f, x in ROWS
-)
-JSON_LINES = "".join(
-    f'{{"t_s": {t}, "p_kPa": {p}, "F_N": {f}, "L_mm": {x}}}\n' for t, p, f, x in ROWS
-)
-WORDS_BESIDE = "".join(
-    f"Time: 10:59:0{5 + t:.2f}, p: {p} kPa, load-cell={f} N, L: {x} mm ok\n" for t, p, f, x in ROWS
-)
-UNITS_IN_CELLS = "t,P,F,L\n" + "".join(f"{t} s,{p} kPa,{f} N,{x} mm\n" for t, p, f, x in ROWS)
 UNITS_IN_REMARKS = "% t,P,F,L\n% s,kPa,N,mm\n" + table(",", [TIME, PRESSURE, FORCE, LENGTH])
 NUMPY = "# time_s pressure_kPa force_N length_mm\n" + table(" ", [TIME, PRESSURE, FORCE, LENGTH])
 FIXED = "  t [s]  pressure [kPa]  force [N] length [mm]\n" + "".join(
@@ -190,19 +164,6 @@ TEXTS = {
     "LabVIEW, a time for each": (LVM_MULTI, {}),
     "catman": (CATMAN, {}),
     "Shimadzu": (SHIMADZU, {}),
-    "serial monitor": (MONITOR, {}),
-    "serial plotter": (PLOTTER, {}),
-    "sentences": (SENTENCES, {}),
-    "clock in brackets": (BRACKETS, {}),
-    "quantities without names": (COLONS, {"columns": {"length": "[mm]"}}),
-    "date in brackets": (BRACKET_CLOCK, {"columns": "pressure[kPa],force[N],length[mm]"}),
-    "clock before a blank": (BLANK_CLOCK, {"columns": "time,pressure[kPa],force[N],length[mm]"}),
-    "names with units": (NAMES_WITH_UNITS, {}),
-    "decimal commas in pairs": (COMMAS_IN_PAIRS, {}),
-    "pairs in two orders": (TWO_ORDERS, {}),
-    "JSON lines": (JSON_LINES, {}),
-    "words beside quantities": (WORDS_BESIDE, {}),
-    "units in cells": (UNITS_IN_CELLS, {"columns": {"length": "[mm]"}}),
     "units in remarks": (UNITS_IN_REMARKS, {}),
     "NumPy": (NUMPY, {}),
     "fixed width": (FIXED, {}),
@@ -238,7 +199,7 @@ def test_exports_of_instruments(tmp_path, name, encoding):
     path = tmp_path / "m.csv"
     path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
     record = load(path, rest_length=REST, **options)
-    check(record, pressure="constants" not in options, time=name != "sentences")
+    check(record, pressure="constants" not in options)
 
 
 def test_unmarked_encodings_and_a_reserved_end():
@@ -366,9 +327,6 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
     path = tmp_path / "run_16.7cm_up.csv"
     path.write_text(text)
     strain = (180 - 167) / 180
-    with pytest.raises(MissingMetadataError) as error:
-        load(path, rest_length=REST)
-    assert error.value.choices[-1][:3] == ("name_pattern", "", "{length}cm")
     for options in (
         {"constants": {"length": 0.167}}, {"constants": {"length": "167 mm"}},
         {"name_pattern": "{length}cm"}, {"name_pattern": "run_{length:cm}*up"},
@@ -389,46 +347,6 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
         load(path, name_pattern="{mass}kg")
     with pytest.raises(ValueError, match="constant pressure: 3e\\+06 Pa is above 1 MPa"):
         load(path, constants={"pressure": "3 MPa"})
-
-
-@pytest.mark.parametrize(
-    ("name", "pattern", "value"),
-    [
-        ("P=150kPa_run2", "{pressure}kPa", 150e3), ("M7_14.5psi_up", "{pressure}psi", 99.97e3),
-        ("180mm-200 KPA", "-{pressure:kPa} KPA", 200e3), ("p1_0bar", "", 0), ("p_1_5bar", "", 0),
-    ],
-)  # fmt: skip
-def test_a_pattern_is_offered_for_a_pressure_in_a_name(name, pattern, value):
-    assert suggest_pattern(name, "pressure") == pattern
-    if pattern:
-        read = read_name(Path(f"{name}.csv"), pattern)
-        assert read == {"pressure": pytest.approx(value, rel=1e-4)}  # 99.97 has four digits
-
-
-def test_one_pressure_for_files_whose_names_state_several_is_refused(tmp_path):
-    for pressure in (150, 250):
-        rows = table(",", [[f + pressure for f in FORCE], CONTRACTION])
-        (tmp_path / f"{pressure}kPa.csv").write_text("F [N],x [mm]\n" + rows)
-    pattern, options = str(tmp_path / "*.csv"), {"rest_length": REST}
-    with pytest.raises(MissingMetadataError) as error:
-        load(pattern, constants={"pressure": 150e3}, **options)
-    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
-    assert set(load(pattern, name_pattern="{pressure}kPa", **options).pressure) == {150e3, 250e3}
-    # a name's pressure may be a nominal one
-    for given, states in ((148e3, 1), ("1.5 bar", 0)):
-        record = load(tmp_path / "150kPa.csv", constants={"pressure": given}, **options)
-        assert set(record.pressure) == {148e3 if states else 150e3}
-        notes = [note for note in record.notes if "states 150 kPa, the pressure given is" in note]
-        assert len(notes) == states
-
-
-@pytest.mark.parametrize(
-    ("name", "pattern"), [("hang_500g", "{force}g"), ("2 kg", "{force:kgf} kg")]
-)
-def test_a_pattern_is_offered_for_a_mass_in_a_name(name, pattern):
-    assert suggest_pattern(name, "force") == pattern
-    weight = {"hang_500g": 0.5, "2 kg": 2}[name] * 9.80665
-    assert read_name(Path(name), pattern)["force"] == pytest.approx(weight)
 
 
 def test_grams_in_a_name_are_a_weight(tmp_path):
@@ -693,25 +611,6 @@ def test_channels_at_two_rates_are_refused(tmp_path):
     check(load(tmp_path / "m.tdms", rest_length=REST, table=error.value.value))
 
 
-@pytest.mark.parametrize("name", ["rec", "flat", "channels", "matrix"])
-def test_mat_files(tmp_path, name):
-    from scipy.io import savemat
-
-    columns = {"t": TIME, "pressure": PRESSURE, "force": FORCE, "length": LENGTH}
-    units = {"t": "s", "pressure": "kPa", "force": "N", "length": "mm"}
-    content = {
-        "rec": {"rec": columns | {"units": units}, "meta": {"operator": "x", "fs": 10.0}},
-        "flat": {f"{k}_{units[k]}": v for k, v in columns.items()},
-        "channels": {"log": {"Y": [{"Name": k, "Data": v, "Unit": units[k]}
-                                   for k, v in columns.items()]}},
-        "matrix": {"data": np.array(list(columns.values())).T, "operator": "x",
-                   "colheaders": np.array([f"{k} [{u}]" for k, u in units.items()], object)},
-    }[name]  # fmt: skip
-    path = tmp_path / "m.mat"
-    savemat(path, content)
-    check(load(path, rest_length=REST))
-
-
 def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
     from scipy.io import savemat
 
@@ -721,51 +620,23 @@ def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
     savemat(path, {"force_N": FORCE, "pressure_kPa": PRESSURE, "length_mm": 171.0})
     assert_allclose(load(path, rest_length=REST).strain, 0.05)
     two = {"force_N": FORCE, "pressure_kPa": PRESSURE, "length_mm": LENGTH}
-    savemat(path, {"up": two, "down": two})
+    savemat(path, two)
+    check(load(path, rest_length=REST), time=False)
+    for nested in ({"rec": two}, {"log": {"Y": [{"Name": "p", "Data": PRESSURE}]}}):
+        savemat(path, nested)
+        with pytest.raises(ValueError, match="save each column as a vector of its own"):
+            load(path, rest_length=REST)
+    savemat(path, two | {"force_N": FORCE[1:]})
+    with pytest.raises(ValueError, match="save those of one length"):
+        load(path, rest_length=REST)
+    matrix = np.array([PRESSURE, FORCE, LENGTH]).T
+    savemat(path, {"up": matrix, "down": matrix})
     with pytest.raises(MissingMetadataError, match="several tables, `up`, `down`"):
         load(path, rest_length=REST)
-    check(load(path, rest_length=REST, table="down"), time=False)
+    columns = "pressure[kPa],force[N],length[mm]"
+    check(load(path, rest_length=REST, table="down", columns=columns), time=False)
     with pytest.raises(ValueError, match="no table `side`: there are `up`, `down`"):
         load(path, rest_length=REST, table="side")
-
-
-def test_an_array_of_structures_is_one_table_each(tmp_path):
-    from scipy.io import savemat
-
-    path = tmp_path / "m.mat"
-    run = {"pressure": 200.0, "force": FORCE, "length": LENGTH}
-    units = {"pressure": "kPa", "force": "N", "length": "mm"}
-    savemat(path, {"test": np.array([run, run | {"pressure": 100.0}]), "units": units})
-    with pytest.raises(MissingMetadataError) as error:
-        load(path, rest_length=REST)
-    assert error.value.choices[0][:3] == ("table", "", "test(1)")
-    assert_allclose(load(path, rest_length=REST, table="test(2)").pressure, 100e3)
-
-
-def test_a_structure_for_each_reading_is_a_table(tmp_path):
-    from scipy.io import savemat
-
-    kinds = [(name, float) for name in ("t_s", "pressure_kPa", "force_N", "length_mm")]
-    savemat(tmp_path / "m.mat", {"reading": np.array(ROWS, dtype=kinds)})
-    check(load(tmp_path / "m.mat", rest_length=REST))
-
-
-def test_structures_and_matrices_of_one_name_are_several_tables(tmp_path):
-    from scipy.io import savemat
-
-    path, columns = tmp_path / "m.mat", "pressure[kPa],force[N],length[mm]"
-    for first, second in (
-        ({"p_kPa": PRESSURE, "F_N": F, "L_mm": LENGTH} for F in (FORCE, FORCE[::-1])),
-        (np.array([PRESSURE, F, LENGTH]).T for F in (FORCE, FORCE[::-1])),
-    ):
-        savemat(path, {"run1": {"data": first}, "run2": {"data": second}})
-        with pytest.raises(MissingMetadataError, match=r"`data`, `run2\.data`"):
-            load(path, rest_length=REST)
-        record = load(path, rest_length=REST, table="*", columns=columns)
-        assert_allclose(record.force, [*FORCE, *FORCE[::-1]])
-    # quantities in rows
-    savemat(path, {"log": np.tile([PRESSURE, FORCE, LENGTH], 3)})
-    assert_allclose(load(path, rest_length=REST, columns=columns).force, FORCE * 3)
 
 
 def test_cells_that_excel_shows_in_percent(tmp_path):
@@ -903,52 +774,12 @@ def test_isometric_and_isotonic_records_have_runs():
     assert found[0].level == pytest.approx(0.2 * 9.80665)
 
 
-PAIRS = [("F", FORCE, "N"), ("P", PRESSURE, "kPa"), ("L", LENGTH, "mm")]
-ASK = {"rest_length": REST, "units": {"force": "N", "pressure": "kPa", "length": "mm"}}
-
-
-@pytest.mark.parametrize("sign", [",", " ", "\t"])
-def test_pairs_of_a_serial_monitor_below_its_start(sign):
-    lines = [sign.join(f"{name}:{values[i]}" for name, values, _ in PAIRS) for i in range(4)]
-    lines = ["ready", "scale factor 412.7", *lines[:2], "", "P:99", *lines[2:]]
-    text = "\n".join(f"10:00:0{i}.500 -> {line}" for i, line in enumerate(lines))
-    record = loads(text, **ASK)
-    check(record, time=False)
-    assert record.time.tolist() == [0, 1, 4, 5]
-    assert any("1 row with holes left out" in note for note in record.notes)
-
-
-def test_an_error_in_a_log_of_quantities_names_its_line_and_its_unit():
-    lines = [f"p={p} kPa F={f} N L={x} mm" for _, p, f, x in ROWS]
-    text = "\n".join(["ready", *lines, "p=2.001 bar F=40 N L=167 mm"])
-    for odd, message in (
-        ("", "`p [kPa]`: '2.001bar'"),
-        ("\np=200 kPa F=1 N L=1 mm", "`L [mm]`: 1"),
-    ):
-        body = text.replace("2.001 bar", "200 kPa") + odd if odd else text
-        with pytest.raises(ValueError, match=f"line {6 + bool(odd)}, column ") as error:
-            loads(body, rest_length=REST)
-        assert message in str(error.value)
-    # a name twice is not one quantity
-    with pytest.raises(ValueError, match="2 times"):
-        loads("\n".join(f"{line} F=9 N" for line in lines), rest_length=REST)
-
-
 def test_words_between_numbers_are_no_units():
     rows = zip(FORCE, ["up"] * 4, CONTRACTION, ["ok"] * 4, strict=True)
     text = "F_N branch x_mm state\n" + "".join(f"{f} {a} {x} {b}\n" for f, a, x, b in rows)
     record = loads(text, rest_length=REST, constants={"pressure": "200 kPa"})
     check(record, pressure=False, time=False)
     assert record.branch.tolist() == [1] * 4
-
-
-def test_columns_in_order_are_those_behind_a_monitors_clock():
-    rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
-    for lines in (rows, ["Force_N,p_kPa,Length_mm", *rows], [*rows, "", "F,P,L"]):
-        text = "\n".join(f"10:00:0{i}.100 -> {line}" for i, line in enumerate(lines))
-        record = loads(text, columns="force[N],pressure[kPa],length[mm]", rest_length=REST)
-        check(record, time=False)
-        assert np.diff(record.time).tolist() == [1, 1, 1]
 
 
 def test_an_odd_row_leaves_out_no_others():
@@ -1016,9 +847,6 @@ def test_groups_that_state_pressures_are_one_record(tmp_path):
     assert [choice[:3] for choice in error.value.choices] == [
         ("table", "", "P=100kPa"), ("table", "", "*"),
     ]  # fmt: skip
-    with pytest.raises(MissingMetadataError, match=r"run_180mm\.tdms, P=100kPa, line 1") as error:
-        load(path, rest_length=REST, table="*")
-    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
     record = load(path, rest_length=REST, table="*", name_pattern="{pressure}kPa")
     assert_allclose(record.pressure, [1e5] * 4 + [2e5] * 4)
     assert_allclose(record.force, [*np.add(FORCE, 100), *np.add(FORCE, 200)])
@@ -1027,9 +855,6 @@ def test_groups_that_state_pressures_are_one_record(tmp_path):
     # the pattern may begin in the file's name
     record = load(path, table="P=2*", name_pattern="{rest_length}mm P={pressure}kPa")
     assert (record.rest_length, set(record.pressure)) == (REST, {2e5})
-    with pytest.raises(MissingMetadataError, match="the names state several") as error:
-        load(path, rest_length=REST, table="*", constants={"pressure": 1e5})
-    assert error.value.choices[0][:3] == ("name_pattern", "", "{pressure}kPa")
     with pytest.raises(ValueError, match="neither table `P=100kPa` nor"):
         load(path, rest_length=REST, table="*", name_pattern="{pressure}bar")
     with pytest.raises(ValueError, match=r"no table `Q\*`: there are `P=100kPa`, `P=200kPa`"):
@@ -1068,3 +893,18 @@ def test_columns_that_are_named_by_their_units_alone():
     record = loads(text, rest_length=REST, columns={"length": "mm"})
     check(record, time=False)
     assert_allclose(record.time, [0, 1e-3, 2e-3, 3e-3])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "strain [%],100 kPa,200 kPa\n0,50,100\n5,25,60\n",
+        "strain [%],F @ 1 bar [N],F @ 2 bar [N]\n0,50,100\n5,25,60\n",
+        "100 kPa,,200 kPa,\nX,Y,X,Y\n0,50,0,100\n5,25,5,60\n",
+        "Pressure [kPa],100,200\nstrain [%],F [N],F [N]\n0,50,100\n5,25,60\n",
+        "p [kPa],F at 180 mm [N],F at 170 mm [N]\n0,0,0\n100,50,25\n",
+    ],
+)
+def test_a_column_for_each_pressure_is_refused(text):
+    with pytest.raises(ValueError, match=r"pandas"):
+        loads(text, rest_length=REST)

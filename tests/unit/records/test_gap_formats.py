@@ -21,38 +21,6 @@ def read(text, rtol=1e-3, **options):
     return record
 
 
-def test_teleplot():
-    lines = [f">p_kPa:{p / 1e3:.3f}\n>F:{f:.4f}§N|g\n>strain:{e:.5f}" for p, e, f in ROWS]
-    assert read("\n".join(lines)).time is None
-
-
-def test_teleplot_with_times():
-    lines = [
-        f">p_kPa:{1000 + 20 * i}:{p / 1e3:.3f}\n>F:{1000 + 20 * i}:{f:.4f}§N\n"
-        f">strain:{1000 + 20 * i}:{e:.5f}"
-        for i, (p, e, f) in enumerate(ROWS)
-    ]
-    assert_allclose(read("\n".join(lines)).time, 1 + 0.02 * np.arange(12))
-
-
-def test_a_lost_line_of_teleplot_costs_its_row_alone():
-    lines = [f">p_kPa:{p / 1e3}\n>F:{f:.4f}§N\n>strain:{e:.5f}" for p, e, f in ROWS]
-    lines[5] = lines[5].split("\n", 1)[1]
-    record = loads("\n".join(lines))
-    assert_allclose(record.pressure, np.delete(PRESSURE, 5))
-    assert_allclose(record.strain, np.delete(STRAIN, 5), atol=1e-4)
-
-
-@pytest.mark.parametrize("color", ["", "\x1b[0;32m"])
-def test_esp_idf_log(color):
-    lines = [
-        f"{color}I ({1234 + 50 * i}) rig: p={p / 1e3:.3f} kPa F={f:.4f} N strain={e:.5f}"
-        + ("\x1b[0m" if color else "")
-        for i, (p, e, f) in enumerate(ROWS)
-    ]
-    assert_allclose(read("\n".join(lines)).time, 1.234 + 0.05 * np.arange(12))
-
-
 def test_meters_of_water_and_kips():
     lines = [f"{p / 9806.65:.6f},{100 * e:.4f},{f / 4448.2216152605:.8f}" for p, e, f in ROWS]
     read("\n".join(["pressure [mH2O],strain [%],force [kip]", *lines]))
