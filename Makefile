@@ -7,7 +7,7 @@ WORKERS ?= 2
 # some hundred processes begin in the tests: what one of them compiles, the next finds
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: setup reproduce picture page test lint types layers unit core package browser docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit core package browser docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -34,11 +34,6 @@ picture: reproduce browser
 	$(BIN)/python docs/walker_leg.py docs/_static/walker_leg.gif
 	$(BIN)/python docs/poster.py --card docs/_static/card.png
 	$(BIN)/python docs/poster.py out/poster.pdf
-
-# the law that `fascicle export --page` puts into a page, from today's formulas; takes some minutes,
-# and clang, lld and wasi-libc
-page: $(STAMP)
-	$(BIN)/python tools/page_law.py
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint

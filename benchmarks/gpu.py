@@ -34,7 +34,7 @@ def rows(small: bool = False) -> list[Row]:
     shape, count, block, strains = (
         ((20, 30), 20, 10, 30) if small else ((1000, 10_000), 1_000_000, 100_000, 1000)
     )
-    constant, points = make_muscle().compile(), tuple(map(jnp.asarray, field(*shape)))
+    constant, points = jax.jit(make_muscle().force), tuple(map(jnp.asarray, field(*shape)))
     numbers, strain = jnp.zeros(shape), jnp.linspace(0.0, MAX_STRAIN, strains)
     columns = different_muscles(count), jnp.asarray(scattered_points(count)[0][:, None])
     force = eqx.filter_jit(lambda muscle, P, eps: muscle.force(P, eps))

@@ -44,7 +44,7 @@ def compare(ratio: Quartiles, former: float) -> Quartiles:
 def point_rows(small: bool) -> list[Row]:
     """Rates of a field and of scattered points."""
     shape, count = ((20, 30), 500) if small else (SHAPE, POINTS)
-    force = make_muscle().compile()
+    force = jax.jit(make_muscle().force)
     grid, points = (tuple(map(jnp.asarray, x)) for x in (field(*shape), scattered_points(count)))
     numbers = jnp.zeros(shape)
     times = take_turns(
@@ -101,7 +101,7 @@ def point_derivatives(force: Any) -> dict[str, Any]:
 def point_derivative_rows(small: bool) -> list[Row]:
     """Derivatives by pressure and strain; the fastest way has the goal."""
     count = 500 if small else 200_000
-    force = make_muscle().compile()
+    force = jax.jit(make_muscle().force)
     points = tuple(map(jnp.asarray, scattered_points(count)))
     ways = point_derivatives(force)
     if small:  # each compiles for seconds
@@ -151,7 +151,7 @@ def muscle_rows(small: bool) -> list[Row]:
         rows.append(Row(named, ratio, "×", "the sum of forces alone", at_most=6))
     count, each = (10, 20) if small else (10_000, 100)
     points = tuple(map(jnp.asarray, scattered_points(count, each)))
-    muscles, constant = different_muscles(count), muscle.compile()
+    muscles, constant = different_muscles(count), jax.jit(muscle.force)
     force = eqx.filter_jit(lambda muscle, P, eps: muscle.force(P, eps))
     times = take_turns(
         {
@@ -178,7 +178,7 @@ def resident(entry: str) -> int:
 def print_memory(pressures: int, strains: int) -> None:
     """Print the peak of memory that the field takes, as a multiple of its output."""
     points = tuple(map(jnp.asarray, field(pressures, strains)))
-    force: Any = jax.jit(make_muscle().compile()).lower(*points).compile()
+    force: Any = jax.jit(make_muscle().force).lower(*points).compile()
     Path("/proc/self/clear_refs").write_text("5")  # resets the peak
     before = resident("VmRSS")
     result = wait(force(*points))

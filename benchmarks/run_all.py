@@ -1,7 +1,7 @@
 """Every benchmark in a process of its own, into one table.
 
     python benchmarks/run_all.py                             # writes benchmarks/RESULTS.md
-    python benchmarks/run_all.py --only one_point bundles    # the same, of some of them
+    python benchmarks/run_all.py --only first_call bundles   # the same, of some of them
     python benchmarks/run_all.py --small                     # only whether they run
 
 A small run takes about two minutes of CPU.
@@ -23,7 +23,7 @@ from timing import Row, load_rows, parse_options, table
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "RESULTS.md"
 MODULES = (
-    "one_point", "first_call", "against_scipy", "bundles", "jax_arrays", "simulation",
+    "first_call", "against_scipy", "bundles", "jax_arrays", "simulation",
     "control_policies", "design_evaluation", "fitting", "exported_c", "robots", "training",
     "explorer", "gpu",
 )  # fmt: skip
@@ -45,7 +45,7 @@ def describe_machine() -> str:
     """The machine, its load and the versions that a table of times belongs to."""
     cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count()
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    packages = ("fascicle", "numpy", "scipy", "jax", "casadi")
+    packages = ("fascicle", "numpy", "scipy", "jax")
     versions = ", ".join(f"{package} {version(package)}" for package in packages)
     return (
         f"{dt.datetime.now(tz=dt.UTC):%Y-%m-%d %H:%M} UTC; {processor()}, {cores} cores, "

@@ -7,7 +7,7 @@ those of the ratios within each round. A call returns only when its result is th
 A benchmark is a module with a docstring, a function `rows(small)`, and `run(rows, __doc__)` at
 its end, so that it runs alone:
 
-    python benchmarks/one_point.py --small
+    python benchmarks/bundles.py --small
 """
 
 import argparse

@@ -29,7 +29,7 @@ os.environ["XDG_STATE_HOME"] = str(_folder.parent / "state")
 
 
 _EXTRA = re.compile(
-    r"^\s*(?:import|from) (?:jax|equinox|diffrax|xarray|pandas|matplotlib|casadi)\b", re.MULTILINE
+    r"^\s*(?:import|from) (?:jax|equinox|diffrax|xarray|pandas|matplotlib)\b", re.MULTILINE
 )
 _CORE_ALONE = find_spec("jax") is None
 

@@ -42,14 +42,13 @@ def abilities() -> str:
     """What every law can do, as Markdown."""
     from fascicle.muscle import LAWS
 
-    heads = ("kind", "law", "in C", "in a table for C", "shear", "braid share", "muscles")
+    heads = ("kind", "law", "shear", "braid share", "muscles")
     rows = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
     for kind, laws in LAWS.items():
         for law in laws.values():
             own = {one.name for one in (*law.constants(), *law.switches())}
             past = kind == "buckling"  # who bends
             can = (
-                _yes(getattr(law, "symbolic", True)), _yes(True),
                 _yes("shear" in own) if past else "", _yes("braid_share" in own) if past else "",
                 getattr(law, "reference_muscle", "") or "any",
             )  # fmt: skip

@@ -28,7 +28,10 @@ def benchmark(monkeypatch):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=() if name == "one_point" else pytest.mark.slow) for name in MODULES],
+    [
+        pytest.param(name, marks=() if name == "exported_c" else pytest.mark.slow)
+        for name in MODULES
+    ],
 )
 def test_benchmark_runs(benchmark, name):
     rows = benchmark(name).rows(small=True)

@@ -1,17 +1,7 @@
 """`fascicle export`."""
 
-import pytest
-
 import fascicle as fs
 from fascicle.files import dumps
-
-
-def test_c_is_written(fascicle, tmp_path):
-    pytest.importorskip("casadi", reason="C is written by CasADi, which isn't here")
-    code, out, err = fascicle("export", "kim2021_figure_6", "--c", "code", "--name", "arm")
-    assert (code, out, err) == (0, "wrote code/arm.h and code/arm.c\n", "")
-    header = (tmp_path / "code" / "arm.h").read_text()
-    assert "int arm_force(double pressure, double strain, double *force" in header
 
 
 def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
@@ -56,7 +46,7 @@ def test_a_page_is_written_once(fascicle, refused, tmp_path):
     assert "<h1>kim2021_figure_6</h1>" in text and 'value="100, 200"' in text
     assert "arm.html" in refused("export kim2021_figure_6 --page arm.html")
     assert fascicle("export", "kim2021_figure_6", "--page", "arm.html", "--overwrite")[0] == 0
-    assert "--page" in refused("export kim2021_figure_6 --c code -p 100kPa")
+    assert "--page" in refused("export kim2021_figure_6 --table code -p 100kPa")
     assert "--page" in refused("export ramp_hand_over --page ramp.html")
     (tmp_path / "stiff.toml").write_text(
         dumps(fs.example("kim2021_figure_6").replace(tension="elastic_braid"))

@@ -40,7 +40,6 @@ COMMANDS = {
     "efficiency": ("efficiency", "bundle.toml", "--json"),
     "simulate": ("simulate", "scenario.toml"),
     "record": ("record", "muscle.toml", "--out", "record.csv", "--samples", "20"),
-    "export c": ("export", "bundle.toml", "--c", "c"),
     "export table": ("export", "bundle.toml", "--table", "table"),
     "design": ("design", "task.toml", "--json"),
 }

@@ -114,16 +114,16 @@ LINES = [
     ("reproduce kim2021 --out d.csv", "it is no folder"),
     ("reproduce kim2021 --out d.csv/out", "can't be created"),
     ("init folder.nc", "it is a folder"),
-    (f"export {SIX}", "--c or --table"),
+    (f"export {SIX}", "give --table"),
     (f"export {SIX} --table code --precision half", "double, float"),
     (f"export {SIX} --table code --name 2", "name in C"),
-    (f"export {SIX} --c code --name a_", "name in C"),
-    (f"export {SIX} --c code --name null", "keyword or a standard header of C"),
+    (f"export {SIX} --table code --name a_", "name in C"),
+    (f"export {SIX} --table code --name class", "keyword or a standard header of C"),
     (f"export {SIX} --table code --name math", "keyword or a standard header of C"),
     (f"export {SIX} --fmu code", ".fmu"),
     (f"export {SIX} --fmu a.fmu --sample-time '0 s'", "must be positive"),
     (f"export {SIX} --fmu a.fmu --platform plan9", "darwin64, linux64, win64"),
-    ("export lift_gas --c other", "--table"),
+    ("export lift_gas --page other.html", "--table"),
     ("export ramp_hand_over --table other", "orderly or threshold"),
     # record
     (f"record {SIX} -o x.csv --noise 5", "--noise must lie in [0, 1), got 5"),
@@ -240,7 +240,7 @@ READ = [
     "force {}", "free-strain {}", "bundle {}", "space {}", "recruit {} --force 1N --strain 0.1",
     "efficiency {}", "simulate {}", "simulate {} --compare", "record {} -o y.csv",
     f"calibrate {{}} -m {SIX}", "calibrate d.csv -m {}", "design {}", "sweep {} --workers 0",
-    "export {} --c y", "export {} --fmu y.fmu", "explore {} --no-show",
+    "export {} --fmu y.fmu", "explore {} --no-show",
 ]  # fmt: skip
 
 
@@ -262,7 +262,7 @@ WRITTEN = [
     f"calibrate d.csv -m {SIX} -o {{}}", "design t.toml -o {}", "init {}",
     "reproduce kim2021 -o {}", "sweep t.toml --workers 0 -o {}",
     "sweep t.toml --workers 0 -o {}/inside",
-    f"export {SIX} --c {{}}", f"export {SIX} --table {{}}", f"export {SIX} --fmu {{}}.fmu",
+    f"export {SIX} --table {{}}", f"export {SIX} --fmu {{}}.fmu",
 ]  # fmt: skip
 
 

@@ -100,7 +100,8 @@ def test_of_a_record(fascicle, written, tmp_path, options):
 @pytest.mark.parametrize("command", ["force", "simulate", "design", "export", "sweep"])
 def test_of_what_is_refused(fascicle, written, command, text):
     written("m.toml", text)
-    assert harmless(fascicle, command, "m.toml", *(["--c", "c"] if command == "export" else []))[0]
+    options = ["--table", "c"] if command == "export" else []
+    assert harmless(fascicle, command, "m.toml", *options)[0]
 
 
 def test_of_a_files_own_name(fascicle, tmp_path):

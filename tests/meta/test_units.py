@@ -172,7 +172,7 @@ def test_the_reader_opens_the_packages():
         "calibrate.fit",
         "energetics.work",
         "design.objectives.margin",
-        "export.c_code",
+        "export.table_code",
     } <= names
 
 

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import fascicle as fs
-from fascicle.export import c_code
 from fascicle.muscle.buckling.oval_column import (
     Oval,
     interpolate_spline,
@@ -231,14 +230,6 @@ def test_force_and_energy_agree():
         cell = np.float64(np.floor(at / shortenings()[1]))
         load, _ = interpolate_spline(found.load, slopes, cell, np.float64(at))
         assert_allclose(load * EI / 0.127**2, expected, rtol=1e-3)
-
-
-def test_where_it_cannot_go():
-    with pytest.raises(ValueError, match="can't be written in C"):
-        c_code(FIGURE_6)
-    for target in (FIGURE_6, fs.Bundle([fs.MotorUnit(FIGURE_6, 2)])):
-        with pytest.raises(ValueError, match="take backend="):
-            target.compile(backend="casadi")
 
 
 def test_shape_ends_where_the_ends_are():

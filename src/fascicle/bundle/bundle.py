@@ -17,28 +17,27 @@ that distance at rest.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property, partial, reduce
 from typing import Any
 
 import numpy as np
 
 from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
-from ..core.errors import InvalidInputError, require
+from ..core.errors import InvalidInputError
 from ..core.lazy import import_late, late_method
 from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
 from ..core.types import Batch, Int, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
     LARGEST_STRAIN,
     broadcast_shape,
-    check_choice,
     check_count,
     check_finite,
     check_gauge_pressure,
     match_array_type,
 )
 from ..muscle import Muscle
-from ..muscle.muscle import BACKENDS, batch_shape
+from ..muscle.muscle import batch_shape
 from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
 from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
@@ -204,20 +203,6 @@ class Bundle(Module):
         supply's.
         """
         return import_late("plot.curves.bundle_force_strain")(self, pressures, strains, resistance)
-
-    def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
-        """The force [N] as a bare function of the units' pressures [Pa] and the strain [-], with
-        this bundle constant and no checks.
-
-        `backend`: "jax" for arrays, batches and gradients, or "casadi" for single points and their
-        slopes (`with_slopes`). `ValueError` for an unknown one, `ImportError` without its library.
-        """
-        if check_choice(backend, BACKENDS, "backend") == "casadi":
-            return import_late("export.point_function.compile_bundle_force")(self)
-        require("jax")
-        from ..core.jax_backend import jit
-
-        return jit(lambda pressures, strain: pressurize(self, pressures).force(strain)[0])
 
     def replace(self, **changes: Any) -> "Bundle":
         """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""

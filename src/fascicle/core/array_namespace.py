@@ -2,7 +2,7 @@
 
 A law is written once, with these. Numbers and NumPy arrays stay with NumPy. Where a JAX array or
 a tracer is among the arguments, the result is JAX's: compiled, batched and differentiated as its
-caller asks. `register_namespace` adds other libraries, such as symbols from which C is written.
+caller asks.
 
 Axes of nodes and of tables, and evaluation in chunks follow.
 """
@@ -21,30 +21,17 @@ NUMPY_TYPES = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.
 FLOATS = frozenset({float, np.float64})
 _BOOLS = frozenset({bool, np.bool_})
 NUMPY_SCALARS = NUMPY_TYPES - {np.ndarray}
-_REGISTERED: dict[type, Any] = {}
-
-
-def register_namespace(kind: type, functions: Any) -> None:
-    """Compute with arrays of a `kind` by `functions`, an object with NumPy's names."""
-    _REGISTERED[kind] = functions
 
 
 def array_namespace(*values: Any) -> Any:
-    """Array library that computes with all of the `values`: NumPy, JAX's, or a registered one."""
+    """Array library that computes with all of the `values`: NumPy or JAX's."""
     xp: Any = np
     for value in values:
         if type(value) in NUMPY_TYPES:
             continue
-        if type(value) in _REGISTERED:
-            return _REGISTERED[type(value)]
         if is_jax_array(value):
             xp = sys.modules["jax.numpy"]
     return xp
-
-
-def only_numpy_loaded() -> bool:
-    """True where no other array library is in use, so that nothing is differentiated."""
-    return "jax" not in sys.modules and not _REGISTERED
 
 
 def jax_backend() -> Any:
@@ -124,14 +111,11 @@ logical_not = _elementwise("logical_not")
 
 def node_axis(values: Any, template: Any) -> Any:
     """The `values` on a new first axis, ahead of all axes of the `template`."""
-    x = array_namespace(template).asarray(values)
-    return x if type(template) in _REGISTERED else x.reshape((-1,) + (1,) * np.ndim(template))
+    return array_namespace(template).asarray(values).reshape((-1,) + (1,) * np.ndim(template))
 
 
 def expand_nodes(x: Any, template: Any) -> Any:
     """`x` with axes of length 1 after its first, the nodes', to broadcast with the `template`."""
-    if type(x) in _REGISTERED:
-        return x
     missing = np.ndim(template) + 1 - np.ndim(x)
     return x if missing <= 0 else x.reshape(x.shape[:1] + (1,) * missing + x.shape[1:])
 
@@ -153,12 +137,12 @@ def max_nodes(x: Any) -> Any:
 
 def add_table_axis(x: Any) -> Any:
     """`x` with a new last axis for the entries of a table."""
-    return x if type(x) in _REGISTERED else array_namespace(x).asarray(x)[..., None]
+    return array_namespace(x).asarray(x)[..., None]
 
 
 def sum_table(x: Any) -> Any:
     """Sum over the last axis, that of a table."""
-    return array_namespace(x).sum(x, axis=0 if type(x) in _REGISTERED else -1)
+    return array_namespace(x).sum(x, axis=-1)
 
 
 def stack(rows: Any, axis: int = 0) -> Any:

@@ -43,7 +43,7 @@ _EXTRAS = {
     "pandas": "data", "xarray": "data", "netCDF4": "data", "openpyxl": "data",
     "nptdms": "tdms", "moocore": "design", "pymoo": "design",
     "dask": "sweep", "zarr": "sweep", "panel": "explorer",
-    "bokeh": "explorer", "tornado": "explorer", "casadi": "export", "mujoco": "robots",
+    "bokeh": "explorer", "tornado": "explorer", "mujoco": "robots",
     "gymnasium": "robots", "numpyro": "posterior",
 }  # fmt: skip
 

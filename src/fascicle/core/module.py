@@ -24,7 +24,6 @@ from .array_namespace import (
     is_jax_array,
     is_numpy,
     jax_backend,
-    only_numpy_loaded,
 )
 from .lazy import call_on_import
 from .validation import check_choice, is_concrete
@@ -304,7 +303,7 @@ def _as_numpy(result: Any) -> Any:
 
 def stop_gradient(tree: Any) -> Any:
     """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
-    if type(tree) in NUMPY_TYPES or only_numpy_loaded() or is_numpy(*tree_leaves(tree)):
+    if type(tree) in NUMPY_TYPES or is_numpy(*tree_leaves(tree)):
         return tree
     return tree_map(_stop_leaf, tree)
 

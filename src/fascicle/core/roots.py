@@ -6,7 +6,6 @@ any order, $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$. No iteration is ever d
 and a law stays a pure function.
 """
 
-import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -18,7 +17,6 @@ from .types import Batch, BatchLike, BoolBatch
 
 
 STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
-_UNROLLED_STEPS = 18  # of symbols, which can't be compared; all laws' searches end by then
 _ROUNDING = 4 * 2.0**-52  # of a root: a Newton step this short changes its last bits alone
 SHORT_STEP = 1e-7  # a Newton step this short leaves an error that one more takes to rounding
 _LONGEST_STEP = 1e-3  # of a root's size: after a search a longer step comes from a jump
@@ -64,12 +62,7 @@ def find_root(
                     break
                 search = search_step(search, *residual(theta, search.x))
             return search.x[()]  # a scalar where all are scalars
-    if xp is sys.modules.get("jax.numpy"):
-        return jax_backend().search_root(residual, theta, low, high, start)
-    search = init_search(low, high, start)
-    for _ in range(_UNROLLED_STEPS):
-        search = search_step(search, *residual(theta, search.x))
-    return xp.stop_gradient(search.x)
+    return jax_backend().search_root(residual, theta, low, high, start)
 
 
 def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:

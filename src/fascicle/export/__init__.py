@@ -1,5 +1,5 @@
-"""Muscles, bundles and controllers for other programs: C without dependencies, from the laws
-themselves or as a table, units for co-simulation, and a web page that computes the laws.
+"""Muscles, bundles and controllers for other programs: their table as C without
+dependencies, units for co-simulation, and a web page.
 """
 
 from typing import TYPE_CHECKING
@@ -8,8 +8,6 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .c_source import c_code as c_code
-    from .c_source import write_c as write_c
     from .c_table import table_code as table_code
     from .c_table import tabulate as tabulate
     from .c_table import write_table as write_table
@@ -19,14 +17,11 @@ if TYPE_CHECKING:
     from .page import write_page as write_page
 
 
-# a controller's step and tables need JAX, the law as C doesn't
 _HOMES = {
-    "c_code": "c_source",
     "page_text": "page",
     "table_code": "c_table",
     "tabulate": "c_table",
     "tabulate_controller": "controller",
-    "write_c": "c_source",
     "write_fmu": "fmu",
     "write_page": "page",
     "write_table": "c_table",

@@ -27,7 +27,7 @@ _HEADERS = """
     syslog tar termios trace ulimit unistd utime utmpx wordexp
     alloca endian features malloc memory values windows fmu
 """
-# of C23 and of C++, which may include a header; devices of Windows; words of CasADi
+# of C23 and of C++, which may include a header; devices of Windows
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
     const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
@@ -38,14 +38,14 @@ _KEYWORDS = """
     thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using
     virtual void volatile wchar_t while xor xor_eq
     main aux con nul prn
-    hess jac null
+    null
 """
 _RESERVED = {*_HEADERS.split(), *_KEYWORDS.split()}
 
 
 def check_c_name(name: str) -> str:
     """The name, if C allows it."""
-    # C++ and CasADi refuse two underscores in succession, as `a_` would have before `_law0`
+    # C++ reserves two underscores in succession, as `a_` would have before `_force`
     if len(name) > 31 or not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
         rule = "must be a name in C"
         remedy = "up to 31 letters, digits and single _ between them, a letter first"

@@ -2,7 +2,7 @@
 
 The recruitment states are written as masks. `c/inverse_states.c` takes the first state that gives
 the force, or of states that aren't nested that of least fluid; `c/inverse_sets.c` has (B11), for
-units that have a pressure each. Both search force curves at one strain, of a table or of the law.
+units that have a pressure each. Both search force curves at one strain.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,6 @@ def inverse_code(
     agreement: str,
     real: str = "double",
     number: Callable[[float], str] = repr,
-    pressure_argument: str = "pressure",
 ) -> dict[str, Any]:
     """Values of the templates for the inverse of a bundle in C.
 
@@ -43,7 +42,6 @@ def inverse_code(
     - `agreement`: how near it is to `Bundle.recruit`, as a comment in C.
     - `real`: type of numbers in C.
     - `number`: formats a number in C.
-    - `pressure_argument`: first argument of the force, of the array `pressure` of all units.
 
     **Returns:** `inverse`, the declarations; `inverse_source`, the choice of state; and the
     constants of the search.
@@ -55,7 +53,6 @@ def inverse_code(
     values: dict[str, Any] = {
         "name": name,
         "guard": name.upper(),
-        "pressure_argument": pressure_argument,
         "real": real,
         "scheme": bundle.scheme.name,
         "agreement": agreement.replace("\n", "\n * "),

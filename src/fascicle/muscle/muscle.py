@@ -18,11 +18,10 @@ from typing import Any
 import numpy as np
 
 from ..core.array_namespace import is_numpy, map_in_chunks
-from ..core.errors import require
 from ..core.lazy import import_late
 from ..core.module import Module, evaluate, record, replace_checked
 from ..core.types import Batch, Values
-from ..core.validation import check_choice, check_size, check_whole_number, warn_user
+from ..core.validation import check_size, check_whole_number, warn_user
 from ..repr_table import with_table_repr
 from .bladder import Bladder
 from .braid import Braid
@@ -47,9 +46,6 @@ from .validation import (
     validate_pressure,
     validate_strain,
 )
-
-
-BACKENDS = ("jax", "casadi")  # of a compiled force: the libraries that `compile` knows
 
 
 class AtPressure(Module):
@@ -302,24 +298,6 @@ class Muscle(Module):
         **Returns:** a figure of matplotlib's.
         """
         return import_late("plot.curves.force_strain")(self, pressures, strains, components)
-
-    def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
-        """The force alone as a bare function, with this muscle held constant and nothing checked.
-
-        **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
-        points, some 30 µs each, their slopes (`with_slopes`) and their derivatives by all of the
-        muscle's parameters (`with_gradient`).
-
-        **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
-
-        **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
-        """
-        if check_choice(backend, BACKENDS, "backend") == "casadi":
-            return import_late("export.point_function.compile_muscle_force")(self)
-        require("jax")
-        from ..core.jax_backend import jit
-
-        return jit(partial(eval_force, self))
 
     def _evaluate_law(self, quantity: str, pressure: Values) -> Batch:
         pressure = validate_pressure(pressure, self.tuning)

@@ -19,12 +19,11 @@ def test_works_along_a_path_are_areas_under_the_curve(resistance):
     bundle = fs.Bundle([fs.MotorUnit(thin, 2)])
     result = unit_work_along(bundle, LEVELS[:, None], STRAINS, resistance)
     assert result.shape == (3, 4, 1)
-    force = thin.compile()
     for i, P in enumerate(LEVELS):
         kinks = [float(thin.free_strain(P)), float(thin.collapse_strain(P))]
 
         def pull(eps, P=P, end=kinks[0]):
-            return float(force(P, eps)) if resistance or eps <= end else 0.0
+            return float(thin.force(P, eps)) if resistance or eps <= end else 0.0
 
         for j, eps in enumerate(STRAINS):
             stops = [0.0, *(k for k in sorted(kinks) if 0 < k < eps), eps]

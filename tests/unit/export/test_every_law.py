@@ -1,16 +1,13 @@
-"""The docs' table of laws: each law is written in C if the table says so."""
+"""The docs' table of laws: each law has what the table says."""
 
 import importlib.util
 from pathlib import Path
 
 import jax
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.export import c_code
-from fascicle.export.point_function import compile_muscle_force
 from fascicle.muscle import LAWS
 
 
@@ -32,30 +29,10 @@ def abilities():
     return {(kind.replace(" ", "_"), law.strip("`")): cells for kind, law, *cells in lines}
 
 
-@every_law
-def test_c_is_written_as_the_table_says(kind, name, abilities):
-    muscle = SIX.replace(**{kind: name})
-    if abilities[kind, name][0] == "yes":
-        assert "muscle_force" in c_code(muscle)[1]
-    else:
-        with pytest.raises(fs.InvalidInputError) as error:
-            c_code(muscle)
-        assert "--table" in error.value.remedy
-
-
-@pytest.mark.filterwarnings("ignore:`martens2017` was fitted to")
-def test_a_muscle_that_never_stops_pulling_is_the_same_in_c():
-    muscle = fs.Muscle(0.25, 0.01, 1.8e-3, np.radians(38), tension="martens2017")
-    force = compile_muscle_force(muscle)
-    for strain in (0.2, 0.31, 0.35):  # its mesh pushes beyond 0.32
-        # both end at the same strain, to rounding
-        assert force(2e5, strain) == pytest.approx(float(muscle.force(2e5, strain)), rel=1e-12)
-
-
 @pytest.mark.parametrize("name", LAWS["buckling"])
 def test_shear_and_braid_share_are_as_the_table_says(name, abilities):
     options = {"shear": "engesser"}, {"braid_share": 0.5}
-    for cell, option in zip(abilities["buckling", name][2:4], options, strict=True):
+    for cell, option in zip(abilities["buckling", name][:2], options, strict=True):
         if cell == "yes":
             assert LAWS["buckling"][name](**option) is not None
         else:

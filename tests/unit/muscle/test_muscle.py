@@ -50,7 +50,6 @@ def test_inside_jit_vmap_and_grad():
     assert_allclose(each, expected, rtol=1e-12, atol=1e-12)
     passed = eqx.filter_jit(lambda m, P, e: m.force(P, e))(table, P, EPS)
     assert_allclose(passed, expected, rtol=1e-12, atol=1e-12)
-    assert_allclose(table.compile()(P, EPS), expected, rtol=1e-12, atol=1e-12)
 
 
 def test_a_stack_of_muscles():

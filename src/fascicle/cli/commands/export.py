@@ -12,10 +12,6 @@ from ..outputs import check_file, print_line, replace_output, status, write_text
 
 def run(
     file: str = options.TARGET,
-    c: str | None = option(
-        "Folder for the force law and its inverse in C, without dependencies.",
-        metavar="FOLDER",
-    ),
     table: str | None = option(
         "Folder for a table of force, volume and inverse in C: tens of nanoseconds per force.",
         metavar="FOLDER",
@@ -50,50 +46,41 @@ def run(
 ) -> None:
     """Write a muscle or bundle as C code, an FMU or a web page.
 
-    `--c` writes the force law itself, its derivatives and its free strain; it needs
-    `fascicle[export]`. `--table` writes a table of force and volume, and reports its error; for a
-    scenario with force control as FILE it adds one step of the controller. Both have the inverse,
-    `NAME_pressures`: the pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
+    `--table` writes a table of force and volume, and reports its error; for a scenario with force
+    control as FILE it adds one step of the controller. It has the inverse, `NAME_pressures`: the
+    pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
     packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
     platform it holds sources only. `--page` writes one file with sliders for pressure, contraction
     and sizes, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
-    if c is None and table is None and fmu is None and page is None:
-        raise UserError(
-            "nothing to write: give --c or --table and a folder, or --fmu or --page and a file."
-        )
+    if table is None and fmu is None and page is None:
+        raise UserError("nothing to write: give --table and a folder, --fmu or --page and a file.")
     if pressure is not None and page is None:
         raise UserError("--pressure: it is of the page's curves: give --page, too.")
     if fmu is not None:
         check_file("--fmu", fmu, overwrite, [".fmu"])
     if page is not None:
         check_file("--page", page, overwrite, [".html", ".htm"])
-    law = "--c" if c is not None else "--page" if page is not None else ""
-    target = _read_exported(file, law)
+    target = _read_exported(file, page is not None)
     from ... import export
     from ...export.c_files import check_c_name
 
     with user_errors():
         check_c_name(name)
-    for flag, folder in (("--c", c), ("--table", table)):
-        if folder is not None:
-            _check_c(flag, folder, name, overwrite)
+    if table is not None:
+        _check_c(table, name, overwrite)
     if page is not None:
         write_text("--page", page, overwrite, _page_text(target, file, pressure))
         print_line(f"wrote {page}")
-    if c is not None:
-        with status("writing the law as C"), user_errors():
-            texts = export.c_code(target, name)
-        _write_c("--c", c, name, texts, overwrite)
     if table is not None:
         with status("computing the table"), user_errors():
             tables = export.tabulate(target, precision)
             texts = tables.code(name)
-        _write_c("--table", table, name, texts, overwrite)
+        _write_c(table, name, texts, overwrite)
         print_line(tables.errors)
     if fmu is not None:
-        from ...export.fmu import UnbuiltUnitError  # needs JAX, the law as C doesn't
+        from ...export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
         message = ""
         with (
@@ -109,14 +96,12 @@ def run(
         print_line(f"wrote {fmu}")
 
 
-def _read_exported(file: str, law: str) -> Any:
-    """Read a muscle, a bundle, or a scenario's controller; `law`: option that exports the law
-    itself, if any.
-    """
+def _read_exported(file: str, page: bool) -> Any:
+    """Read a muscle, a bundle, or a scenario's controller, which a `page` can't show."""
     if not is_scenario(file):
         return read_target(file)
-    if law:
-        raise UserError(f"{law}: {file} is a scenario, the law is a bundle's: give --table.")
+    if page:
+        raise UserError(f"--page: {file} is a scenario, a page is of a bundle: give --table.")
     scenario = read_scenario(file)
     if scenario.control:
         return scenario.control.controller
@@ -126,24 +111,24 @@ def _read_exported(file: str, law: str) -> Any:
         return single_bundle(scenario.plant)
 
 
-def _check_c(flag: str, folder: str, name: str, overwrite: bool) -> None:
+def _check_c(folder: str, name: str, overwrite: bool) -> None:
     """Refuse header and source that can't be written, before the work begins."""
     from ...io.atomic import check_writable
 
-    with user_errors(f"{flag} "):
+    with user_errors("--table "):
         check_writable(folder, folder=True)
     if Path(folder).is_dir():
         for suffix in (".h", ".c"):
-            check_file(flag, Path(folder) / f"{name}{suffix}", overwrite)
+            check_file("--table", Path(folder) / f"{name}{suffix}", overwrite)
 
 
-def _write_c(flag: str, folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
-    """Write the `texts` of header and source, and print their paths; errors name the `flag`."""
-    with user_errors(f"{flag} "):
+def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
+    """Write the `texts` of header and source, and print their paths."""
+    with user_errors("--table "):
         Path(folder).mkdir(parents=True, exist_ok=True)
     paths = [Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c")]
     for path, text in zip(paths, texts, strict=True):
-        write_text(flag, path, overwrite, text)
+        write_text("--table", path, overwrite, text)
     print_line(f"wrote {paths[0]} and {paths[1]}")
 
 

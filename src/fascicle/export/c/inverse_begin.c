@@ -3,7 +3,7 @@ static real total_force(const real pressure[UNITS], real strain)
 {
     real force;
 
-    @name@_force(@pressure_argument@, strain, &force, NULL, NULL);
+    @name@_force(pressure, strain, &force, NULL, NULL);
     return force;
 }
 

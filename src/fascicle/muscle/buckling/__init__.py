@@ -114,12 +114,10 @@ class AbstractBuckling(AbstractLaw):
     """A law for the muscle between its free strain and its collapse.
 
     `braid_share`: counted share of the braid's bending stiffness [-]. `shear`: field of a law of
-    columns that may shear. `collapses`: true if the muscle can collapse. `symbolic`: true if C code
-    can be written of it.
+    columns that may shear. `collapses`: true if the muscle can collapse.
     """
 
     collapses: ClassVar[bool] = True
-    symbolic: ClassVar[bool] = True
 
     braid_share: ClassVar[Batch]
 

@@ -89,7 +89,6 @@ class Ovalising(AbstractBuckling):
     name: ClassVar[str] = "ovalising"
     source: ClassVar[str] = "derived here, after Brazier (1927) and Wood (1958)"
     collapses: ClassVar[bool] = False
-    symbolic: ClassVar[bool] = False
 
     braid_share: Batch = BRAID_SHARE.field()
 
