@@ -35,7 +35,7 @@ def test_the_text_is_one_sentence():
     assert str(InvalidInputError("a", ", `b` must be c", 3)) == "`a`, `b` must be c, got 3."
     assert str(InvalidInputError("a", "must be b", "c", "do d")) == "`a` must be b, got 'c': do d."
     assert str(InvalidInputError("a", "b", 3, "c", shown="")) == "`a` b: c."
-    assert str(error_of(lambda: units.parse("3 mbarr", "pressure"))).endswith("mean 'mbar'?")
+    assert str(error_of(lambda: units.parse("3 KPA", "pressure"))).endswith("mean 'kPa'?")
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, lambda x: pickle.loads(pickle.dumps(x))])  # noqa: S301

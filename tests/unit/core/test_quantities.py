@@ -147,3 +147,9 @@ def test_intended_low_pressures_do_not_warn(unwarned):
         MUSCLE.force("0.5 kPa", 0.1)
         BUNDLE.force(["344.7 kPa", 0.0], 0.1)
         jax.jit(MUSCLE.force)(2.0, 0.1)  # traced: not checked
+
+
+def test_the_unit_decides_on_a_texts_dimension_whatever_the_arguments_name():
+    for name in ("strain", "share"):
+        assert to_si("12 %", name, "-") == 0.12
+    assert to_si("2 bar", "strain", "Pa") == 2e5
