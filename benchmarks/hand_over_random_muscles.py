@@ -2,13 +2,11 @@
 
 Random truths: standard deviations of 10 % of Young's modulus, collapse moment and rubber, 5 % of
 the wall, 2 % of the radius, 1° of the braid angle, 0.4 of the logarithm of the transition rate. The
-controller knows the nominal muscles, and how uncertain muscles are: it learns from one crossing to
-the next by `control.Learner` with its usual draws. Air, isothermal, valves of 1e-9 m³/(s Pa) a
-muscle, 1 kHz; dips over the model's dip D, counted up to the demand that the truth can hold.
-Simulated: nothing here was measured on a bench. The policy's constants were chosen on seed
-1, the learner's on seed 5 and on the first 24 muscles of seed 2026, the tables' own.
+controller knows the nominal muscles. Air, isothermal, valves of 1e-9 m³/(s Pa) a muscle, 1 kHz;
+dips over the model's dip D, counted up to the demand that the truth can hold. Simulated: nothing
+here was measured on a bench.
 
-    python benchmarks/hand_over_random_muscles.py crossings|delays|durations|shapes [truths]
+    python benchmarks/hand_over_random_muscles.py delays|durations|shapes [truths]
 """
 
 import sys
@@ -163,10 +161,10 @@ def make_demand(shape: str, duration: float, first: float) -> np.ndarray:
 
 def study(
     count: int, strain: float, truths: int, lag: float | None = None, delay: float = 0.0,
-    duration: float = 4.0, shape: str = "ramp", crossings: int = 1, seed: int = 1,
+    duration: float = 4.0, shape: str = "ramp", seed: int = 1,
     declared: tuple[float | None, float] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Results of `threshold`, and of each crossing by `hand_over`, for random `truths`.
+    """Results of `threshold` and `hand_over`, for random `truths`.
 
     `declared`: lag and delay [s] that the controller is told; left out, the true ones.
     """
@@ -190,25 +188,12 @@ def study(
         dip, drawn = np.array(rows).T
         return Result(dip, np.array(least), drawn)
 
-    learner = control.Learner.of(model) if crossings > 1 else None
-    grid = None if learner is None else learner.grid
-
-    def controller(policy: str, correction: Any) -> Any:
-        return control.cascade(model, policy, delay=declared_delay, correction=correction)
-
-    plain = [controller("threshold", grid)] * truths
-    force, pressures, air = fleet.run(plain, demand)
-    corrections, results = [grid] * truths, []
-    controllers = [controller("hand_over", grid)] * truths
-    threshold = result(force, air)
-    for index in range(crossings):
-        if index and learner is not None:
-            rows = zip(force, pressures, corrections, strict=True)
-            corrections = [learner.learn(F, P, np.full(P.shape, strain), c) for F, P, c in rows]
-            controllers = [controller("hand_over", c) for c in corrections]
-        force, pressures, air = fleet.run(controllers, demand)
-        results.append(result(force, air))
-    return {"threshold": threshold, "hand_over": results[0], "crossings": results}
+    results = {}
+    for policy in ("threshold", "hand_over"):
+        controllers = [control.cascade(model, policy, delay=declared_delay)] * truths
+        force, _, air = fleet.run(controllers, demand)
+        results[policy] = result(force, air)
+    return results
 
 
 def identify_lateness(lag: float | None, delay: float, seed: int) -> tuple[float | None, float]:
@@ -227,22 +212,13 @@ def identify_lateness(lag: float | None, delay: float, seed: int) -> tuple[float
     return (response.lag if response.lag > DT else None), delay
 
 
-@cache
-def _draws(count: int) -> tuple[fs.Bundle, ...]:
-    """Bundles that the model's could be; their tables serve all demands."""
-    return control.draw_bundles(make_plant(NOMINAL, count, 0.0).bundles[0], 20)
-
-
 def forecast(count: int, strain: float, shape: str, duration: float) -> str:
-    """Cells: if `crossing` finds a hand-over of the nominal muscles, and if in 95 % of bundles that
-    they could be.
-    """
+    """Cell: if `crossing` finds a hand-over of the nominal muscles."""
     model = make_plant(NOMINAL, count, strain)
     first = float(control.transition(model.bundles[0], strain).largest_force)
     demand = make_demand(shape, duration, first)
-    choice = control.select_policy(model, demand, DT, "force", draws=_draws(count))
-    is_sure = choice.share >= 0.95  # as `select_policy` decides; nan without a nominal one
-    return " | ".join("yes" if x else "no" for x in (choice.crossings[0].exists, is_sure))
+    path = control.Path.of(DT * np.arange(len(demand)), demand, strain)
+    return "yes" if control.crossing(model.bundles[0], path, model).exists else "no"
 
 
 def _quantiles(values: np.ndarray) -> str:
@@ -261,27 +237,20 @@ def _possible(result: Result) -> str:
 
 
 def _print_row(label: str, result: dict[str, Any]) -> None:
-    """A row: first and third crossing, the least possible, threshold, air."""
-    first, last, plain = result["hand_over"], result["crossings"][-1], result["threshold"]
-    air = 100 * np.median(last.air / plain.air - 1)
-    print(
-        f"| {label} | {_dips(first)} | {_quantiles(last.dip)} | {_possible(last)} |"
-        f" {np.quantile(first.least, 0.9):.2f} | {np.median(plain.dip):.2f} |"
-        f" {int(np.sum(last.dip > plain.dip))} | {air:+.1f} % |",
-        flush=True,
-    )
+    """A row: dips of `hand_over` and `threshold`, and air."""
+    handed, plain = result["hand_over"], result["threshold"]
+    air = 100 * np.median(handed.air / plain.air - 1)
+    print(f"| {label} | {_dips(handed)} | {np.median(plain.dip):.2f} | {air:+.1f} % |", flush=True)
 
 
 def main(table: str, truths: int) -> None:
     """Print a table of the docs."""
-    if table in ("crossings", "delays"):
-        lateness = (("nothing", None, 0.0),) if table == "crossings" else DELAYS
-        for label, lag, delay in lateness:
-            declared = identify_lateness(lag, delay, REPORT) if lag or delay else None
-            if declared is not None:
-                print(f"{label}: identified lag {declared[0]}, delay {declared[1]:.3f} s")
+    if table == "delays":
+        for label, lag, delay in DELAYS:
+            declared = identify_lateness(lag, delay, REPORT)
+            print(f"{label}: identified lag {declared[0]}, delay {declared[1]:.3f} s")
             for count, strain in CASES:
-                options: Any = {"crossings": 3, "seed": REPORT, "declared": declared}
+                options: Any = {"seed": REPORT, "declared": declared}
                 result = study(count, strain, truths, lag, delay, **options)
                 _print_row(f"1 + {count} | {strain:.2f} | {label}", result)
     elif table == "durations":

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fascicle.control import POLICIES, Correction
+from fascicle.control import POLICIES
 from fascicle.files import example_text
 from fascicle.results.labelled import read
 
@@ -69,25 +69,6 @@ def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
     assert data["control_rms"].attrs["units"] == data["demand"].attrs["units"] == "N"
     for path, part in (("a.html", ">Quality of control<"), ("a.svg", "<svg")):
         assert part in Path(path).read_text()
-
-
-def test_a_correction_is_learned_and_exported(fascicle, tmp_path):
-    ramp = example_text("ramp_hand_over").replace('"2 s"', '"1 s"', 1)
-    # the controller's model has thinner walls than the bundle
-    model = re.search(r"\[muscle\].*(?=\[load\])", ramp, re.DOTALL)[0]
-    (tmp_path / "model.toml").write_text(f"format = 1\n{model}")
-    keys = 'model = "model.toml"\ncorrection = "learned.json"\nlearn = true\npolicy = "threshold"'
-    ramp = re.sub('policy = "hand_over"', keys, ramp).replace('"1.6 mm"', '"1.7 mm"', 1)
-    (tmp_path / "a.toml").write_text(ramp)
-    code, out, _ = fascicle("simulate", "a.toml")
-    assert code == 0 and "learned.json" in out
-    first = Correction.load("learned.json")
-    assert first.forces.min() < -0.1  # N: a thicker wall pulls less
-    assert fascicle("simulate", "a.toml")[0] == 2
-    assert fascicle("simulate", "a.toml", "--overwrite")[0] == 0
-    assert np.any(Correction.load("learned.json").forces != first.forces)
-    assert fascicle("export", "a.toml", "--table", "c")[0] == 0
-    assert "correction" in (tmp_path / "c" / "muscle.c").read_text()
 
 
 def test_policies_are_compared_and_what_none_can_reach_is_told(fascicle, tmp_path):

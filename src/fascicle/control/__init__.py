@@ -15,8 +15,6 @@ from .identify import LoopMargins as LoopMargins
 from .identify import StepResponse as StepResponse
 from .identify import identify as identify
 from .identify import loop_margins as loop_margins
-from .learning import Correction as Correction
-from .learning import Learner as Learner
 from .metrics import ControlMetrics as ControlMetrics
 from .metrics import Reachability as Reachability
 from .metrics import control_metrics as control_metrics

@@ -20,7 +20,6 @@ from ..dynamics import Plant, PrescribedMotion
 from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
 from .confidence import CONFIDENCE
 from .crossing import Crossing, Path, crossing, hand_over_time
-from .learning import Correction, correct_units
 from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
 from .simultaneous_policies import batch, energy_aware
 from .uncertainty import draw_bundles
@@ -57,7 +56,6 @@ def cascade(
     flow_limit: Values = 1.0,
     compensate: bool = False,
     co_contraction: Values = 0.0,
-    correction: Correction | None = None,
 ) -> Cascade:
     """Controller of a plant, as `simulate` takes it.
 
@@ -77,7 +75,6 @@ def cascade(
     - `flow_limit`: largest opening of a valve [-].
     - `compensate`: feedforward of the plant's friction.
     - `co_contraction`: of each of a joint's bundles [N].
-    - `correction`: of the muscles' forces, from `Learner`; left out, none.
 
     **Raises:** `InvalidInputError` for arguments that don't fit.
     """
@@ -104,8 +101,6 @@ def cascade(
     ))  # fmt: skip
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
     units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
-    if correction is not None:
-        units = correct_units(plant, units, correction)
     if band is None:
         zeros = [np.zeros(bundle.count) for bundle in units]
         blocked = [

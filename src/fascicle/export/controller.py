@@ -14,7 +14,6 @@ import numpy as np
 from ..bundle import Bundle
 from ..control import Cascade
 from ..control.branches import Branches
-from ..control.learning import CorrectedMuscles
 from ..control.sequential_policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
@@ -22,7 +21,7 @@ from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
-from .c_files import c_array, render_template, table_strains
+from .c_files import c_array, table_strains
 
 
 # chambers whose content the C code computes
@@ -57,10 +56,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
     top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
     strains = table_strains(plant.bundles[0])
-    tables: Any = MuscleTables.from_muscles(muscles, top, shape, strains)
-    corrected = controller.units[0].branches.muscles
-    if isinstance(corrected, CorrectedMuscles):
-        tables = replace(corrected, muscles=tables)
+    tables = MuscleTables.from_muscles(muscles, top, shape, strains)
     branches = Branches.tabulated(tables, plant.supply_pressure)
     units = (replace(controller.units[0], branches=branches),)
     return replace(controller, units=units, dt=controller.dt * controller.every, every=1)
@@ -91,18 +87,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
         return nested_initializers(constants)[1:-1]
 
-    learned = branches.muscles if isinstance(branches.muscles, CorrectedMuscles) else None
-    correction = {} if learned is None else {
-        "forces": ",\n".join(map(nested_initializers, learned.forces)),
-        "pressures": ", ".join(map(number, learned.pressures)),
-        "rows": len(learned.pressures) - 1,
-        "strains": len(learned.grid_strains) - 1,
-        "lowest": number(learned.grid_strains[0]),
-        "highest": number(learned.grid_strains[-1]),
-    }  # fmt: skip
     return {
-        "correct": "" if learned is None else render_template("correction.c", correction),
-        "corrects": "" if learned is None else "    correct(unit, pressure, strain, &at);\n",
         "branch_count": len(branches.onsets),
         "branch_of": c_array(map(int, branches.muscles.indices)),
         "policy": _c_policy(controller),

@@ -52,7 +52,7 @@ from .shipped_files import example_text, named_muscles
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
-    from ..control import Cascade, Correction, PolicyChoice
+    from ..control import Cascade, PolicyChoice
 
 MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
 _MAX_STEPS = 2_000_000  # of a run: some minutes
@@ -69,7 +69,6 @@ class ScenarioControl(NamedTuple):
     - `controller`, `reference`: the controller, and its demand at each step [SI].
     - `choice`: the comparison by which `auto` chose the policy, or `None`.
     - `policy`: its name; `options`: the controller's other arguments.
-    - `correction_file`: file of the correction that runs are to be learned into, or `None`.
     """
 
     controller: "Cascade"
@@ -77,7 +76,6 @@ class ScenarioControl(NamedTuple):
     choice: "PolicyChoice | None"
     policy: str
     options: Mapping[str, Any]
-    correction_file: Path | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -150,24 +148,6 @@ class Scenario:
             raise InvalidInputError(name, rule, policy, shown="")
         control = self.control.with_policy(policy, compensate)
         return replace(self, control=control, notes=control.notes)
-
-    def learn(self, run: Trajectory) -> "Correction":
-        """Correction of the controller's muscles after a run.
-
-        **Arguments:** `run`: of this scenario [SI].
-
-        **Returns:** the correction for the next run.
-
-        **Raises:** `InvalidInputError` for a scenario without [control].
-        """
-        from ..control import Learner
-
-        if self.control is None:
-            raise InvalidInputError("control", "must be in the scenario", None, shown="")
-        outputs, plant = run.outputs, self.control.controller.plant
-        force = np.sum(plant.lengths * plant.gains * np.asarray(outputs.forces), axis=-1)
-        before = self.control.options.get("correction")
-        return Learner.of(plant).learn(force, outputs.pressures, outputs.strains, before)
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""
@@ -248,7 +228,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         model = file.control.model
         model_bundles = bundles if model is None else _model_bundles(model, bundles, root, folder)
         model_plant = plant if model is None else make_plant(model_bundles)
-        control = _control(file, model_plant, dt, duration, root, folder)
+        control = _control(file, model_plant, dt, duration, root)
         notes = control.notes
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
@@ -521,10 +501,10 @@ def _rising_times(rows: list[Any], key: str, root: FileLocation) -> np.ndarray:
 
 
 def _control(
-    file: Any, plant: Plant, dt: float, duration: float, root: FileLocation, folder: Path
+    file: Any, plant: Plant, dt: float, duration: float, root: FileLocation
 ) -> ScenarioControl:
     """Controller with a `plant` as its model."""
-    from ..control import Correction, Gains, cascade
+    from ..control import Gains, cascade
 
     output, reference = _reference(file, dt, duration, root)
     values, location, default = (
@@ -532,14 +512,8 @@ def _control(
         root.child("control", kind="part"),
         Gains(),
     )
-    policy, name, learns = (values.pop(key, None) for key in ("policy", "correction", "learn"))
+    policy = values.pop("policy")
     values.pop("model", None)
-    if learns and name is None:
-        raise location.error(("learn",), 'needs a file: write correction = "learned.json".')
-    path = None if name is None else folder / name
-    if path is not None and not (learns and not path.exists()):  # a first run begins without one
-        with location.child("correction", kind="correction").error_context():
-            values["correction"] = Correction.load(path)
     if values.get("delay", 0.0) > duration:
         rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
         raise location.error(("delay",), rule)
@@ -559,8 +533,7 @@ def _control(
     options = {"gains": gains, "dt": dt, **values}
     with location.error_context():
         controller = cascade(plant, "orderly", output, **options)
-        learned = path if learns else None
-        control = ScenarioControl(controller, reference, None, "orderly", options, learned)
+        control = ScenarioControl(controller, reference, None, "orderly", options)
         return control.with_policy(policy)
 
 

@@ -256,8 +256,7 @@ def _control_keys(rotary: bool) -> dict[str, Any]:
     policy: Any = (str, Field(examples=['"hand_over"']))
     control: Any = create_model(
         "ControlSection", __base__=TableModel, policy=policy,
-        compensate=(StrictBool | None, None), model=(Any, None), correction=_NAME,
-        learn=(StrictBool | None, None), **keys,
+        compensate=(StrictBool | None, None), model=(Any, None), **keys,
     )  # fmt: skip
     demand: Any = create_model(
         "DemandSection", __base__=TableModel, time=_key("time"),

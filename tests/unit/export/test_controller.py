@@ -36,19 +36,11 @@ CASES = {
     "polytropic": ("threshold", {"chamber": fluid.Polytropic(1.2, dead_volume=3e-6)}),
     "hose": ("threshold", {"valve": fluid.SonicValve(1e-9, 0.3, line=fluid.Line(1.0, 4e-3))}),
     "wall": ("orderly", {"chamber": fluid.AdiabaticWall(0.5, dead_volume=3e-6)}),
-    "learned": ("threshold", {}),
 }
 
 
 class Memory(ctypes.Structure):
     _fields_ = (("force_integral", NUMBER), ("recruited", NUMBER))
-
-
-def learn(plant):
-    """A correction that differs from unit to unit: at high pressure they pull 10 N more or less."""
-    grid = control.Learner.of(plant).grid
-    share = np.sqrt(grid.pressures / SUPPLY)[:, None] * np.cos(5 * grid.strains)
-    return grid._replace(forces=np.array([8.0, -10.0, 4.0])[:, None, None] * share)
 
 
 def measure(rng, count):
@@ -66,7 +58,7 @@ def measure(rng, count):
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(case, marks=() if case in ("hose", "learned") else pytest.mark.slow)
+        pytest.param(case, marks=() if case in ("hose", "threshold") else pytest.mark.slow)
         for case in CASES
     ],
 )
@@ -74,10 +66,7 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
     policy, options = CASES[case]
     plant = make_plant(**options)
     gains = control.Gains(force=0.3, force_integral=40.0)
-    cascade = control.cascade(
-        plant, policy, gains=gains, dt=1e-3, flow_limit=0.8,
-        correction=learn(plant) if case == "learned" else None,
-    )  # fmt: skip
+    cascade = control.cascade(plant, policy, gains=gains, dt=1e-3, flow_limit=0.8)
     step = compile_c(write_table(cascade, tmp_path, "knee", shape=SHAPE)[1]).knee_step
     controller = tabulate_controller(cascade, SHAPE)
     memory, c_memory = controller.memory, Memory(0.0, 1.0)

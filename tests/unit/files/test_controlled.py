@@ -22,7 +22,7 @@ velocity_gain = "100 N*s/m\"""",
 time = "0 s"
 position = "11 mm"
 [[demand]]
-time = "4 s"
+time = "2 s"
 position = "21 mm"
 """
 )
@@ -101,8 +101,6 @@ POLICY = 'policy = "hand_over"'
         (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force = 15: `force` must be a force"),
         (RAMP, [('force = "70 N"', 'position = "7 mm"')], "write `force` in each row"),
         (RAMP, [(POLICY, "")], "control.policy: missing"),
-        (RAMP, [(POLICY, f"{POLICY}\nlearn = true")], "control.learn = true: needs a file"),
-        (RAMP, [(POLICY, f'{POLICY}\ncorrection = "none.json"')], "none.json: no such file"),
         (
             RAMP,
             [(POLICY, f'{POLICY}\nmodel = "kim2021_bundle_1_4"')],

@@ -67,8 +67,6 @@ def run(
         if policy is not None or compensate is not None:
             with user_errors():
                 study = study.with_policy(policy, compensate)
-        if not compare and study.control and (learned := study.control.correction_file):
-            check_file("[control] correction", learned, overwrite)
         if not compare:
             update(f"simulating {study.duration:g} s in {round(study.duration / study.dt)} steps")
             return _simulate(study, outputs, report)
@@ -104,20 +102,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
         from ...reports.simulation import report as page
 
         _write_report(report, outputs, page(study, result, balances, doubts, today()))
-    if control is not None and control.correction_file is not None and not doubts:
-        _learn(study, result, outputs)
     return _print_doubts({f"{study.name}: the run": doubts})
-
-
-def _learn(study: Any, result: Any, outputs: Outputs) -> None:
-    """Write what a run taught of its muscles into the scenario's correction file."""
-    path = study.control.correction_file
-    with status("learning the muscles' forces"), user_errors():
-        correction = study.learn(result)
-        correction.save(path, overwrite=outputs.overwrite)
-    if not (outputs.as_json or outputs.as_csv):
-        largest = float(abs(correction.forces).max())
-        print_line(f"wrote {path}: forces of a muscle corrected by up to {largest:.3g} N")
 
 
 def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:

@@ -23,12 +23,9 @@ static const real exhaust_valve[UNITS][2][3] = {@exhaust_valve@};
 static real least(real a, real b) { return a < b ? a : b; }
 static real most(real a, real b) { return a > b ? a : b; }
 
-@correct@
 static point unit_at(int unit, real pressure, real strain)
 {
-    point at = muscle_at(kind_of[unit], pressure, strain);
-
-@corrects@    return at;
+    return muscle_at(kind_of[unit], pressure, strain);
 }
 
 /* place among the columns, and how far into it */
