@@ -18,7 +18,7 @@ from fascicle import control, dynamics, fluid
 
 
 SUPPLY, DT, STEPS = 413.7e3, 1e-3, 4000
-POLICIES = ("threshold", "orderly", "fast_cross", "hand_over", "pre_charge")
+POLICIES = ("threshold", "orderly", "hand_over")
 # muscles of the second unit, strain [-], conductance over 1e-9 m³/(s Pa) a muscle
 CASES = ((1, 0.15, 1.0), (1, 0.2, 1.0), (4, 0.15, 1.0), (4, 0.2, 1.0), (4, 0.2, 1 / 3),
          (4, 0.24, 1.0))  # fmt: skip

@@ -5,8 +5,6 @@ controllers.
 from .branches import Branches as Branches
 from .cascade import Cascade as Cascade
 from .cascade import Gains as Gains
-from .confidence import CrossingConfidence as CrossingConfidence
-from .confidence import crossing_confidence as crossing_confidence
 from .crossing import Crossing as Crossing
 from .crossing import Path as Path
 from .crossing import crossing as crossing
@@ -22,15 +20,12 @@ from .metrics import controlled_output as controlled_output
 from .metrics import pareto_front as pareto_front
 from .metrics import reachability as reachability
 from .policies import POLICIES as POLICIES
-from .policies import PolicyChoice as PolicyChoice
 from .policies import cascade as cascade
-from .policies import select_policy as select_policy
+from .policies import crossings_on_reference as crossings_on_reference
 from .transition import Transition as Transition
 from .transition import added_force as added_force
 from .transition import needed_reserve as needed_reserve
 from .transition import transition as transition
-from .uncertainty import ModelScatter as ModelScatter
-from .uncertainty import draw_bundles as draw_bundles
 from .valves import GasValves as GasValves
 from .valves import OilValves as OilValves
 from .valves import PlantValves as PlantValves

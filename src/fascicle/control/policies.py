@@ -1,28 +1,21 @@
-r"""Policies by name, controllers with them, and the selection of a policy for a task.
-
-A dip of length $t_c$ hardly moves a load of mass $M$ on its muscles' stiffness $k$ while
-$t_c \sqrt{k/M} \ll 1$; derived here.
-"""
+"""Policies by name, and controllers with them."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..bundle.bundle import Bundle
 from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
 from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
-from .confidence import CONFIDENCE
-from .crossing import Crossing, Path, crossing, hand_over_time
-from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
-from .simultaneous_policies import batch, energy_aware
-from .uncertainty import draw_bundles
+from .crossing import Crossing, Path, crossing
+from .sequential_policies import hand_over, orderly, threshold
+from .simultaneous_policies import batch
 from .units import ControlledUnits
 
 
@@ -30,17 +23,11 @@ POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
     "orderly": orderly,
     "batch": batch,
     "threshold": threshold,
-    "energy_aware": energy_aware,
     "hand_over": hand_over,
-    "pre_charge": pre_charge,
-    "fast_cross": fast_cross,
 })  # fmt: skip
 OF = ("force", "position")  # values of the argument `of`
+_SAMPLES = 401  # of a reference: steps of a quarter of a percent
 _BAND = 0.02  # of the largest unit's force at rest: more than noise
-_DRAWS = 20  # of bundles: each takes a quarter of a second
-_HARMLESS = (
-    0.2  # of t_c √(k/M): below it a dip moves the load by 2 % of a lasting dip's way at most
-)
 
 
 def cascade(
@@ -115,7 +102,7 @@ def cascade(
     pressure_time = check_positive(pressure_time, "pressure_time", "s")
     observer = gains.observer_time
     if observer is None:
-        observer = OBSERVER if policy in ("hand_over", "pre_charge") else np.inf
+        observer = OBSERVER if policy == "hand_over" else np.inf
     observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=(False, True))
     gains = gains._replace(pressure_time=pressure_time, observer_time=observer)
     gains = Gains(*map(np.float64, gains))
@@ -143,110 +130,38 @@ def _whole_steps(value: Any, dt: float, name: str) -> int:
     return steps
 
 
-class PolicyChoice(NamedTuple):
-    """A `policy`, the reason for it, `why`, and the `crossings` that it depends on; `share`: of
-    bundles drawn around the model, those that have all of them [-], counted until it is below
-    `CONFIDENCE`; nan if the model itself doesn't have them, or needs none.
-    """
-
-    policy: str
-    why: str
-    crossings: tuple[Crossing, ...]
-    share: float = np.nan
-
-
-def select_policy(
-    plant: Plant,
-    reference: Values,
-    dt: float,
-    of: str,
-    delay: float = 0.0,
-    draws: Sequence[Bundle] | None = None,
-) -> PolicyChoice:
-    """Select a policy for a plant and its reference.
+def crossings_on_reference(
+    plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
+) -> tuple[Crossing, ...]:
+    """Crossings to each unit but the first along the quasi-static motion that follows a reference.
 
     **Arguments:**
 
-    - `plant`: of one bundle or two.
+    - `plant`: the plant.
     - `reference`: one for each step [SI].
     - `dt`: the step [s].
     - `of`: quantity of the reference, "force" or "position".
     - `delay`: of measurements [s]; the lag of valves is the plant's.
-    - `draws`: bundles that the plant's could be, such as those of a calibration; left out, 20 by
-      `draw_bundles`. A crossing counts if 95 % of them have it.
+
+    **Returns:** a `Crossing` [s] of each unit; none for two bundles, whose demands depend on the
+    controller.
 
     **Raises:** `InvalidInputError` as `crossing` does.
     """
-    if plant.units == 1:
-        return PolicyChoice("orderly", "there is one motor unit, nothing is handed over", ())
-    if max(plant.sides) > 0:
-        why = "each of two bundles has a demand of its own, which is not known beforehand"
-        return PolicyChoice("hand_over", why, ())
-    path = _path(plant, np.asarray(reference, float), dt, of)
-    bundle, supply = plant.bundles[0], plant.supply_pressure
-    units = range(2, plant.units + 1)
-    lag = DAMPED * (valve_lag(plant) + delay)  # of pressures, (K3a)
-    crossings = tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
-    share = np.nan
-    is_needed = any(entry.deadline is not None for entry in crossings)
-    if is_needed and all(entry.is_resolved for entry in crossings):
-        draws = draw_bundles(bundle, _DRAWS) if draws is None else draws
-        failures = 0
-        for draw in draws:
-            failures += not all(
-                crossing(draw, path, plant, unit, supply, lag=lag).is_resolved for unit in units
-            )
-            share = 1 - failures / len(draws)
-            if share < CONFIDENCE:  # the remaining draws, seconds each, can't change the choice
-                break
-    return PolicyChoice(*_select_by_crossings(plant, path, crossings, share), crossings, share)
-
-
-def _select_by_crossings(
-    plant: Plant, path: Path, crossings: tuple[Crossing, ...], share: float
-) -> tuple[str, str]:
-    """Policy for a plant of one bundle by its `crossings`, and the reason for it."""
-    needed = [entry for entry in crossings if entry.deadline is not None]
-    if not needed:
-        return "threshold", f"no crossing is needed: {crossings[0].reason}"
-    infeasible = next((entry.reason for entry in needed if not entry.exists), "")
-    if share < CONFIDENCE:
-        infeasible = (
-            f"fewer than {100 * CONFIDENCE:.0f} % of bundles drawn around the model have a crossing"
-            " without a dip"
-        )
-    if infeasible:
-        ratio = np.inf
-        if not plant.load.prescribed:  # the unit's valve wide open, at the path's middle strain
-            eps = float(np.median(path.strain))
-            supply, units = plant.supply_pressure, plant.units
-            time = float(hand_over_time(plant.bundles[0], eps, plant, 2, supply))
-            muscles = plant.muscles.at(np.full(units, supply / 2), np.full(units, eps))
-            stiffness = plant.counts * plant.lengths * plant.gains**2 * muscles.force_by_strain
-            ratio = time * float(np.sqrt(max(-np.sum(stiffness), 0.0) / float(plant.load.inertia)))
-        if ratio < _HARMLESS:
-            why = f"{infeasible}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
-            return "fast_cross", why
-        return "hand_over", f"{infeasible}; it keeps the dip as small as it can be"
-    wait = max(
-        (entry.deadline or 0.0) - (entry.end or 0.0) - (entry.fill_time or 0.0) for entry in needed
-    )
-    if wait > 0 and np.ptp(path.strain) > 1e-6:  # a held strain changes by rounding only
-        why = f"the last crossing ends {wait:.3g} s before the unit is needed: {needed[0]}"
-        return "pre_charge", why
-    return "hand_over", (
-        f"{100 * share:.0f} % of bundles drawn around the model have a crossing without a dip,"
-        f" {needed[0]}"
-    )
-
-
-def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
-    """Demand and strain of the quasi-static motion along a `reference` [SI]."""
-    steps = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
-    time, target = dt * steps, reference[steps]
+    bundle, *others = plant.bundles
+    if others:
+        return ()
+    target = np.asarray(reference, float)
+    steps = np.unique(np.linspace(0, len(target) - 1, _SAMPLES).astype(int))
+    time, target = dt * steps, target[steps]
     low, high = plant.stroke
     if of == "position":
         q = np.clip(target, low, high)
-        return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
-    q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
-    return Path.of(time, target, float(np.atleast_1d(plant.strains(q))[0]))
+        force, strain = -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0]
+    else:
+        q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
+        force, strain = target, float(np.atleast_1d(plant.strains(q))[0])
+    path, lag = Path.of(time, force, strain), DAMPED * (valve_lag(plant) + delay)
+    supply = plant.supply_pressure
+    units = range(2, plant.units + 1)
+    return tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)

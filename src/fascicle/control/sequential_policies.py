@@ -8,8 +8,6 @@ unit stays at its onset or above.
 - `threshold`: as `orderly`, and back only when the demand is lower by a band.
 - `hand_over`: begins while the reserve just suffices for the dip, (X6); the unit's ramp is held
   back by the pressure that the unit before lacks.
-- `pre_charge`: as much earlier as the valve takes: the unit is parked at its onset before.
-- `fast_cross`: when the units before no longer suffice, with its valve wide open up to the onset.
 
 If the reserve is already less than the dip, no crossing without a dip exists any more: the unit is
 pressurized when it must be. Units are vented by the same rule, at a demand lower by the band.
@@ -102,15 +100,12 @@ class SequentialPolicy(Module):
     """Policy that recruits one unit after the other; its switches make the named policies.
 
     `band` [N] of the demand, by which a unit is vented later; `anticipates`: 1 if it hands over
-    before it must; `lead`: how much earlier, in times of the valve; `opens_fully`: 1 if it opens
-    the valve wide up to the onset; `parks`: 1 if recruited units stay at their onset; `margin`: of
-    the dip; `longest` hand-over, in times of the valve.
+    before it must; `parks`: 1 if recruited units stay at their onset; `margin`: of the dip;
+    `longest` hand-over, in times of the valve.
     """
 
     band: Batch
     anticipates: Batch
-    lead: Batch
-    opens_fully: Batch
     parks: Batch
     margin: Batch
     longest: Batch
@@ -190,12 +185,9 @@ class SequentialPolicy(Module):
         target = where(
             self.anticipates > 0, _first_below_onset(units, capability, demand, target), target
         )
-        # wide open to the onset, and no further
-        below_onset = (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
-        opened = (self.opens_fully > 0) & below_onset
         prediction = prediction + (target - prediction) * demand.dt / (demand.dt + demand.lag)
         state = SequentialState(recruited, direction, target, prediction, deficit, withheld)
-        return state, where(opened, top, target)
+        return state, target
 
     def _withhold(
         self, memory: SequentialState, units: ControlledUnits, demand: UnitDemand,
@@ -273,8 +265,7 @@ class SequentialPolicy(Module):
             for time in hand_over_times(capability, last, next_)
         )
         need = maximum(dip * (1 + self.margin) + deepest, end)
-        lead = self.lead * rise * select_unit(next_, capability.time)
-        need = need + select_unit(last, capability.shortfall) + lead
+        need = need + select_unit(last, capability.shortfall)
         return reserve, dip, where((self.anticipates > 0) & (dip > 0), need, 0.0)
 
 
@@ -307,10 +298,7 @@ def _first_below_onset(
     return where((xp.arange(units.count) == 0) & stays, lower, target)
 
 
-_DEFAULTS = {
-    "anticipates": 0.0, "lead": 0.0, "opens_fully": 0.0, "parks": 1.0, "margin": _MARGIN,
-    "longest": _SLOW,
-}  # fmt: skip
+_DEFAULTS = {"anticipates": 0.0, "parks": 1.0, "margin": _MARGIN, "longest": _SLOW}
 
 
 def _sequential_policy(**options: float) -> Any:
@@ -330,10 +318,8 @@ def _sequential_policy(**options: float) -> Any:
 def orderly(band: Any = None) -> SequentialPolicy:
     """Policy `orderly`, the plain inverse of the model; it ignores the `band` [N]."""
     del band
-    return SequentialPolicy(*np.zeros(7))
+    return SequentialPolicy(*np.zeros(5))
 
 
 threshold = _sequential_policy()
 hand_over = _sequential_policy(anticipates=1.0)
-pre_charge = _sequential_policy(anticipates=1.0, lead=1.0)
-fast_cross = _sequential_policy(opens_fully=1.0)

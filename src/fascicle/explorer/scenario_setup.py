@@ -18,17 +18,13 @@ from ..files.shipped_files import example_text, named_muscles, scenarios
 from ..units import exact, parse
 
 
-# what each of `control.POLICIES`, which takes the simulator to import, does, and the choice
+# what each of `control.POLICIES`, which takes the simulator to import, does
 POLICIES = {
     "orderly": "fills the next motor unit when the recruited ones no longer suffice",
     "batch": "as threshold, with all recruited units at one pressure",
     "threshold": "as orderly, but lets a unit go only when the demand has fallen by a band: valves"
     " don't chatter",
-    "energy_aware": "always takes the units whose chambers hold the least fluid",
     "hand_over": "fills the next unit early, while the others can still make up for its resistance",
-    "pre_charge": "fills the next unit even earlier, to where it is about to pull; uses more fluid",
-    "fast_cross": "fills the next unit late, through a wide-open valve: the full dip, but short",
-    "auto": "picks one of these for the bundle, the demand and the valves",
 }
 DEFAULT = "raise_1_4"
 LARGEST_FILE = 100_000  # bytes: a hundred times the shipped ones

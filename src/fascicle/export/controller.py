@@ -124,10 +124,6 @@ def single_bundle(plant: Plant) -> Bundle:
 def _c_policy(controller: Cascade) -> str | None:
     """Name of the controller's policy in C; `None` for one that C doesn't have."""
     policy = next(iter(controller.policies))
-    if (
-        not isinstance(policy, SequentialPolicy)
-        or float(policy.anticipates)
-        or float(policy.opens_fully)
-    ):
+    if not isinstance(policy, SequentialPolicy) or float(policy.anticipates):
         return None
     return "threshold" if float(policy.parks) else "orderly"

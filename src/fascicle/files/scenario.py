@@ -52,7 +52,7 @@ from .shipped_files import example_text, named_muscles
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
-    from ..control import Cascade, PolicyChoice
+    from ..control import Cascade
 
 MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
 _MAX_STEPS = 2_000_000  # of a run: some minutes
@@ -64,47 +64,49 @@ _SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
 
 
 class ScenarioControl(NamedTuple):
-    """Controller of a scenario with the demand that it follows, and how its policy was chosen.
+    """Controller of a scenario with the demand that it follows.
 
     - `controller`, `reference`: the controller, and its demand at each step [SI].
-    - `choice`: the comparison by which `auto` chose the policy, or `None`.
     - `policy`: its name; `options`: the controller's other arguments.
+    - `no_crossing`: reason why `hand_over` acts as `threshold`, or "".
     """
 
     controller: "Cascade"
     reference: np.ndarray
-    choice: "PolicyChoice | None"
     policy: str
     options: Mapping[str, Any]
+    no_crossing: str = ""
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The choice of `auto`, and warnings of likely instability."""
+        """Missing crossing, and warnings of likely instability."""
         notes = tuple(f"{warning}." for warning in self.controller.warnings)
-        if self.choice is None:
+        if not self.no_crossing:
             return notes
-        return (f"auto took {self.choice.policy}: {self.choice.why}.", *notes)
+        note = f"no crossing without a dip exists, hand_over acts as threshold: {self.no_crossing}."
+        return (note, *notes)
 
     def with_policy(
         self, policy: str | None = None, compensate: bool | None = None
     ) -> "ScenarioControl":
         """Change the policy, or the feedforward of friction, as `Scenario.with_policy`."""
-        from ..control import POLICIES, cascade, select_policy
+        from ..control import cascade, crossings_on_reference
 
         if policy is None and compensate is None:
             return self
         policy, options = policy or self.policy, self.options
         if compensate is not None:
             options = {**options, "compensate": compensate}
-        plant, output, choice = self.controller.plant, self.controller.of, None
-        if policy == "auto":
-            delay = options.get("delay", 0.0)
-            choice = select_policy(plant, self.reference, options["dt"], output, delay)
-            policy = choice.policy
-        else:
-            check_choice(policy, (*POLICIES, "auto"), "policy")
-        controller = cascade(plant, policy, output, **options)
-        return self._replace(controller=controller, choice=choice, policy=policy, options=options)
+        plant, output, reason = self.controller.plant, self.controller.of, ""
+        if policy == "hand_over":
+            crossings = crossings_on_reference(
+                plant, self.reference, options["dt"], output, options.get("delay", 0.0)
+            )
+            reason = next((entry.reason for entry in crossings if not entry.is_resolved), "")
+        controller = cascade(plant, "threshold" if reason else policy, output, **options)
+        return self._replace(
+            controller=controller, policy=policy, options=options, no_crossing=reason
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +137,7 @@ class Scenario:
 
         **Arguments:**
 
-        - `policy`: `auto` or one of `control.POLICIES`; default: as it is.
+        - `policy`: one of `control.POLICIES`; default: as it is.
         - `compensate`: true to feed friction forward; default: as it is.
 
         **Returns:** the changed copy.
@@ -533,7 +535,7 @@ def _control(
     options = {"gains": gains, "dt": dt, **values}
     with location.error_context():
         controller = cascade(plant, "orderly", output, **options)
-        control = ScenarioControl(controller, reference, None, "orderly", options)
+        control = ScenarioControl(controller, reference, "orderly", options)
         return control.with_policy(policy)
 
 

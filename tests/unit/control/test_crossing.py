@@ -182,14 +182,3 @@ def test_late_pressures_end_a_crossing_earlier(pair):
     assert not control.crossing(pair, path, valves, lag=3.0).exists
     with pytest.raises(InvalidInputError):
         control.crossing(pair, path, valves, lag=-1.0)
-
-
-def test_confidence_in_a_crossing_is_a_share_of_the_draws(five):
-    path, valves = ramp(five, 0.2), of_conductance(1e-9, 1, 4)
-    draws = control.draw_bundles(five, 4, seed=1)
-    result = control.crossing_confidence(five, path, valves, draws=draws)
-    found = [control.crossing(drawn, path, valves).exists for drawn in draws]
-    assert result.crossing.exists and result.share == np.mean(found)
-    assert result.sure == (result.share >= 0.95)
-    model = control.crossing_confidence(five, path, valves, draws=[five])
-    assert model.share == 1.0 and model.sure and model.margin == 0.0

@@ -66,21 +66,3 @@ def test_batch_recruitment_has_one_pressure_and_dips_more(ran):
     # at its end both, up to how near valves come to a pressure that moves
     assert abs(pressures[-1, 0] - pressures[-1, 1]) < 0.02 * SUPPLY
     assert pressures[100, 1] < 1e3
-
-
-def test_equal_units_are_selected_in_order_by_fluid(ran):
-    pressures, worth = ran("energy_aware")
-    _, plain = ran("orderly")
-    assert worth.drawdown == pytest.approx(plain.drawdown, rel=0.05)
-    assert worth.supply_energy <= 1.01 * plain.supply_energy
-    assert pressures[-1].min() > 50e3
-
-
-def test_energy_aware_refuses_many_units(muscle):
-    many = fs.Bundle([fs.MotorUnit(muscle)] * 7, SUPPLY)
-    plant = dynamics.Plant(
-        many, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
-        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
-    )  # fmt: skip
-    with pytest.raises(ValueError, match="energy_aware takes at most 6 units"):
-        control.cascade(plant, "energy_aware")

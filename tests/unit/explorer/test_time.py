@@ -56,7 +56,7 @@ def tab(result):
 
 
 def test_the_policies_are_those_of_the_library():
-    assert [*control.POLICIES, "auto"] == list(POLICIES)
+    assert [*control.POLICIES] == list(POLICIES)
 
 
 def test_a_change_keeps_every_other_key_and_comment():
@@ -77,7 +77,7 @@ def test_a_link_holds_the_setup_and_a_visitors_file():
     own = open_setup("# mine\n" + example_text("lift_gas"), "mine.toml")
     for setup in (
         Setup(),
-        Setup("ramp_1_4", policies=("threshold", "auto")).with_value("load.mean", 0.02),
+        Setup("ramp_1_4", policies=("threshold", "hand_over")).with_value("load.mean", 0.02),
         own.with_value("load.mass", 9.0).with_value("valve.C", 2e-9),
     ):
         view = replace(START, setup=setup)

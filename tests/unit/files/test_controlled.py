@@ -2,6 +2,7 @@
 line with its key.
 """
 
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -67,19 +68,15 @@ def test_shipped_controlled_scenarios_are_complete():
     assert gait.with_policy().control is control
 
 
-@pytest.mark.parametrize(
-    ("name", "policy"),
-    [
-        ("ramp_1_4", "hand_over"),
-        ("raise_1x5", "orderly"),
-        pytest.param("raise_1_4", "pre_charge", marks=pytest.mark.slow),
-        pytest.param("joint_gait", "hand_over", marks=pytest.mark.slow),
-    ],
-)
-def test_policy_of_shipped_scenarios_is_selected(name, policy):
-    auto = loads_scenario(example_text(name)).with_policy("auto")
-    assert auto.control.policy == policy
-    assert auto.notes[0].startswith(f"auto took {policy}: ")
+def test_hand_over_without_a_crossing_is_threshold():
+    slow = edited(RAMP, ('time = "2 s"', 'time = "0.1 s"'))
+    read = loads_scenario(slow)
+    assert read.control.policy == "hand_over" and read.control.no_crossing
+    plain, other = read.with_policy("threshold").control, read.control.controller
+    assert not plain.no_crossing
+    assert jax.tree.structure(plain.controller.policies) == jax.tree.structure(other.policies)
+    assert jax.tree.leaves(plain.controller.policies) == jax.tree.leaves(other.policies)
+    assert len(read.notes) == 1 and loads_scenario(RAMP).notes == ()
 
 
 POLICY = 'policy = "hand_over"'

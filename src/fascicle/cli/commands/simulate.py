@@ -43,8 +43,7 @@ def run(
     plot: str | None = options.PLOT,
     report: str | None = option("HTML page with traces and energy balances.", metavar="PATH"),
     policy: str | None = option(
-        "Control policy: orderly, batch, threshold, energy_aware, hand_over, pre_charge, fast_cross"
-        " or auto; default: the scenario's.",
+        "Control policy: orderly, batch, threshold or hand_over; default: the scenario's.",
         metavar="NAME",
     ),
     compare: bool = flag("Comparison of all policies: drawdown against energy.", "--compare"),
