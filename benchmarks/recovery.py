@@ -3,12 +3,8 @@
 Virtual records of Table 1's two muscles, and of the second with a free strain that is the law's
 times a polynomial of first and second order, with a load cell's noise of 0.5 % of full scale and
 no other error, are fitted from the untuned muscle, each with its own seed, by the call that users
-make. Printed and drawn: the share of intervals that contain the true value, quick ones and those of
-the bootstrap, each with the error of counting, and the mean error over the mean width.
-
-The bootstrap runs at warp speed: a few simulated records for each record, and their errors are
-pooled for the distribution that each record's own 199 would give. `--full` simulates all 199 of
-some records, as users do.
+make. Printed and drawn: the share of intervals that contain the true value, with the error of
+counting, and the mean error over the mean width.
 
 With 1000 records a share of 90 % is counted to 1.9 % (two deviations). Much of this error is known:
 on the same noise, exactly 90 % of the intervals of the linear theory contain the true value. The
@@ -17,8 +13,7 @@ The remaining error is printed.
 
 Records take their time: `--resume FILE` notes each, and a later run continues from there.
 
-**Source:** Giacomini, Politis and White (2013) for the warp-speed bootstrap; control variates are
-textbook, Asmussen and Glynn (2007), V.2.
+**Source:** control variates are textbook, Asmussen and Glynn (2007), V.2.
 
     python benchmarks/recovery.py --seeds 1000 --resume records.jsonl --out docs/_static
     python benchmarks/recovery.py --seeds 200 --samples 30 --out docs/_static --name sparse
@@ -35,10 +30,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fascicle as fs
-from fascicle.calibrate import bootstrap
-from fascicle.calibrate.calibration import slope_of, value_of
+from fascicle.calibrate.calibration import slope_of
 from fascicle.calibrate.fitting import fit
-from fascicle.calibrate.intervals import refit, simulate_grid
 from fascicle.calibrate.least_squares import NORMAL, linearize
 from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
@@ -71,7 +64,6 @@ MUSCLES: dict[str, tuple[str, tuple[float, ...]]] = {
 LOOKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (BLACK, "D"))
 LEVEL, GOAL = 0.9, (0.88, 0.92)
 FEWEST = 100  # records for a control variate
-FIRST_DRAW_SEED = 10_000  # of simulated records
 TABLE_ROWS = 200  # of a truth's table, linear between them
 
 
@@ -92,8 +84,8 @@ def make_truth(title: str, pressures: np.ndarray) -> Any:
 
 
 def recover(title: str, options: argparse.Namespace) -> list[dict]:
-    """Values, intervals, simulated records, and linear errors of each record."""
-    key = [title, options.samples, options.draws]
+    """Values, intervals, and linear errors of each record."""
+    key = [title, options.samples]
     rows = {row["seed"]: row for row in load_rows(options.resume) if row["key"] == key}
     machine = VirtualDynamometer(samples=options.samples)
     truth = make_truth(title, np.asarray(machine.pressures))
@@ -116,7 +108,6 @@ def recover(title: str, options: argparse.Namespace) -> list[dict]:
             "key": key, "seed": seed, "seconds": seconds,
             "fit": [[p.value, p.low, p.high] for p in result.parameters],
             "linear": linear_errors(influence, noise, sigma),
-            "draws": draw_records(result, influence, options.draws, FIRST_DRAW_SEED + seed),
         }  # fmt: skip
         if options.resume is not None:
             with options.resume.open("a") as file:
@@ -131,21 +122,6 @@ def load_rows(path: Path | None) -> list[dict]:
     if path is None or not path.exists():
         return []
     return [json.loads(line) for line in path.read_text().splitlines()]
-
-
-def draw_records(
-    result: Any, influence: tuple[np.ndarray, np.ndarray], draws: int, seed: int
-) -> list[tuple[list[float], list[float]]]:
-    """Parameters and linear errors of simulated records of a fit."""
-    rng = np.random.default_rng(seed)
-    diagnosis = result.diagnosis
-    scatter = diagnosis.noise if diagnosis.significant else float(result.problem.noise)
-    records = []
-    for _ in range(draws):
-        data = simulate_grid(result, rng)
-        errors = linear_errors(influence, np.asarray(data.force) - result.force, scatter)
-        records.append((value_of(result.problem, refit(result, data)).tolist(), errors))
-    return records
 
 
 def linear_influence(result: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -178,29 +154,17 @@ def mean_noise(result: Any, noise: np.ndarray) -> np.ndarray:
     return np.bincount(cell, noise, size) / np.maximum(np.bincount(cell, minlength=size), 1)
 
 
-def evaluate(title: str, rows: list[dict], options: argparse.Namespace) -> dict:
+def evaluate(title: str, rows: list[dict]) -> dict:
     """Shares that contain the true value, with the deviation of counting, and the mean error."""
     truth = make_truth(title, np.asarray(VirtualDynamometer().pressures))
     exact = np.array([float(getattr(truth.tuning, name)) for name in NAMES])
     value, low, high = np.moveaxis(np.array([row["fit"] for row in rows]), -1, 0)
     linear = np.array([row["linear"] for row in rows])
-    drawn, drawn_linear = (np.array([[draw[i] for draw in row["draws"]] for row in rows])
-                           for i in (0, 1))  # fmt: skip
-    deviations = (to_scale(drawn) - to_scale(value)[:, None]).reshape(-1, exact.size)
-    errors = to_scale(value) - to_scale(exact)
-    lowest, highest = np.quantile(deviations, [0.05, 0.95], axis=0)
-    quick, quick_error = coverage((low < exact) & (exact < high), linear)
-    share, share_error = coverage((lowest < errors) & (errors < highest), linear)
-    # between the pooled ends lie 90 % of the draws, and not quite of all that could be drawn
-    inside = (lowest < deviations) & (deviations < highest)
-    ends, ends_error = coverage(inside, drawn_linear.reshape(deviations.shape))
+    share, error = coverage((low < exact) & (exact < high), linear)
     return {
         "names": NAMES,
-        "coverage": quick.tolist(),
-        "coverage_error": quick_error.tolist(),
-        "bootstrap": np.clip(share - ends + LEVEL, 0, 1).tolist(),
-        "bootstrap_error": np.hypot(share_error, ends_error).tolist(),
-        "full": full_coverage(title, options.samples, options.full),
+        "coverage": share.tolist(),
+        "coverage_error": error.tolist(),
         "bias": (np.mean(value - exact, axis=0) / np.mean(high - low, axis=0)).tolist(),
         "seconds": float(np.median([row["seconds"] for row in rows])),
     }
@@ -221,25 +185,6 @@ def coverage(contains: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.n
     return share, np.std(centered - factor * control_centered, axis=0) / np.sqrt(len(count))
 
 
-def full_coverage(title: str, samples: int, records: int) -> list[float] | None:
-    """The share of intervals with all 199 draws that contain the true value."""
-    if not records:
-        return None
-    machine, contains = VirtualDynamometer(samples=samples), []
-    truth = make_truth(title, np.asarray(machine.pressures))
-    exact = [float(getattr(truth.tuning, name)) for name in NAMES]
-    untuned = truth.replace(tuning=Tuning())
-    for seed in range(records):
-        result = bootstrap(fit(machine.record(truth, seed=seed), untuned), seed=seed)
-        contains.append([p.low < x < p.high for p, x in zip(result.parameters, exact, strict=True)])
-    return np.mean(contains, axis=0).tolist()
-
-
-def to_scale(values: np.ndarray) -> np.ndarray:
-    """Values on the scale of the intervals: logarithms, but for the hinge's slope."""
-    return np.where(IS_LINEAR, values, np.log(np.where(IS_LINEAR, 1.0, values)))
-
-
 @styled
 def draw(results: dict, seeds: int) -> Figure:
     """Figure of coverage and bias."""
@@ -248,10 +193,9 @@ def draw(results: dict, seeds: int) -> Figure:
     for i, (title, result) in enumerate(results.items()):
         y = np.arange(len(NAMES)) + 0.16 * (i - 1.5)
         color, mark = LOOKS[i]
-        error = 1.96 * 100 * np.array(result["bootstrap_error"])
-        share = 100 * np.array(result["bootstrap"])
+        error = 1.96 * 100 * np.array(result["coverage_error"])
+        share = 100 * np.array(result["coverage"])
         left.errorbar(share, y, xerr=error, color=color, fmt=mark, label=title)
-        left.plot(100 * np.array(result["coverage"]), y, mark, color=color, fillstyle="none")
         right.plot(100 * np.array(result["bias"]), y, mark, color=color, label=title)
     left.axvspan(100 * GOAL[0], 100 * GOAL[1], color=GRAY, alpha=0.2, linewidth=0)
     left.axvline(90, color=GRAY, linewidth=0.8, linestyle="--")
@@ -263,7 +207,7 @@ def draw(results: dict, seeds: int) -> Figure:
     right.set_xlabel("Mean error over mean width [%]")
     right.set_xlim(-15, 15)
     right.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    letter(left, "a", f"{seeds} synthetic records; open: quick")
+    letter(left, "a", f"{seeds} synthetic records")
     letter(right, "b", "bias")
     return figure
 
@@ -275,35 +219,25 @@ def main() -> None:
     )
     parser.add_argument("--seeds", type=int, default=1000, help="records of each muscle")
     parser.add_argument("--samples", type=int, default=200, help="readings of a sweep, each way")
-    parser.add_argument("--draws", type=int, default=3, help="simulated records of each record")
-    parser.add_argument("--full", type=int, default=0, help="records with all 199 draws")
     parser.add_argument("--only", choices=list(MUSCLES), action="append", help="these muscles")
     parser.add_argument("--resume", type=Path, default=None, help="file in which records are noted")
     parser.add_argument("--out", type=Path, default=None, help="folder for the results")
     parser.add_argument("--name", default="recovery", help="name of the files there")
     options = parser.parse_args()
-    results = {title: evaluate(title, recover(title, options), options)
+    results = {title: evaluate(title, recover(title, options))
                for title in options.only or MUSCLES}  # fmt: skip
     print(f"{options.seeds} synthetic records each; goal: {GOAL[0]:.0%} to {GOAL[1]:.0%};")
     print("after each share two deviations of its count")
     for title, result in results.items():
         print(f"{title}: {result['seconds']:.2f} s of CPU for a fit")
         for i, name in enumerate(NAMES):
-            quick, bootstrapped = (
-                f"{result[key][i]:6.1%} ± {2 * result[key + '_error'][i]:.1%}"
-                for key in ("coverage", "bootstrap")
-            )
-            bias = result["bias"][i]
-            print(f"  {name:24s} quick {quick}  bootstrap {bootstrapped}  bias {bias:+.3f}")
-        if result["full"]:
-            print(f"  all 199 draws, {options.full} records:",
-                  *(f"{x:.1%}" for x in result["full"]))  # fmt: skip
+            share = f"{result['coverage'][i]:6.1%} ± {2 * result['coverage_error'][i]:.1%}"
+            print(f"  {name:24s} {share}  bias {result['bias'][i]:+.3f}")
     if options.out is not None:
         text = json.dumps(
             {
                 "seeds": options.seeds,
                 "samples": options.samples,
-                "draws": options.draws,
                 "muscles": results,
             },
             indent=1,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fascicle.calibrate.calibration import Calibration, Selection
-from fascicle.calibrate.comparison import Row, compare_published, comparison_row, tension_fits
+from fascicle.calibrate.comparison import Row, comparison_row, tension_fits
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.fitting import FitOptions
 from fascicle.calibrate.messages import interval_texts
@@ -192,24 +192,14 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
     choice = select_model(record, muscle)
     names = list(choice.calibration.names) if choice.calibration.method == "constants" else None
     fits = tension_fits(select_fit_data(record), muscle, names, None, FitOptions(whole=False))
-    errors = [
-        _law_error(comparison_row(label, fit), fit, fit.force, _misfit(fit))
-        for label, fit in fits.items()
-    ]
-    first = next(iter(fits.values()))
-    errors += [
-        _law_error(published, first, force, "residuals not examined", fitted=False)
-        for published, force in compare_published(first)
-    ]
+    errors = [_law_error(comparison_row(label, fit), fit) for label, fit in fits.items()]
     errors.sort(key=lambda error: error.row.relative_left_out_rmse)
     return RecordComparison(measured, choice, tuple(errors))
 
 
-def _law_error(
-    errors: Row, fit: Calibration, force: np.ndarray, misses: str, fitted: bool = True
-) -> LawError:
+def _law_error(errors: Row, fit: Calibration) -> LawError:
     grid = fit.grid
-    residual = np.where(grid.measured, grid.force - force, np.nan)
+    residual = np.where(grid.measured, grid.force - fit.force, np.nan)
     used, strain = np.isfinite(residual), grid.strain
     by_pressure = [
         float(np.mean(row[mask])) for row, mask in zip(residual, used, strict=True) if mask.any()
@@ -223,11 +213,11 @@ def _law_error(
     ]
     constants = {
         constant.name: (constant.value, constant.low, constant.high, constant.identifiable)
-        for constant in (fit.parameters if fitted else ())
+        for constant in fit.parameters
     }
     return LawError(
         errors, (min(by_pressure), max(by_pressure)), (min(by_strain), max(by_strain)),
-        constants, misses,
+        constants, _misfit(fit),
     )  # fmt: skip
 
 
@@ -278,7 +268,7 @@ def _record_data(comparison: RecordComparison) -> dict[str, Any]:
     return {
         "name": comparison.measured.name, "source": comparison.measured.source,
         "reasons": list(comparison.choice.reasons), "warnings": list(fit.warnings),
-        "taken": list(fit.names),
+        "chosen": list(fit.names),
         "laws": [
             {
                 **vars(law.row), "bias_along_pressure": list(law.along_pressure),

@@ -9,29 +9,29 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .calibration import Bootstrap, Calibration, Candidate, Estimate, Profile, Selection
+    from .calibration import Calibration, Candidate, Estimate, Profile, Selection
     from .comparison import Row, compare, compare_tension
     from .fitting import Prior, fit
     from .gauges import Gauge
-    from .intervals import bootstrap, profiles
+    from .intervals import profiles
     from .model_selection import select_model
     from .plot_data import figures
     from .posterior import Posterior, sample
 
 __all__ = [
-    "Bootstrap", "Calibration", "Candidate", "Estimate", "Gauge", "Posterior", "Prior", "Profile",
-    "Row", "Selection", "bootstrap", "compare", "compare_tension", "figures", "fit", "profiles",
+    "Calibration", "Candidate", "Estimate", "Gauge", "Posterior", "Prior", "Profile",
+    "Row", "Selection", "compare", "compare_tension", "figures", "fit", "profiles",
     "sample", "select_model",
 ]  # fmt: skip
 
 _HOMES = {
     **dict.fromkeys(
-        ("Bootstrap", "Calibration", "Candidate", "Estimate", "Profile", "Selection"), "calibration"
+        ("Calibration", "Candidate", "Estimate", "Profile", "Selection"), "calibration"
     ),
     **dict.fromkeys(("Row", "compare", "compare_tension"), "comparison"),
     **dict.fromkeys(("Prior", "fit"), "fitting"),
     "Gauge": "gauges",
-    **dict.fromkeys(("bootstrap", "profiles"), "intervals"),
+    "profiles": "intervals",
     "select_model": "model_selection",
     "figures": "plot_data",
     **dict.fromkeys(("Posterior", "sample"), "posterior"),

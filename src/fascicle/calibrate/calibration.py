@@ -54,24 +54,6 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Bootstrap:
-    """Fits of simulated records (`bootstrap`).
-
-    - `names`: of the parameters.
-    - `coordinates`, `values`: a row for each draw [-], [SI unit of each parameter].
-    - `low`, `high`: ends of each parameter's 90 % interval [SI unit], (C15).
-    - `failed`: number of draws whose fit failed.
-    """
-
-    names: tuple[str, ...]
-    coordinates: np.ndarray
-    values: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    failed: int
-
-
-@dataclass(frozen=True, eq=False)
 class Profile:
     """Profile likelihood of a parameter.
 
@@ -208,8 +190,6 @@ class Calibration:
     - `solutions`: ends of all starts.
     - `weights`: how levels count.
     - `diagnosis`: residual diagnostics, likely causes, and the model's own error.
-    - `bootstrapped`: fits of simulated records, which give the intervals of `parameters`; `None`
-      for the linear intervals of (C3).
     - `profiles`: of the parameters that the linear interval leaves undetermined.
     """
 
@@ -224,7 +204,6 @@ class Calibration:
     solutions: SearchEnds
     weights: str
     diagnosis: Diagnosis = Diagnosis()
-    bootstrapped: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
 
     @property
@@ -297,29 +276,19 @@ class Calibration:
     def parameters(self) -> tuple[Estimate, ...]:
         """Estimates of the fitted parameters, in the order of the covariance."""
         linear = estimates(self.problem, self.coordinates, self.covariance)
-        boots = self.bootstrapped
-        if boots is None:
-            profiles = {profile.name: profile for profile in self.profiles}
-            low, high = (
-                value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
-                for side in (-1, 1)
-            )
-            return tuple(
-                _with_profile(e, profiles.get(e.name), *ends)
-                for e, *ends in zip(linear, low, high, strict=True)
-            )
-        narrow = np.std(boots.coordinates, axis=0) < KNOWN
-        narrow |= [parameter.linear for parameter in self.problem.parameters]
+        profiles = {profile.name: profile for profile in self.profiles}
+        low, high = (
+            value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
+            for side in (-1, 1)
+        )
         return tuple(
-            replace(e, low=low, high=high, identifiable=e.identifiable and is_narrow)
-            for e, low, high, is_narrow in zip(
-                linear, boots.low.tolist(), boots.high.tolist(), narrow.tolist(), strict=True
-            )
+            _with_profile(e, profiles.get(e.name), *ends)
+            for e, *ends in zip(linear, low, high, strict=True)
         )
 
     @property
     def intervals(self) -> str:
-        """Method of the 90 % intervals, in words: linear approximation or bootstrap."""
+        """Method of the 90 % intervals, in words."""
         return import_late("calibrate.messages.interval_method")(self)
 
     @property

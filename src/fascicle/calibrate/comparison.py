@@ -13,45 +13,34 @@ $$-2 \ln L = \sum_{measured} \left[\ln \sigma^2 + n r^2/\sigma^2\right]
 
 with the residual $r$ and the number $n$ of averaged readings, up to a constant that is the same for
 all laws. $\sigma$ minimizes it. The fit is also repeated without each pressure in turn, and
-compared by its error there. Sárosi's empirical law, as published and refitted, is included:
+compared by its error there. Laws whose constants were published for one muscle are compared as
+published.
 
-$$F = (a p + b)\, e^{c \kappa} + d p \kappa + e p + f \tag{C5}$$
-
-with the pressure $p$ in bar and the contraction $\kappa$ in percent.
-
-**Source:** Akaike (1974); Schwarz (1978); Tobin (1958); Sárosi et al. (2015), as the
-six-parameter law and its constants are quoted.
+**Source:** Akaike (1974); Schwarz (1978); Tobin (1958).
 """
 
 import itertools
+import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import minimize_scalar
 from scipy.special import log_ndtr
 
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
-from ..muscle.tension.empirical import Sarosi
-from ..muscle.validation import is_nominal_diameter
 from ..records.record import Record
-from ..units import pretty
 from .calibration import Calibration, largest_force
 from .data import FitData, Grid, select_fit_data
 from .fitting import FitOptions, Prior, fit_data
-from .model_selection import folds, left_out_force
+from .model_selection import left_out_force
 from .parameters import parameters_of, with_optional_laws
 
 
-SAROSI_DMSP_20_200N = np.array(Sarosi.published)  # a to f of (C5), of a Festo DMSP-20-200N
-_DIAMETER = 20e-3  # m, of that muscle
 _MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
 _RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150
-_FIRST_NOISE = 0.02  # of the largest force: typical of a bench, and corrected in the next round
-_LEAST_STEP = 1e-3  # of the noise of the round before: data without noise would send it to zero
-_ROUNDS, _SETTLED = 8, 1e-3  # rounds, and relative change of the noise that ends them
 
 
 @dataclass(frozen=True)
@@ -80,14 +69,10 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class LawComparison:
-    """Laws compared on one record: `rows`, the smallest AIC first, and the `fits` by label.
-
-    `published`: six constants of Sárosi's law by label.
-    """
+    """Laws compared on one record: `rows`, the smallest AIC first, and the `fits` by label."""
 
     rows: list[Row]
     fits: Mapping[str, Calibration]
-    published: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 def compare(
@@ -159,9 +144,10 @@ def compare_tension(
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
 ) -> list[Row]:
-    """Fit all tension laws and the published empirical one to a record.
+    """Fit all tension laws to a record.
 
-    Each is fitted with its usual constants, with and without a dead band.
+    Each is fitted with its usual constants, with and without a dead band; laws whose constants
+    were published for one muscle are compared as published.
 
     **Arguments:**
 
@@ -184,16 +170,14 @@ def tension_law_comparison(
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Comparison of all tension laws and the published empirical one on a record: rows and fits.
+    """Comparison of all tension laws on a record: rows and fits.
 
     Arguments as of `compare_tension`, which returns the rows alone.
     """
     data = select_fit_data(record, muscle)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [comparison_row(label, calibration) for label, calibration in fits.items()]
-    published = compare_published(next(iter(fits.values())))
-    rows += [row for row, _ in published]
-    return LawComparison(ranked(rows), fits, {row.label: values for row, values in published})
+    return LawComparison(ranked(rows), fits)
 
 
 def tension_fits(
@@ -208,7 +192,12 @@ def tension_fits(
     muscle = with_optional_laws(muscle, requested)
     for law, kind in {present: type(muscle.tension), **LAWS["tension"]}.items():
         if kind.reference_muscle and law != present:
-            continue  # its constants belong to another muscle
+            label = f"{kind.title or law}, as published for {kind.reference_muscle}"
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "`.*` was fitted to ")  # the label says so
+                published = muscle.replace(tension=law)
+            fits[label] = fit_data(data, published, (), {}, options)
+            continue
         usual = kind.fit_parameters()
         variant = muscle if law == present else muscle.replace(tension=law)
         available = parameters_of(variant).keys() - {*muscle.tension.fit_parameters()}
@@ -282,51 +271,3 @@ def deviance(grid: Grid, force: np.ndarray) -> float:
     # 1e-10 of the logarithm: a minimum can be found to 1e-8 at best, which then ends the search
     minimum = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
     return min(float(minimum.fun), value(measured))
-
-
-def compare_published(calibration: Calibration) -> list[tuple[Row, np.ndarray]]:
-    """Rows of Sárosi's law, as published and refitted, and their six constants."""
-    grid, muscle = calibration.grid, calibration.start
-    constants, left_out = fit_sarosi(grid), np.full(grid.force.shape, np.nan)
-    published, refitted = sarosi(SAROSI_DMSP_20_200N, grid), sarosi(constants, grid)
-    for fold in folds(grid):
-        left_out[fold] = sarosi(fit_sarosi(grid.without(fold)), grid)[fold]
-    label = "Sárosi, as published for a DMSP-20-200N"
-    if not is_nominal_diameter(muscle, _DIAMETER):
-        widths = (pretty(x, "length") for x in (_DIAMETER, 2 * float(muscle.outer_radius)))
-        label += ": {} wide, this muscle {}".format(*widths)
-    rows = (
-        _row_from_forces(label, 0, (published, published), calibration, "not fitted"),
-        _row_from_forces("Sárosi, refitted", 6, (refitted, left_out), calibration, "converged"),
-    )
-    return list(zip(rows, (SAROSI_DMSP_20_200N, constants), strict=True))
-
-
-def sarosi(constants: np.ndarray, grid: Grid) -> np.ndarray:
-    """Force [N] by (C5) on a `grid`, with the six `constants`."""
-    a, b, c, d, e, f = constants
-    p, kappa = grid.pressure / 1e5, grid.strain / 1e-2
-    return (a * p + b) * np.exp(c * kappa) + d * p * kappa + e * p + f
-
-
-def fit_sarosi(grid: Grid) -> np.ndarray:
-    """Six constants that fit a `grid` best, clipped readings by (C2) with the fit's own noise."""
-    weight, clipped, published = np.sqrt(grid.count), grid.censored, SAROSI_DMSP_20_200N
-    freedom = max(int(np.sum(grid.measured)) - published.size, 1)
-    noise, factors = _FIRST_NOISE * float(np.max(np.abs(grid.force))), np.ones(published.size)
-
-    def residuals(factors: np.ndarray) -> np.ndarray:
-        # the constants differ in size: factors on the published ones are fitted
-        mu = sarosi(factors * published, grid)
-        not_above = np.sqrt(-2 * log_ndtr(np.minimum((grid.force - mu) / noise, 30.0)))
-        return (weight * np.where(clipped, not_above, (mu - grid.force) / noise)).reshape(-1)
-
-    for _ in range(_ROUNDS):
-        # to rounding: the formula is cheap, and published figures have four digits
-        factors = least_squares(residuals, factors, method="lm", xtol=1e-12, ftol=1e-12).x
-        errors = np.where(clipped, 0.0, weight * (sarosi(factors * published, grid) - grid.force))
-        rms = float(np.sqrt(np.sum(errors**2) / freedom))
-        before, noise = noise, max(rms, _LEAST_STEP * noise)
-        if not np.any(clipped & grid.used) or abs(noise / before - 1) < _SETTLED:
-            break
-    return factors * published

@@ -35,8 +35,7 @@ with Student's quantile $t$, since $\tau$ is estimated from a few orders only.
 
 Each known cause changes the force in its own way over strain and pressure. The share of the
 residuals' sum of squares that such a change would explain, after the fit, is computed to first
-order: it hints at a cause and is no fit. Readings past the free strain are also compared with the
-other buckling laws, each with its own best factors on Young's modulus and on the collapse moment.
+order: it hints at a cause and is no fit.
 
 **Assumes** that the discrepancy is smooth, and no larger where the fit absorbed it than elsewhere.
 **Source:** Fisher (1922); Wald and Wolfowitz (1940) for runs, here about zero; Kennedy and O'Hagan
@@ -47,14 +46,11 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.special import bdtr, fdtrc, stdtrit
 
-from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..muscle import Muscle
 from .calibration import Calibration, Cause, Diagnosis, Runs, SignCounts, Trend
 from .least_squares import KNOWN, NORMAL, Problem
-from .parameters import FACTORS, Parameter, coordinates, put, select_parameters
+from .parameters import FACTORS, Parameter, coordinates, put
 
 
 # causes of residuals and remedies
@@ -98,11 +94,7 @@ _MIN_SHARE = 0.2  # of the residuals' squares: a smaller cause would not help
 _TIED_SHARE = 0.8  # of the best cause's share: first-order shares are no more exact than that
 _MAX_CAUSES = 3  # causes in a message that is still read
 _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
-_LAWS = ("kim2021", "kim2021_series", "elastica")  # `ovalising` takes minutes
 _MAJORITY = 0.5  # of the residuals' squares past the free strain, which puts the law there in doubt
-_MAX_COMPARED = 300  # readings: enough to distinguish laws within a second
-_MAX_CALLS = 30  # evaluations of a law's forces in the search for its two factors
-_MAX_LOG_FACTOR = np.log(20)  # as wide as the weak prior of a parameter
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +176,7 @@ def diagnose(fit: Calibration) -> Diagnosis:
     diagnosis = find_trends(residuals)
     covariance, discrepancy = _model_error(fit, residuals, diagnosis)
     effects = _effects_of_constants(fit, residuals)
-    diagnosis = replace(
+    return replace(
         diagnosis,
         inflation=autocorrelation_inflation(residuals, diagnosis),
         from_pressure=pressure_covariance(fit, residuals),
@@ -193,12 +185,6 @@ def diagnose(fit: Calibration) -> Diagnosis:
         causes=_likely_causes(fit, residuals, diagnosis, effects),
         confounded=_confounded_constants(fit, residuals, effects),
     )
-    buckling = _better_buckling_law(fit, diagnosis)
-    if buckling is None:
-        return diagnosis
-    # residuals that another buckling law explains are no evidence for a weaker cause
-    stronger = tuple(cause for cause in diagnosis.causes if cause.share > buckling.share)
-    return replace(diagnosis, causes=(buckling, *stronger))
 
 
 def residuals_of(fit: Calibration) -> Residuals:
@@ -555,46 +541,3 @@ def _likely_causes(
             causes[name] = Cause(name, remedy, share)
     likely = sorted(causes.values(), key=lambda cause: -cause.share)[:_MAX_CAUSES]
     return tuple(cause for cause in likely if cause.share >= _TIED_SHARE * likely[0].share)
-
-
-def _better_buckling_law(fit: Calibration, diagnosis: Diagnosis) -> Cause | None:
-    """Buckling law that explains much of the residuals past the free strain better than the fitted
-    one.
-
-    `None` where residuals are compatible with noise, lie elsewhere, or no other law is better.
-    """
-    errors, record, muscle = fit.errors, fit.record, fit.muscle
-    measured = np.isfinite(errors)
-    if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise) or not np.any(measured):
-        return None
-    strain = np.clip(record.strain * fit.strain_scale, 0.0, LARGEST_STRAIN)
-    past = measured & (strain > fit.free_strain[fit.fit_data.level])
-    if np.sum(errors[past] ** 2) < _MAJORITY * np.sum(errors[measured] ** 2):
-        return None
-    index = np.flatnonzero(past)
-    index = index[np.linspace(0, index.size - 1, min(index.size, _MAX_COMPARED)).astype(int)]
-    pressure = np.clip(record.pressure[index], 0.0, HIGHEST_PRESSURE)
-
-    def mean_square(muscle: Muscle) -> float:
-        """Mean square error [N²] of a muscle with its best factors."""
-        names = ["youngs_modulus_factor", "collapse_moment_factor"]
-        parameters = select_parameters(names, muscle)
-        start = np.asarray(coordinates(parameters, muscle))
-
-        def residuals(z: np.ndarray) -> np.ndarray:
-            limited = np.clip(z, start - _MAX_LOG_FACTOR, start + _MAX_LOG_FACTOR)
-            force = put(parameters, muscle, limited).force(pressure, strain[index])
-            return np.nan_to_num(record.force[index] - np.asarray(force), nan=1e9)
-
-        return 2 * least_squares(residuals, start, max_nfev=_MAX_CALLS).cost / index.size
-
-    names = [name for name in _LAWS if name != muscle.buckling.name]
-    errors_by_law = {name: mean_square(muscle.replace(buckling=name)) for name in names}
-    best = min(errors_by_law, key=errors_by_law.__getitem__)
-    present = min(mean_square(muscle), float(np.mean(errors[index] ** 2)))
-    share = 1 - errors_by_law[best] / present
-    if share < _MIN_SHARE:
-        return None
-    rmse = float(np.sqrt(errors_by_law[best]))
-    name = f"the buckling law; past the free strain `{best}` has an error of {rmse:.3g} N"
-    return Cause(name, f"fit with `--buckling {best}`", float(share))

@@ -117,13 +117,9 @@ def end_messages(solutions: SearchEnds) -> list[str]:
 
 
 def interval_method(calibration: Calibration) -> str:
-    """Method of the 90 % intervals, in words: linear approximation or bootstrap."""
-    boots, condition = calibration.bootstrapped, ", conditional on the selected model"
-    if boots is None:
-        profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)
-        return f"linear approximation{profiles}{condition}; --intervals bootstrap simulates"
-    failed = f", {boots.failed} more failed" if boots.failed else ""
-    return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}{condition}"
+    """Method of the 90 % intervals, in words."""
+    profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)
+    return f"linear approximation{profiles}, conditional on the selected model"
 
 
 def interval_texts(estimate: Estimate) -> tuple[str, str]:

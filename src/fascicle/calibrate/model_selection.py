@@ -4,12 +4,11 @@ While a muscle pulls, its force depends on the tension law alone. So the free co
 selected there, on the record as a gauge that only pulls would have seen it. Candidates are the
 muscle as given, then its sizes, its rubber, both, each with a dead band, and the paper's tuning.
 The two constants of the rubber are free together: with one of them fixed at a value that nobody
-measured the other constants would look too certain. Then every other constant that changes the
-pull is added to the best candidate: one by one, as long as one of them improves it, and all
-together; those without an effect are removed again. The wall thickness stays as given: the force
-depends on its product with the rubber's constants. Where the record shows resisting force, the best
-candidate and the paper's tuning are then fitted to all readings, with the factors on the resisting
-force.
+measured the other constants would look too certain. Every other constant that changes the pull is
+tried beside sizes and rubber, alone and with all others. The wall thickness stays as given: the
+force depends on its product with the rubber's constants. Where the record shows resisting force,
+the best candidate and the paper's tuning are then fitted to all readings, with the factors on the
+resisting force.
 
 Pressures are left out one by one, or a few neighbors at a time where there are many; with too few
 to interpolate between them, stretches of strain are. Of the candidates that are no worse than the
@@ -61,12 +60,11 @@ _OUTLIER = 3.0  # of the usual error: outliers of a robust fit count no more tha
 _RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
 _DISTINCT = 1e-3  # of a constant's effect on the force: with less it duplicates the others
 _STARTS = 2  # points to begin from: each search also begins at a neighboring candidate's end
-_ROUNDS = 4  # of adding or removing one constant; more never occurred
 _MAX_FOLDS = 12  # pressures left out one by one: each is a refit
 _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
-_STEPWISE_TRIALS, _FULL_TRIALS = 5, 5  # usual numbers, for an estimate of the progress
+_FULL_TRIALS = 5  # usual number, for an estimate of the progress
 _BAND, _WALL, _ACTIVE = "dead_band", "wall_thickness", "active_length"
 
 Names = tuple[str, ...]
@@ -250,41 +248,21 @@ def left_out_errors(calibration: Calibration) -> np.ndarray:
     return np.where(grid.measured, grid.force - left_out_force(calibration), np.nan)
 
 
-def base_parameter_sets(muscle: Muscle, required: Collection[str] = ()) -> list[Names]:
-    """First candidates for the free constants of a `muscle`; `required` ones are in each."""
+def candidate_sets(
+    muscle: Muscle, optional: Collection[str] = (), required: Collection[str] = ()
+) -> list[Names]:
+    """Sets of constants to compare: none, the sizes, the rubber, both, each with a dead band; both
+    with each `optional` constant, and with all of them. The `required` ones are in each.
+    """
     usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
     bases = [sizes]
     if len(sizes) < len(usual) and isinstance(muscle.material, MooneyRivlin):
         bases = [sizes, RUBBER, (*RUBBER, *sizes)]
     sets = [(), *bases, *((*base, _BAND) for base in bases)]
-    return list(dict.fromkeys(_union(names, required) for names in sets))
-
-
-def stepwise_selection(
-    best: Callable[[], Names],
-    optional: Sequence[str],
-    required: Collection[str],
-    attempt: Callable[[Names], object],
-) -> None:
-    """Add `optional` constants to the best candidate, and remove those that do not improve it; the
-    `required` ones stay. `best` returns the names of the best candidate so far, `attempt` tries
-    one, unless it was tried before.
-    """
-    for _ in range(_ROUNDS):
-        names = best()
-        for name in optional:
-            attempt(_union(names, (name,)))
-        if best() == names:
-            break
-    attempt(_union(best(), optional))  # two constants may improve it that alone do not
-    for _ in range(_ROUNDS):
-        names = best()
-        for name in names:
-            if name in optional and name not in required:
-                attempt(tuple(constant for constant in names if constant != name))
-        if best() == names:
-            break
+    sets += [(*bases[-1], name) for name in optional] + [(*bases[-1], *optional)]
+    unique = {frozenset(union): union for union in (_union(names, required) for names in sets)}
+    return list(unique.values())
 
 
 def identifiable_constants(
@@ -321,7 +299,7 @@ def _pulling_trials(
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
 
     def attempt(names: Names) -> None:
-        if len(names) >= measured or frozenset(names) in trials:
+        if len(names) >= measured:
             return
         steps.begin("selecting the constants")
         # a search that begins at the end of a subset's search can't end with a larger error
@@ -333,19 +311,13 @@ def _pulling_trials(
         if names and not trial.violation:
             ends[frozenset(names)] = end
 
-    bases = base_parameter_sets(muscle, required)
-    steps.total += len(bases) + _STEPWISE_TRIALS
-    for names in bases:
+    usual = {*muscle.tension.fit_parameters(), _WALL}
+    constants = identifiable_constants(data, with_optional_laws(muscle), options, usual)
+    sets = candidate_sets(muscle, [name for name in constants if name not in usual], required)
+    steps.total += len(sets)
+    for names in sets:
         attempt(names)
     noise = read_curves(muscle, on_length(data, muscle)).noise
-    if any(trial.valid for trial in trials.values()):
-        usual = {*muscle.tension.fit_parameters(), _WALL}
-        constants = identifiable_constants(data, with_optional_laws(muscle), options, usual)
-        optional = [name for name in constants if name not in usual]
-        stepwise_selection(
-            lambda: select([*trials.values()], noise, options.loss).candidate.names,
-            optional, required, attempt,
-        )  # fmt: skip
     tried = [*trials.values()]
     # a tuning can't take prior knowledge of constants into account
     loop = fits_loop(data, required)

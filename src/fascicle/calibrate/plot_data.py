@@ -15,7 +15,7 @@ from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import DIMENSIONS
 from .calibration import Calibration, Profile
-from .comparison import LawComparison, sarosi
+from .comparison import LawComparison
 from .data import Grid, fit_table
 from .least_squares import NORMAL
 from .readings import NO_PRESSURE, invert_force, pulling_force, static_force, without_tuning
@@ -180,8 +180,6 @@ def laws_plot(calibration: Calibration, comparison: LawComparison) -> plot.LawsP
         levels = levels[np.linspace(0, levels.size - 1, _PANELS).round().astype(int)]
     strain, force, curve = _plot_strains(grid)
     curves = {label: _curve_forces(fit, curve)[levels] for label, fit in comparison.fits.items()}
-    for label, constants in comparison.published.items():
-        curves[label] = sarosi(constants, replace(grid, strain=curve))[levels]
     return plot.LawsPlot(
         grid.pressure[levels, 0], strain[levels], force[levels],
         (grid.censored & grid.used)[levels], curve[levels],

@@ -258,8 +258,7 @@ def _gauge_notices(calibration: Calibration) -> Iterator[Notice]:
         line = f"{text}: the readings are corrected for it."
         yield Notice(GAUGES, 4, line, f"{_GAUGE_ERRORS[name][1]} before the next record")
     for fault in calibration.fit_data.faults:
-        dimension = "time" if fault.kind == "lag" else _CHANNELS[fault.channel]
-        value = pretty(fault.value, dimension, 3)
+        value = pretty(fault.value, _CHANNELS[fault.channel], 3)
         texts = {
             "ceiling": (f"{fault.count} forces are exactly {value}, the load cell's ceiling: they"
                         " only say that the force was not below it.",
@@ -267,10 +266,6 @@ def _gauge_notices(calibration: Calibration) -> Iterator[Notice]:
             "saturation": (f"{fault.count} readings of the {fault.channel} are exactly {value}, the"
                            " largest: the channel may be saturated.",
                            f"check the range of the {fault.channel}"),
-            "quantization": (f"The forces are multiples of {value}.",
-                             "use a smaller range of the load cell"),
-            "lag": (f"The force follows the {fault.channel} by {value}.",
-                    "check filters and synchronization of the channels, or move slower"),
         }  # fmt: skip
         if fault.kind in texts:  # a floor is among the readings that are clipped
             yield Notice(GAUGES, 5, *texts[fault.kind])

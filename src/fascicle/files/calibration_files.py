@@ -106,7 +106,6 @@ def provenance_of(
         "noise": _force_text(calibration.problem.noise),
         "inflation": _rounded(diagnosis.inflation),
         "wider": [_rounded(x) for x in calibration.wider.tolist()],
-        "intervals": "quick" if calibration.bootstrapped is None else "bootstrap",
         "not_told": list(diagnosis.confounded),
         "rest_length": rest_length,
         "fitted_length": exact(float(calibration.muscle.length), "length"),

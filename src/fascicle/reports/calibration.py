@@ -261,7 +261,6 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
         "loop": None if fit.loop is None else pick(fit.loop, "pressure", "width", "share", "half"),
         "friction": None,
-        "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
     }
     if (friction := fit.friction) is not None:
         springs = ("stiffness", "slip_force", "slip_force_slope")

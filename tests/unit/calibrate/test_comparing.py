@@ -8,16 +8,12 @@ from scipy.stats import norm
 import fascicle as fs
 from fascicle.calibrate import Prior, compare, compare_tension, comparison, fit
 from fascicle.calibrate.comparison import (
-    SAROSI_DMSP_20_200N,
     Row,
-    compare_published,
     comparison_row,
     deviance,
-    fit_sarosi,
     ranked,
-    sarosi,
 )
-from fascicle.calibrate.data import Grid, fit_table
+from fascicle.calibrate.data import fit_table
 from fascicle.calibrate.fitting import fit_data
 from fascicle.calibrate.model_selection import left_out_errors
 from fascicle.muscle.collapse import Kim2021Collapse
@@ -124,52 +120,13 @@ def test_ranks_begin_at_the_least_of_each():
     assert [(one.aic, one.bic) for one in ranked(rows)] == [(0.0, 9.0), (3.0, 0.0), (8.0, 8.0)]
 
 
-def places(P, eps, force=0.0, clipped=False):
-    P, eps, force, clipped = np.broadcast_arrays(P, eps, force, clipped)
-    return Grid(P, eps, force, np.ones(P.shape), clipped)
-
-
-def test_sarosis_law_at_numbers_worked_by_hand():
-    constants = np.array([2.0, 3.0, -0.5, 4.0, 5.0, 6.0])
-    # 2 bar and 10 %: (2*2 + 3) e^-5 + 4*2*10 + 5*2 + 6
-    assert_allclose(sarosi(constants, places(2e5, 0.1)), 7 * np.exp(-5.0) + 96, rtol=1e-14)
-    # the published muscle at 5 bar without contraction, term by term:
-    # -20.00903525 + 292.4620246 + 1470.269128 - 280.498151
-    assert_allclose(sarosi(SAROSI_DMSP_20_200N, places(5e5, 0.0)), 1462.22396635, rtol=1e-11)
-
-
-def test_a_refit_finds_the_constants_that_made_the_data():
-    P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.25, 12), indexing="ij")
-    truth = SAROSI_DMSP_20_200N * [1.5, 0.8, 1.2, 0.9, 1.1, 0.7]
-    F = sarosi(truth, places(P, eps))
-    clipped = F < 0
-    data = places(P, eps, np.where(clipped, 0.0, F), clipped)
-    # no noise: down to the solver's 1e-9, times how badly the six are conditioned
-    assert_allclose(fit_sarosi(data), truth, rtol=1e-5)
-    # a level that is left out is not seen
-    third = (np.arange(6)[:, None] == 2) & np.ones(F.shape, bool)
-    spoiled = replace(data, force=data.force + 500.0 * third)
-    assert_allclose(fit_sarosi(spoiled.without(third)), truth, rtol=1e-5)
-    assert not np.allclose(fit_sarosi(spoiled), truth, rtol=1e-2)
-
-
-def test_a_refit_does_not_pull_where_readings_are_clipped():
-    P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.3, 9), indexing="ij")
-    F = sarosi(SAROSI_DMSP_20_200N, places(P, eps)) - 60 * (eps > 0.15)
-    F = F + np.random.default_rng(0).normal(size=F.shape)
-    clipped = F < 0
-    data = places(P, eps, np.where(clipped, 0.0, F), clipped)
-    again, without = (sarosi(fit_sarosi(part), data) for part in (data, data.without(clipped)))
-    # the law can't follow the step, so that it is a compromise; ignored, what is clipped has no say
-    assert np.max(again[clipped]) < 0.8 * np.max(without[clipped])
-    assert deviance(data, again) < deviance(data, without)
-
-
-@pytest.mark.parametrize(("radius", "wide"), [(10e-3, True), (5e-3, False)])
-def test_constants_of_another_diameter_are_said_to_be_that(straight, radius, wide):
-    muscle = nominal().replace(outer_radius=radius, wall_thickness=1e-3)
-    (published, _), _ = compare_published(replace(straight(), start=muscle))
-    assert ("this muscle 10 mm" in published.label) == (not wide)
+def test_published_laws_are_compared_as_published(spoiled):
+    rows = {row.label: row for row in compare_tension(spoiled, nominal(), NAMES, whole=False)}
+    (published,) = (rows[label] for label in rows if "DMSP-20-200N" in label)
+    law = nominal().replace(tension="sarosi")
+    errors = spoiled.force - np.asarray(law.force(spoiled.pressure, spoiled.strain))
+    assert published.free == 0 and published.left_out_rmse == published.rmse
+    assert_allclose(published.rmse, np.sqrt(np.mean(errors**2)), rtol=1e-6)
 
 
 HOW = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3}

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.calibrate import fit, select_model
 from fascicle.calibrate.calibration import Candidate, Trial
-from fascicle.calibrate.model_selection import make_trial, select, stepwise_selection
+from fascicle.calibrate.model_selection import candidate_sets, make_trial, select
 from fascicle.core.module import with_fields
 from fascicle.records.record import Record
 
@@ -165,23 +165,13 @@ def test_half_of_a_loop_is_in_the_error():
     assert any(trend.along == "branch" for trend in fitted.diagnosis.significant)
 
 
-def test_stepwise_selection_adds_and_removes_constants():
-    # each constant costs 1, b and c together gain 10
-    trials = []
-
-    def cost(names):
-        return len(names) - 10 * ({"b", "c"} <= set(names))
-
-    def attempt(names):
-        if set(names) not in [set(trial) for trial in trials]:
-            trials.append(names)
-
-    for required in ((), ("a",)):
-        trials.clear()
-        attempt(("base", *required))
-        stepwise_selection(lambda: min(trials, key=cost), ["a", "b", "c"], required, attempt)
-        assert set(min(trials, key=cost)) == {"base", "b", "c", *required}
-        assert all(set(required) <= set(names) for names in trials)
+def test_candidates_are_sets_that_hold_what_is_required():
+    sets = candidate_sets(NOMINAL, ["dead_band", "end_compliance"], ["force_zero"])
+    assert len({frozenset(names) for names in sets}) == len(sets)
+    assert all("force_zero" in names for names in sets)
+    assert {*FOUR, "force_zero"} in map(set, sets)
+    assert {*FOUR, "end_compliance", "force_zero"} in map(set, sets)
+    assert {*FOUR, "dead_band", "end_compliance", "force_zero"} in map(set, sets)
 
 
 def trial(constants, errors):

@@ -253,22 +253,6 @@ def test_a_coarse_load_cell_has_no_floor():
     )
 
 
-@pytest.mark.parametrize(
-    ("truth", "model"),
-    [("elastica", "kim2021"), pytest.param("kim2021", "elastica", marks=pytest.mark.slow)],
-)
-def test_another_buckling_law_is_named_for_residuals_past_the_free_strain(truth, model):
-    slender = fs.example("kim2021_figure_6")
-    gauge = fs.records.VirtualDynamometer(noise=0.003, samples=20)
-    data = gauge.record(slender.replace(buckling=truth), seed=1)
-    free = ("youngs_modulus_factor", "collapse_moment_factor")
-    made = fit(data, slender.replace(buckling=model), free)
-    assert f"`{truth}`" in made.diagnosis.causes[0].name
-    assert truth in made.diagnosis.causes[0].remedy
-    right = fit(data, slender.replace(buckling=truth), free)
-    assert not any("free strain" in cause.name for cause in right.diagnosis.causes)
-
-
 def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
     made = sweeps([1e5, 2e5], [0.05, 0.1], noise=0.01)
     with pytest.raises(ValueError, match="--push-positive") as refused:

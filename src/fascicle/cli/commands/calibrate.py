@@ -122,10 +122,6 @@ def run(
     ),
     starts: int = option("Starting points of the search.", default=4, min=1, max=64),
     seed: int = options.SEED,
-    intervals: str = option(
-        "Method of intervals: quick (linear), or bootstrap (199 simulated records, refitted).",
-        default="quick",
-    ),
     posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
     compare: bool = flag("Comparison with other laws, in one picture.", "--compare"),
     profile: bool | None = option(
@@ -162,7 +158,7 @@ def run(
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
     })  # fmt: skip
     record, remarks = reading.read_record(data, options_of_reading, float(start.length))
-    _check(names, loss, intervals, posterior)
+    _check(names, loss, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
         from ...calibrate import fitting
@@ -179,8 +175,6 @@ def run(
             update("fitting")
             free = None if names == [_TUNING] else names
             calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
-        if intervals == "bootstrap":
-            calibration = uncertainty.bootstrap(calibration, seed=seed, tell=update)
         result = _add_analyses(
             CalibrationResult(uncertainty.with_profiles(calibration), choice, remarks),
             record, start, priors, settings, update, profile=False if folder is None else profile,
@@ -229,19 +223,14 @@ def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
         return Muscle.from_dimensions(**changes)
 
 
-def _check(names: list[str] | None, loss: str, intervals: str, posterior: bool) -> None:
+def _check(names: list[str] | None, loss: str, posterior: bool) -> None:
     """Refuse what would only fail after the fit."""
-    from ...core.validation import check_choice
-
     if names is not None and _TUNING in names and len(names) > 1:
         raise UserError(
             f"--fit {','.join(names)}: {_TUNING} can't be combined: drop the other names."
         )
-    with user_errors():
-        check_choice(intervals, ("quick", "bootstrap"), "intervals")
-    if loss != "linear" and (posterior or intervals == "bootstrap"):
-        flag = "--intervals bootstrap" if intervals == "bootstrap" else "--posterior"
-        raise UserError(f"{flag}: needs --loss linear, a robust loss is no model of noise.")
+    if loss != "linear" and posterior:
+        raise UserError("--posterior: needs --loss linear, a robust loss is no model of noise.")
     if posterior:
         require("numpyro")
 
@@ -346,9 +335,8 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     rows = constant_rows(tuple(e for e in fit.parameters if e.identifiable and not e.bound))
     count = len(result.choice.candidates) if result.choice is not None else 0
     chosen = f", best of {count} candidate sets," if count else ""
-    method = "linear approximation" if fit.bootstrapped is None else "bootstrap"
     if rows:
-        print(f"Constants{chosen} with 90 % intervals ({method}):")
+        print(f"Constants{chosen} with 90 % intervals (linear approximation):")
     elif fit.parameters:
         print(f"Constants{chosen.rstrip(',')}: the data determine none of them.")
     else:
