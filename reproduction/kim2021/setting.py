@@ -21,6 +21,7 @@ from fascicle.muscle.materials import LATEX, MooneyRivlin
 from fascicle.plot.curves import Components, components_of
 
 from ..claims import claim_builder
+from .series import SpringsInSeries
 
 
 PRESSURES = np.array([0.0, 34.5, 68.9, 103.4, 137.9, 344.7]) * 1e3  # Pa, Figs 6, 7 and 12
@@ -51,7 +52,7 @@ READINGS: Mapping[str, Callable[[Muscle], Muscle]] = MappingProxyType({
     "consistent": lambda muscle: muscle.replace(post_collapse="consistent"),  # [R10]
     "printed": lambda muscle: muscle.replace(post_collapse="printed"),
     "wood1958": lambda muscle: muscle.replace(collapse="wood1958"),  # [R8]
-    "kim2021_series": lambda muscle: muscle.replace(buckling="kim2021_series"),  # one column
+    "kim2021_series": lambda muscle: muscle.replace(buckling=SpringsInSeries()),
     "latex": _with_latex,
     "megapascals": _in_megapascals,
 })  # fmt: skip

@@ -97,16 +97,12 @@ def held(seed):
     assert np.all((apart < 1e-6 * largest) | later.several | found.several[:3])
 
 
-# of 46 an ovalizing column takes some fifty steps of Newton's at one of its states; 65 is too short
-# to hold anything by its law
-@pytest.mark.parametrize(
-    "seed", [0, 1, 65, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 46))]
-)
+@pytest.mark.parametrize("seed", [0, 1, 2])
 def test_any_laws_go_together(seed):
     held(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in range(3, 200) if seed not in (46, 65)])
+@pytest.mark.parametrize("seed", range(3, 200))
 def test_any_laws_go_together_often(seed):
     held(seed)

@@ -83,9 +83,8 @@ COMBINATIONS += [
     for name, law in registry.items()
     if name not in {getattr(laws.get(kind), "name", laws.get(kind)) for laws in COMBINATIONS}
     and name != next(iter(registry))
-    # of one muscle: tests/validation/test_oracle_festo.py; slow: test_oracle_ovalising.py
+    # of one muscle: tests/validation/test_oracle_festo.py
     and not getattr(law, "reference_muscle", "")
-    and getattr(law, "collapses", True)
 ]
 
 

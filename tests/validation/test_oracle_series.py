@@ -10,13 +10,14 @@ from numpy.testing import assert_allclose
 from oracle_random import random_cases
 
 import fascicle as fs
+from reproduction.kim2021.series import SpringsInSeries
 
 
 def test_forces_deflections_and_moments_are_the_oracles():
     bowed = 0
     for case in random_cases(5, 24):
         muscle = library_muscle(case.muscle).replace(
-            buckling="kim2021_series",
+            buckling=SpringsInSeries(),
             collapse="kim2021",
             tuning=fs.Tuning(collapse_moment_factor=1e6),
         )
@@ -37,7 +38,7 @@ def test_forces_deflections_and_moments_are_the_oracles():
 def test_a_stubby_one_bows_and_is_straight_again():
     case = oracle_muscle.Muscle(0.0578, 0.01094, 0.00129, np.radians(24.61), oracle_muscle.LATEX)
     muscle = library_muscle(case).replace(
-        buckling="kim2021_series", tuning=fs.Tuning(collapse_moment_factor=1e6)
+        buckling=SpringsInSeries(), tuning=fs.Tuning(collapse_moment_factor=1e6)
     )
     strains = np.linspace(0.05, 0.6, 56)
     every = [oracle_series.state(case, 0.0, strain) for strain in strains]
@@ -53,7 +54,7 @@ def test_it_collapses_where_its_moment_arrives():
     seen = 0
     for case in random_cases(6, 20):
         muscle = library_muscle(dataclasses.replace(case.muscle)).replace(
-            buckling="kim2021_series", collapse="wood1958"
+            buckling=SpringsInSeries(), collapse="wood1958"
         )
         limit = float(muscle.collapse_moment(case.pressure))
         strain = float(muscle.collapse_strain(case.pressure))

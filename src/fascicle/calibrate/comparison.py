@@ -117,11 +117,7 @@ def resisting_law_comparison(
     """
     kinds = ("buckling", "collapse", "post_collapse")
     data, fits = select_fit_data(record, muscle), {}
-    # a buckling law that collapses by itself takes seconds for each force
-    usual = [
-        [name for name, law in LAWS[kind].items() if getattr(law, "collapses", True)]
-        for kind in kinds
-    ]
+    usual = [list(LAWS[kind]) for kind in kinds]
     chosen = [all_laws if law is None else law for law, all_laws in zip(laws, usual, strict=True)]
     for names in itertools.product(*chosen):
         pairs = zip(kinds, names, strict=True)

@@ -47,16 +47,7 @@ def random_sizes(count, seed=3):
 
 
 # what takes ten times as long as any other law shows here with fewer designs
-@pytest.mark.parametrize(
-    ("laws", "count"),
-    [
-        pytest.param(laws, 12, marks=pytest.mark.slow)
-        if laws == {"buckling": "ovalising"}
-        else (laws, 12)
-        for laws in LAWS
-    ],
-    ids=str,
-)
+@pytest.mark.parametrize(("laws", "count"), [(laws, 12) for laws in LAWS], ids=str)
 def test_largest_force_equals_that_of_the_whole_law(laws, count):
     """At strains from rest to far beyond what any level pulls with."""
     muscle, sizes = drawing(laws), random_sizes(count)

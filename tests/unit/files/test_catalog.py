@@ -53,7 +53,7 @@ def test_a_product_of_two_lengths_is_two_drawings():
 
 def test_product_has_the_laws_of_its_base(tmp_path):
     ends = fs.ends.Compliant(inactive_length=4e-3)
-    own = fs.example("kim2021_figure_6").replace(ends=ends, buckling="kim2021_series")
+    own = fs.example("kim2021_figure_6").replace(ends=ends, buckling="elastica")
     fs.save(own, tmp_path / "own.toml")
     (tmp_path / "task.toml").write_text(PLAIN.replace("kim2021_figure_6", "own.toml") + THIN)
     for muscle in load_task(tmp_path / "task.toml").space.drawings.values():

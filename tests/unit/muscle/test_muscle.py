@@ -173,16 +173,8 @@ def test_refuses_what_is_off_the_domain(pressure, strain, message):
         assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("buckling", "law"),
-    [
-        pytest.param(buckling, law, marks=pytest.mark.slow)
-        if buckling == "ovalising" and law != "consistent"
-        else (buckling, law)
-        for buckling in BUCKLING_LAWS
-        for law in POST_COLLAPSE_LAWS
-    ],
-)
+@pytest.mark.parametrize("buckling", BUCKLING_LAWS)
+@pytest.mark.parametrize("law", POST_COLLAPSE_LAWS)
 def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
     muscle = fs.Muscle.from_dimensions(
         0.127, 6.35e-3, 1.6e-3, math.radians(24), buckling=buckling, post_collapse=law

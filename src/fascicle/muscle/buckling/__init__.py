@@ -114,10 +114,8 @@ class AbstractBuckling(AbstractLaw):
     """A law for the muscle between its free strain and its collapse.
 
     `braid_share`: counted share of the braid's bending stiffness [-]. `shear`: field of a law of
-    columns that may shear. `collapses`: true if the muscle can collapse.
+    columns that may shear.
     """
-
-    collapses: ClassVar[bool] = True
 
     braid_share: ClassVar[Batch]
 

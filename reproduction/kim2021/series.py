@@ -1,4 +1,4 @@
-r"""Post-buckling, the paper's shape with its springs in series: one force through arc and bow.
+r"""A reading of the paper: its bowed shape, springs in series, one force through arc and bow.
 
 The paper compresses its axis by springs $EA/L_{fs}$ and lets the mesh along the arc push beside
 them: both forces add, and the push is up to twice what a column holds. In series the arc, whose
@@ -21,13 +21,19 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core import array_namespace as xp
-from ...core.array_namespace import logical_and, sqrt, where
-from ...core.roots import guarded, root, stop_gradient
-from ...core.types import Batch, BatchLike, BoolBatch
-from ...core.validation import LARGEST_STRAIN
-from ..tension import Pull
-from . import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Push
+from fascicle.core import array_namespace as xp
+from fascicle.core.array_namespace import logical_and, sqrt, where
+from fascicle.core.roots import guarded, root, stop_gradient
+from fascicle.core.types import Batch, BatchLike, BoolBatch
+from fascicle.core.validation import LARGEST_STRAIN
+from fascicle.muscle.buckling import (
+    BRAID_SHARE,
+    ROUNDING,
+    AbstractBuckling,
+    BucklingColumn,
+    Push,
+)
+from fascicle.muscle.tension import Pull
 
 
 _FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
@@ -44,14 +50,13 @@ class _BowState(NamedTuple):
     chord: Batch
 
 
-class Kim2021Series(AbstractBuckling):
+class SpringsInSeries(AbstractBuckling):
     """The paper's shape in series with the arc, equation (12s)."""
 
     name: ClassVar[str] = "kim2021_series"
     source: ClassVar[str] = "derived here from Kim, Mazzoleni and Bryant (2021), 3.2"
 
     braid_share: Batch = BRAID_SHARE.field()
-    shear: str = SHEAR.field()
 
     def branch(self, column: BucklingColumn) -> Batch:
         """Onset of a `column` [-]; inf where it never bows."""
