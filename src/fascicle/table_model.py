@@ -121,7 +121,8 @@ def location_message(source: str, keys: Iterable[Any], rule: str, value: Any = N
     if isinstance(value, str | int | float | bool):
         text = json.dumps(value, ensure_ascii=False)
         value_text = f" = {text if len(text) <= 60 else text[:50] + '…'}"
-    return " ".join(f"{source}: {path}{value_text}: {rule}".split())
+    line = " ".join(f"{source}: {path}{value_text}: {rule}".split())
+    return line.encode("utf-8", "backslashreplace").decode()  # halves of characters can't be shown
 
 
 def did_you_mean(name: str, choices: Iterable[str]) -> str:

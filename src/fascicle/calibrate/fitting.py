@@ -50,6 +50,7 @@ from .tuning import fit_jointly, with_readings
 
 STARTS = 4  # a second search about the best end follows: more starts rarely find a better one
 _NO_PULL = 0.02  # of the largest push: a smaller pull is the gauge's zero
+_NO_FORCE = 1e-6  # N: rounding of zeros, below any load cell's resolution
 _PASSIVE = 1.0  # Pa, what a record without pressure may read
 _ROWS = 33  # of the tuned muscle's table: straight lines between them are closer than readings
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
@@ -310,7 +311,7 @@ def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
     if force.size < len(free):
         rule = f"holds {force.size} readings for {len(free)} parameters"
         remedy = "measure more points, or free fewer parameters"
-    elif not data.pushes_clipped and not np.any(force):
+    elif not data.pushes_clipped and np.max(np.abs(force)) < _NO_FORCE:
         rule, remedy = "holds no force but 0 N", "check the column of forces"
     # a record without pressure may only push; noise about zero is no pull
     elif np.max(force) <= _NO_PULL * -np.min(force) and _has_pressure(grid):

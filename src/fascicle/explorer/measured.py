@@ -13,7 +13,7 @@ from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
 from ..records import loads
 from ..records.columns import MissingMetadataError
-from ..records.formats import table_texts, unpacked_size
+from ..records.formats import table_texts
 from ..records.record import Record
 from ..records.tables import open_table
 from ..units import pretty
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from ..calibrate import Selection
 
 LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
-LARGEST_CONTENT = 50_000_000  # bytes of it unpacked: the XML of most rows has a third of that
 MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
@@ -111,13 +110,7 @@ def read_headers(raw: bytes, name: str) -> tuple[str, ...]:
 
 
 def _unpack(raw: bytes, name: str) -> bytes:
-    """Text of an uploaded file, of a spreadsheet or a .mat file within limits."""
-    if raw.startswith(b"TDSm"):  # it may claim any number of values
-        raise ValueError(f"{name}: export it as CSV, or use `fascicle calibrate`.")
-    if unpacked_size(raw, LARGEST_CONTENT) > LARGEST_CONTENT:
-        raise ValueError(
-            f"{name}: unpacked, it has more than {LARGEST_CONTENT} bytes: thin it out."
-        )
+    """Text of an uploaded file."""
     try:
         return next(iter(table_texts(raw, name).values()))  # without a pattern it is one
     except MissingMetadataError as error:

@@ -5,6 +5,7 @@ Fortran's.
 """
 
 import csv
+import datetime as dt
 import math
 import re
 from collections.abc import Sequence
@@ -33,8 +34,10 @@ _GROUPED = re.compile(
 )
 _OTHER_SIGNS = {".": frozenset(",' \u00a0\u202f"), ",": frozenset(".' \u00a0\u202f")}
 _CLOCK = re.compile(
-    r"(?:.*[\sT])?(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
+    r"(?:(\S*\d)[\sT]+)?"
+    r"(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
 )
+_DATE = re.compile(r"(\d+)([-./])(\d+)\2(\d+)")
 
 
 def decode(raw: bytes, source: str) -> str:
@@ -211,22 +214,59 @@ def is_split_clock(clock: str, fraction: str) -> bool:
 
 
 def read_seconds(texts: Sequence[str]) -> np.ndarray | None:
-    """Times: numbers as they are, in their column's unit; clock times from the first one on [s];
-    `None` for other texts.
+    """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
+    with their dates if they have them; `None` for other texts.
     """
     if all(map(NUMBER.fullmatch, texts)):
         values = np.array([_to_float(text.replace(",", ".")) for text in texts])
         return values if np.isfinite(values).all() else None
-    clocks = [match.groups() for match in map(_CLOCK.fullmatch, texts) if match]
-    if len(clocks) < len(texts):
+    matches = [match for match in map(_CLOCK.fullmatch, texts) if match]
+    if len(matches) < len(texts):
         return None
-    if any(clock[0] is None and len(clock[2]) == 2 for clock in clocks):
+    dates, *clocks = zip(*(match.groups() for match in matches), strict=True)
+    if any(hour is None and len(second) == 2 for hour, _, second, _ in zip(*clocks, strict=True)):
         return None  # 10:11 may be minutes or hours
-    hours = [
-        int(h or 0) % 12 + 12 * (half in "Pp") if half else int(h or 0) for h, _, _, half in clocks
-    ]
-    minutes = [60 * h + int(clock[1]) for h, clock in zip(hours, clocks, strict=True)]
-    seconds = np.array([float(re.sub("[,:]", ".", clock[2])) for clock in clocks])
-    seconds += 60 * np.array(minutes)
-    nights = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43_200)  # half a day back
-    return np.round(seconds + 86_400 * nights - seconds[0], 6)  # finer than clocks are
+    seconds = np.array([
+        3600 * (int(hour or 0) % 12 + 12 * (half in "Pp") if half else int(hour or 0))
+        + 60 * int(minute)
+        + float(re.sub("[,:]", ".", second))
+        for hour, minute, second, half in zip(*clocks, strict=True)
+    ])  # fmt: skip
+    if any(dates):
+        if (days := _read_days(dates)) is None:
+            return None
+    else:
+        days = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43_200)  # half a day back
+    seconds = seconds + 86_400.0 * (days - days[0])
+    return np.round(seconds - seconds[0], 6)  # finer than clocks are
+
+
+def _read_days(texts: Sequence[str | None]) -> np.ndarray | None:
+    """Days of dates since 1970; `None` for other texts, and where day and month may be swapped.
+
+    A year stands first, and dots part day and month in this order; slashes are read by the order
+    that all dates allow, unless both do and give other differences.
+    """
+    parts = [_DATE.fullmatch(text or "") for text in texts]
+    if not all(parts):
+        return None
+    found: list[np.ndarray] = []
+    for order in ("ymd", "dmy", "mdy"):
+        fits = {"ymd": "-./", "dmy": "./-", "mdy": "/-"}[order]
+        try:
+            days = [_day(dict(zip(order, match.group(1, 3, 4), strict=True)))
+                    for match in parts if match and match[2] in fits]  # fmt: skip
+        except ValueError:
+            continue
+        if len(days) == len(parts):
+            found.append(np.array(days))
+    differences = {tuple((days - days[0]).tolist()) for days in found}
+    return found[0] if len(differences) == 1 else None
+
+
+def _day(date: dict[str, str]) -> int:
+    """Days of a date since 1970; a year that stands last may have two digits."""
+    if len(date["y"]) != 4 and (len(date["y"]) != 2 or next(iter(date)) == "y"):
+        raise ValueError(date)
+    year = int(date["y"]) + 2000 * (len(date["y"]) == 2)
+    return (dt.date(year, int(date["m"]), int(date["d"])) - dt.date(1970, 1, 1)).days

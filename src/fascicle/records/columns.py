@@ -200,6 +200,8 @@ def check_roles(mapping: Mapping[str, Any], argument: str, roles: Sequence[str] 
 def split_names(names: Any) -> tuple[str, ...]:
     """Names of columns in their order, from text with commas or a list; `-` skips one."""
     entries = names.split(",") if isinstance(names, str) else names
+    if not isinstance(entries, Sequence) or not all(isinstance(x, str) for x in entries):
+        raise InvalidInputError("columns in order", "must be a list of names", names)
     columns = tuple("" if entry.strip() == "-" else entry.strip() for entry in entries)
     _role_positions(columns)
     return columns

@@ -134,6 +134,9 @@ _WEIGHTS = {
 }  # fmt: skip
 
 
+LONGEST_NAME = 100  # characters of a column's name
+
+
 class MissingMetadataError(ValueError):
     """A file that can be read only with further information.
 
@@ -229,6 +232,8 @@ def strip_brackets(text: str) -> str:
 
 def read_header(header: str) -> list[tuple[str, str]]:
     """Possible meanings of a header: its name in lower case, and its unit."""
+    if len(header) > LONGEST_NAME:  # no name of a quantity, and long to search
+        return [("", "")]
     meanings = []
     brackets = re.findall(
         r"[\[({<]([^\[\](){}<>]*(?:\s?\((?:[gaü]|abs\.?|gauge|rel\.?)\))?)[\])}>]",

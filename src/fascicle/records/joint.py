@@ -88,7 +88,9 @@ def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
     columns = []
     for key, dimension in (("angle", "angle"), ("arm", "length")):
         values: list[float] = []
-        for entry in [table[key]] if isinstance(table[key], str) else list(table[key]):
+        if not isinstance(table[key], str | list | tuple | np.ndarray):
+            raise _invalid_arms(f"must have a list or a range as {key}", "", f"{table[key]!r}")
+        for entry in [table[key]] if isinstance(table[key], str) else table[key]:
             if isinstance(entry, str):
                 values += parse_list(entry, dimension, key)
             else:

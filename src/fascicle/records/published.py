@@ -9,7 +9,7 @@ import os
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, StrictBool, StrictStr, ValidationError
+from pydantic import AfterValidator, Field, StrictBool, StrictStr, ValidationError
 
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
@@ -23,10 +23,23 @@ SCHEMA = "fascicle-record/1"
 _Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
+def _check_encoding(text: str) -> str:
+    """Refuse text that no file in UTF-8 can hold, before any work on the record."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        sign = f"{text[error.start]!a}"
+        raise ValueError(f"has half a character, {sign}: remove it") from None
+    return text
+
+
+_Text = Annotated[StrictStr, AfterValidator(_check_encoding)]
+
+
 class SourceTable(TableModel):
     """A file that the readings were read from."""
 
-    name: StrictStr = Field(description="name of the file")
+    name: _Text = Field(description="name of the file")
     sha256: StrictStr = Field(
         description="SHA-256 of its bytes, hexadecimal", pattern="^[0-9a-f]{64}$"
     )
@@ -45,7 +58,7 @@ class RecordTable(TableModel):
     sources: list[SourceTable] = Field(
         default_factory=list[SourceTable], description="files that the readings were read from"
     )
-    notes: list[StrictStr] = Field(
+    notes: list[_Text] = Field(
         default_factory=list[str], description="assumptions and changes, and what was measured"
     )
     pressure: list[Annotated[_Real, Field(ge=0, le=HIGHEST_PRESSURE)]] = Field(
@@ -104,6 +117,8 @@ def from_json(raw: str | bytes, source: str) -> Record:
     """
     try:
         data = json.loads(raw)
+    except RecursionError:
+        raise ValueError(f"{source}: no record of {SCHEMA}: it is nested too deep.") from None
     except ValueError as error:
         remedy = "if it is a log of nested objects, export its readings as CSV"
         raise ValueError(f"{source}: no valid JSON: {error}: {remedy}.") from None

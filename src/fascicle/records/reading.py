@@ -247,6 +247,8 @@ def _read_tables(
             table_info = info.model_copy(update=changes)
             table_notes += (f"its name gives {_list_values(changes)}",)
         table_info = _overrule(table_info, **options)
+        # a name of other bytes than UTF-8 has halves of characters, which no file can hold
+        name = path.name.encode("utf-8", "replace").decode()
         label = f", {table}" if len(texts) > 1 else ""
         source = f"{path}{label}"
         if is_published:
@@ -255,8 +257,8 @@ def _read_tables(
         record = _read_record(text, source, path, table_info)
         records.append(replace(
             record,
-            sources=(Source(f"{path.name}{label}", hashlib.sha256(raw).hexdigest()),),
-            notes=tuple(f"{path.name}{label}: {note}" for note in (*table_notes, *record.notes)),
+            sources=(Source(f"{name}{label}", hashlib.sha256(raw).hexdigest()),),
+            notes=tuple(f"{name}{label}: {note}" for note in (*table_notes, *record.notes)),
         ))  # fmt: skip
     return records
 

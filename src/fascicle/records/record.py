@@ -88,6 +88,11 @@ class Record:
         readings = {"pressure": pressure, "strain": strain, "force": force}
         shape = broadcast_shape(**{name: np.shape(values) for name, values in readings.items()})
 
+        for name, values in readings.items():
+            if np.ma.is_masked(values):
+                remedy = "drop the masked readings, such as by .compressed()"
+                raise InvalidInputError(name, "must have no masked values", None, remedy)
+
         def flat_copy(values: Any, kind: Any) -> np.ndarray:
             return np.broadcast_to(np.asarray(values, dtype=kind), shape).reshape(-1).copy()
 

@@ -28,6 +28,7 @@ from .cells import (
     split_cells,
 )
 from .headers import (
+    LONGEST_NAME,
     ROLES,
     SIGNALS,
     MissingMetadataError,
@@ -41,11 +42,11 @@ from .headers import (
 
 
 MAX_ROWS = 20_000_000  # five hours at a kilohertz
-_LONGEST_NAME = 100  # characters of a column's name
 _SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of its sizes in them
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
+_MAX_COLUMNS = 1000  # more take long to search, and no bench has them
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
 _HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
@@ -346,9 +347,9 @@ def open_table(
     if header and "->" in header[0]:
         rule = "remove the clock of the serial monitor before each line, or switch it off"
         raise ValueError(f"{source}, line {line}: {rule}.")
-    if any(len(name) > _LONGEST_NAME for name in header):
+    if any(len(name) > LONGEST_NAME for name in header):
         raise ValueError(
-            f"{source}, line {line}: a column's name is longer than {_LONGEST_NAME}"
+            f"{source}, line {line}: a column's name is longer than {LONGEST_NAME}"
             " characters: write # before lines above the header."
         )
     first = head[last + 1][0] if last + 1 < len(head) else len(lines) + 1
@@ -372,9 +373,9 @@ def _is_hole(cell: str) -> bool:
     return cell.lower().lstrip("+-?*.") in _HOLES
 
 
-def has_readings(raw: bytes) -> bool:
+def has_readings(raw: bytes, source: str) -> bool:
     """True for text that holds a table with rows of numbers."""
-    head, _ = _first_lines(raw.decode().split("\n"), "")
+    head, _ = _first_lines(raw.decode().split("\n"), source)
     return bool(head) and _find_layout([text for _, text in head], None).width > 1
 
 
@@ -418,6 +419,9 @@ def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str
             if head:
                 break  # a long line below doesn't concern the header
             raise ValueError(f"{source}, line {number}: too long for a table's header.")
+        if max(len(text.split(sign)) for sign in ("\t", ";", "|", ",", None)) > _MAX_COLUMNS:
+            rule = f"more than {_MAX_COLUMNS} columns: keep those of the muscle"
+            raise ValueError(f"{source}, line {number}: {rule}.")
         if is_remark(text):
             remarks += [text.strip().lstrip("#%/").strip()] * (not head)
         elif head and text.count('"') % 2 and head[-1][1].count('"') % 2:

@@ -10,7 +10,6 @@ import fascicle as fs
 from fascicle import records
 from fascicle.explorer.data_tab import DataView, FitResult
 from fascicle.explorer.measured import (
-    LARGEST_CONTENT,
     LARGEST_FILE,
     MOST_CURVES,
     MOST_ROWS,
@@ -199,21 +198,21 @@ def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
     assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
     book.active["XFD1048576"] = 1
     book.save(path)
-    with pytest.raises(ValueError, match="1048576 rows"):
+    with pytest.raises(ValueError, match=r"more than|1048576"):
         read_record(path.read_bytes(), path.name, MUSCLE)
     path = tmp_path / "d.mat"
     columns = {"pressure_kPa": P, "force_N": F, "strain": x}
     savemat(path, columns, do_compression=True)
     assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
-    savemat(path, columns | {"image": np.zeros(LARGEST_CONTENT // 8)}, do_compression=True)
+    savemat(path, {"image": np.zeros(6_000_000)}, do_compression=True)
     assert path.stat().st_size < LARGEST_FILE
-    with pytest.raises(ValueError, match=f"more than {LARGEST_CONTENT}"):
+    with pytest.raises(ValueError, match="more than 5000000 numbers"):
         read_record(path.read_bytes(), path.name, MUSCLE)
     matrix = np.array([P, F, x]).T
     savemat(path, {"up": matrix, "down": matrix})
     with pytest.raises(ValueError, match="several tables, `up`, `down`: save one"):
         read_record(path.read_bytes(), path.name, MUSCLE)
-    with pytest.raises(ValueError, match="export it as CSV"):
+    with pytest.raises(ValueError, match="can't be read"):
         read_record(b"TDSm" + bytes(100), "d.tdms", MUSCLE)
 
 

@@ -241,6 +241,22 @@ def test_a_transducers_noise_around_zero_is_no_suction():
     assert any("1 pressures below zero" in note for note in record.notes)
 
 
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("2026-03-05 18:00:00", "2026-03-06 09:00:00"), ("05.03.26 18:00:00", "06.03.26 09:00:00"),
+        ("2026-03-05T18:00:00.0Z", "2026-03-06T09:00:00.0Z"),
+        ("3/15/2026 6:00:00 PM", "3/16/2026 9:00:00 AM"), ("15/3/26 18:00:00", "16/3/26 09:00:00"),
+    ],
+)  # fmt: skip
+def test_dates_of_clock_times_count(first, second):
+    text = f"time,p [kPa],strain,F [N]\n{first},100,0,50\n{second},100,0.1,40\n"
+    assert loads(text).time.tolist() == [0, 15 * 3600]
+    # day and month may be swapped
+    swapped = text.replace(first, "3/5/2026 18:00:00").replace(second, "3/6/2026 09:00:00")
+    assert loads(swapped).time is None
+
+
 def test_a_passive_record_has_no_pressure():
     text = GOOD.replace("100,", "0,").replace("200,", "0,")
     assert_array_equal(loads(text, rest_length=0.3).pressure, 0)

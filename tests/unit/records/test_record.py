@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from fascicle.core.errors import InvalidInputError
 from fascicle.records import Record, Source, join
 
 
@@ -64,3 +65,10 @@ def test_the_same_readings_twice_are_told():
         join([Record.of(1e5, 0.1, 5)] * 2)
     with_noise = Record.of(1e5, [0.0, 0.1], [50, 20.1])
     assert join([ONE, with_noise]).notes == ("n",)  # no warning: they are errors here
+
+
+def test_masked_readings_are_refused():
+    force = np.ma.masked_less([1.0, -9.0], 0)
+    with pytest.raises(InvalidInputError) as error:
+        Record.of(1e5, [0.0, 0.1], force)
+    assert error.value.argument == "force"

@@ -1,3 +1,4 @@
+import contextlib
 import re
 
 import numpy as np
@@ -5,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.records import load
-from fascicle.records.sidecar import read_sidecar
+from fascicle.records.sidecar import Sidecar, read_sidecar
 
 
 TABLE = "A,position [mm],pressure [kPa]\n-50,12.5,100\n0,-17.5,100\n"
@@ -97,3 +98,13 @@ def test_invalid_sidecars(tmp_path, text, message):
     with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: {message}") as caught:
         read_sidecar(path)
     assert "\n" not in str(caught.value)
+
+
+VALUES = ["[1]", '[["a"]]', "{}", "3", "2024-01-01", "{ angle = 1, arm = 2 }", "true", "[]", '""']
+
+
+@pytest.mark.parametrize("key", Sidecar.model_fields)
+def test_values_of_other_kinds_are_refused_in_one_line(files, key):
+    for value in VALUES:
+        with contextlib.suppress(ValueError):
+            load(files(f"{key} = {value}"))
