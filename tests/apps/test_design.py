@@ -320,18 +320,18 @@ def test_a_wrong_task_is_one_line(refused, written, old, new, message):
 
 
 def test_a_sweep_and_its_front(fascicle, written, tmp_path):
-    pytest.importorskip("zarr", reason="needs the extra `sweep`")
+    zarr = pytest.importorskip("zarr", reason="needs the extra `sweep`")
     written.write_text(TASK + "\n[sweep]\nblock = 5\n")
     code, out, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert code == 0 and "3 of 3 blocks" in err
     assert "14 designs in 3 blocks" in out and "on the front" in out
     assert ": 4 muscles in 1 motor unit" in out and "3 of 3 reached" in out
     front = results.read(tmp_path / "swept-task" / "front.nc")
-    store = results.read(tmp_path / "swept-task" / "designs.zarr")
-    assert store.sizes["design"] == 14
-    assert float(front.mean_efficiency.max()) == float(
-        store.mean_efficiency.where(store.margin >= 0).max()
-    )
+    array = zarr.open_array(tmp_path / "swept-task" / "designs.zarr", mode="r")
+    values = dict(zip(array.attrs["objectives"], array[:].T, strict=True))
+    assert len(values["margin"]) == 14
+    best = values["mean_efficiency"][values["margin"] >= 0].max()
+    assert float(front.mean_efficiency.max()) == best
     # again, as it is, and with another study
     code, _, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert code == 2 and "--resume" in err
@@ -344,7 +344,7 @@ def test_a_sweep_and_its_front(fascicle, written, tmp_path):
 def test_missing_scheduler_is_one_line(fascicle, written):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     code, _, err = fascicle("sweep", "task.toml", "--scheduler", "nowhere://x")
-    assert code == 2 and err.startswith("error: --scheduler nowhere://x") and err.count("\n") == 1
+    assert code == 1 and "nowhere://x" in err and err.count("\n") == 1
 
 
 def test_continuous_sizes(fascicle, written, tmp_path):

@@ -106,18 +106,18 @@ def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     line = process.stderr.readline()
     while not line.startswith("3 of 12"):
         line = process.stderr.readline()
-        assert line.strip().endswith("a worker"), line
+        assert line.endswith(" blocks\n"), line
     code, err = interrupt(process)
     *progress, last = err.splitlines()
     assert code == 130 and last.startswith("interrupted; the finished blocks are in swept-task")
-    assert all(" blocks, " in line for line in progress), err
+    assert all(" blocks" in line for line in progress), err
     process = start(tmp_path, "sweep", "task.toml", "--workers", "0", "--resume")
     _, err = process.communicate(timeout=300)
     assert process.returncode == 0 and int(err.split(" of ")[0]) >= 3
 
 
 @pytest.mark.parametrize(("error", "expected"), [
-    (ConnectionError("no worker has been there for 60 s"), 1),
+    (ConnectionError("the scheduler is lost"), 1),
     (OSError(28, "No space left on device", "swept/x"), 2),
 ])  # fmt: skip
 def test_a_stopped_sweep_names_its_resumption(fascicle, monkeypatch, tmp_path, error, expected):

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from .scatter import DesignScatter, Spread, Uncertainty, spread
     from .space import Space, compositions, partitions
     from .summary import Cases, Summary, summarize
-    from .sweep import Store, Study
+    from .sweep import Study
     from .task import Task, example_task
 
 __all__ = [
     "OBJECTIVES", "Cases", "Catalog", "DesignScatter", "Designs", "Limit", "Outcome", "Product",
-    "Remedy", "SearchResult", "Space", "Spread", "Store", "Study", "Summary", "Task",
+    "Remedy", "SearchResult", "Space", "Spread", "Study", "Summary", "Task",
     "Uncertainty", "compositions", "evaluate", "evolve", "example_task", "hypervolume",
     "judge_safety", "non_dominated", "objective", "partitions", "search", "spread", "summarize",
 ]  # fmt: skip
@@ -49,7 +49,7 @@ _HOMES = {
     **dict.fromkeys(("DesignScatter", "Spread", "Uncertainty", "spread"), "scatter"),
     **dict.fromkeys(("Space", "compositions", "partitions"), "space"),
     **dict.fromkeys(("Cases", "Summary", "summarize"), "summary"),
-    **dict.fromkeys(("Store", "Study"), "sweep"),
+    "Study": "sweep",
     **dict.fromkeys(("Task", "example_task"), "task"),
 }  # fmt: skip
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from ..outputs import SOURCE, print_line, print_table, result_folder, status, to
 
 if TYPE_CHECKING:
     from ...design.exhaustive_search import SearchResult
+    from ...files.task import TaskFile
     from ...reports.design_summary import InfeasibleResult
 
 
@@ -59,9 +61,7 @@ def run(
     if generations is not None:
         require("pymoo")
     load_laws()
-    from ...design.summary import Summary
     from ...files.task import load_task
-    from ...reports.design_summary import run_cycle_of, summarize_search
 
     with user_errors():
         file = load_task(task)
@@ -85,17 +85,8 @@ def run(
                 watch=lambda done: update(f"{done} of {generations} generations"),
                 catalog=file.catalog, least_margin=file.least_margin,
             )  # fmt: skip
-        if file.uncertainty is not None:
-            from ...design.exhaustive_search import judge_safety
-
-            update("judging designs from the cheapest on in draws of scatter")
-            result = judge_safety(result, file.uncertainty)
-        seconds = time.perf_counter() - begin
-        result = replace(result, cycle=file.cycle)
-        answer = summarize_search(result)
-        if isinstance(answer, Summary) and file.cycle is not None:
-            update("running the recommended design in time")
-            answer = run_cycle_of(result, answer)
+        result, answer = judge_result(result, file, update)
+    seconds = time.perf_counter() - begin
     paths: list[str] = []
     if folder is not None:
         with status("drawing the report"):
@@ -108,6 +99,27 @@ def run(
         page, *data_files = paths
         print_line(f"wrote {page} with all details and {len(data_files)} more files")
     return code
+
+
+def judge_result(
+    result: "SearchResult", file: "TaskFile", update: Callable[[str], None]
+) -> tuple["SearchResult", Any]:
+    """Result of a search with its safety, and its `Summary` or `InfeasibleResult`.
+
+    `file`: of the task; `update`: is told what is being done.
+    """
+    from ...design.exhaustive_search import judge_safety
+    from ...reports.design_summary import InfeasibleResult, run_cycle_of, summarize_search
+
+    if file.uncertainty is not None:
+        update("judging designs from the cheapest on in draws of scatter")
+        result = judge_safety(result, file.uncertainty)
+    result = replace(result, cycle=file.cycle)
+    answer = summarize_search(result)
+    if not isinstance(answer, InfeasibleResult) and file.cycle is not None:
+        update("running the recommended design in time")
+        answer = run_cycle_of(result, answer)
+    return result, answer
 
 
 def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = ()) -> int:
