@@ -120,8 +120,6 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "volume_flow": _dimension("a flow", "100 L/min", "m^3/s", "L/min", "L/min m^3/s",
                               "mL/min m^3/s", **{"L/min": Fraction(1, 60_000),
                                                  "mL/min": Fraction(1, 60_000_000)}),
-    "relief_slope": _dimension("a mass flow per pressure", "100 g/(s*bar)", "kg/(s*Pa)",
-                               "g/(s*bar)", "g/(s*bar) kg/(s*Pa)", **{"g/(s*bar)": "1e-8"}),
     "compliance": _dimension("a volume per pressure", "1e-12 m^3/Pa", "m^3/Pa", "mm^3/kPa",
                              "mm^3/kPa m^3/Pa", **{"mm^3/kPa": "1e-12"}),
     "axial_compliance": _dimension("a length per force", "20 mm/kN", "m/N", "mm/kN", "mm/kN m/N",

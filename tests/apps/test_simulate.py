@@ -128,15 +128,6 @@ def test_what_cant_be_trusted_is_said_and_ends_with_1(fascicle, tmp_path):
     assert "can't be trusted" in data.attrs["notes"] and "cavitates" in data["event"].values
 
 
-def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
-    fit = SHORT.replace('"adiabatic_wall"', '"polytropic"\nexponent = 1.2')
-    (tmp_path / "a.toml").write_text(re.sub("conductance = .*", "", fit))
-    code, out, err = fascicle("simulate", "a.toml", "--report", "a.html")
-    assert code == 1 and "Polytropic is a fit that keeps no balance" in err
-    assert "position [mm]" in out and "Balances" not in out
-    assert "This run can't be trusted." in (tmp_path / "a.html").read_text()
-
-
 def test_a_file_that_cant_be_is_one_line_with_its_key(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(SHORT.replace("b = 0.3", "b = 1.2"))
     code, out, err = fascicle("simulate", "a.toml")

@@ -67,9 +67,6 @@ def cascade(
     """
     policy_with_band = POLICIES[check_choice(policy, POLICIES, "policy")]
     check_choice(of, OF, "of")
-    if plant.commands != plant.units:
-        rule = "must have one command for each motor unit"
-        raise InvalidInputError("spool", rule, plant.commands, "take Direct or Servovalve")
     if of == "position" and isinstance(plant.load, PrescribedMotion):
         raise InvalidInputError("of", "must be force where the motion is given", of)
     closed = (True, False)

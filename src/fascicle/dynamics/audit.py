@@ -52,7 +52,7 @@ MESSAGES = {  # of events, by their names in `STATUS`
     "broken": "numbers are not finite; take a smaller `dt`",
 }
 # names of a supply's losses in its balance
-_LOSSES = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
+_LOSSES = {"pump_lost": "lost in the pump"}
 _BY_VOLUME = "made by the volume"  # name of a term, as JSON has it
 _CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
 _HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
@@ -132,12 +132,8 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
 
     **Returns:** an `Audit` [J].
 
-    **Raises:** `ValueError` for a chamber that is a fit, not physics, and for a batch.
+    **Raises:** `ValueError` for a batch.
     """
-    if not plant.chamber.physical:
-        kind = type(plant.chamber).__name__
-        rule, remedy = f"{kind} is a fit that keeps no balance", "take AdiabaticWall or Isothermal"
-        raise InvalidInputError("chamber", rule, kind, remedy, shown="")
     if np.ndim(run.time) != 1 or np.ndim(run.ledger) != 2:
         raise InvalidInputError("run", "must be one run", np.shape(run.ledger), shown="a batch")
     ledger, largest = _changes(LEDGER, run.ledger)
@@ -188,7 +184,7 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
 
 
 def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
-    """Audit of a run, `None` if a chamber has no balance or for a batch; reasons to doubt it."""
+    """Audit of a run, `None` for a batch; reasons to doubt it."""
     audited, doubts = None, []
     try:
         audited = audit(plant, run)

@@ -59,10 +59,10 @@ def integrate(
         kind = type(plant.hysteresis).__name__
         remedy = "use `simulate`, or Coulomb's friction"
         raise InvalidInputError("hysteresis", "must have no memory here", kind, remedy)
-    if getattr(plant.supply, "band", None) is not None:
-        raise InvalidInputError(
-            "supply", "must have no switched pump here", "a band", "use `simulate`", shown=""
-        )
+    pump = getattr(plant.supply, "pump", None)
+    if pump is not None and np.isfinite(pump.switch_off):
+        rule = "must have no switched pump here"
+        raise InvalidInputError("supply", rule, pump.switch_off, "use `simulate`", shown="")
     plant.check_commands(schedule.commands)
     t = np.asarray(times, float)
     if t.ndim != 1 or t.size < 2 or t[0] != 0 or np.any(np.diff(t) <= 0):

@@ -142,11 +142,6 @@ class Plant(Module):
         return len(self.sides)
 
     @property
-    def commands(self) -> int:
-        """Number of commands to the valves."""
-        return self.spool.command_count(self.units)
-
-    @property
     def liquid(self) -> bool:
         """True if its fluid is a liquid."""
         return isinstance(self.chamber, LiquidChamber)
@@ -176,9 +171,9 @@ class Plant(Module):
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 
     def check_commands(self, commands: Numbers) -> Numbers:
-        """The `commands` [-], refused unless they have a column for each command of the plant."""
-        if commands.shape[-1] != self.commands:
-            rule = f"must have {self.commands} columns, one for each command"
+        """The `commands` [-], refused unless they have a column for each motor unit."""
+        if commands.shape[-1] != self.units:
+            rule = f"must have {self.units} columns, one for each motor unit"
             raise InvalidInputError("commands", rule, commands.shape[-1])
         return commands
 
@@ -241,4 +236,3 @@ def _check_fit(plant: Plant) -> None:
                 " of each motor unit",
                 shown=f"{float(np.min(compliance)):g} m³/Pa",
             )
-    plant.spool.command_count(plant.units)  # refuses a number of units that it can't serve

@@ -273,7 +273,7 @@ def _run_rows(
         if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
-            state, no_command = progress.state, jnp.zeros(plant.commands)
+            state, no_command = progress.state, jnp.zeros(plant.units)
             evaluation = evaluate_plant(plant, time, state, no_command, progress.friction_memory)
             measurement = Measurement(  # its force is the muscles' pull without friction
                 time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,

@@ -18,14 +18,14 @@ from ..control.sequential_policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import MuscleTables
-from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
+from ..fluid import AdiabaticWall, Isothermal, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
 from .c_files import c_array, table_strains
 
 
 # chambers whose content the C code computes
-_CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)
+_CHAMBERS = (Isothermal, AdiabaticWall)
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
@@ -106,7 +106,6 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "room": initializers(chamber.room_pressure),
         "dead": initializers(chamber.dead_volume),
         "dense": initializers(density),
-        "softness": initializers(1 / np.asarray(getattr(chamber, "exponent", 1.0))),
         "supply_valve": valve(units.valve, (float(units.supply_temperature), temperature)),
         "exhaust_valve": valve(units.exhaust_valve, (temperature, temperature)),
         "linear": number(LAMINAR_FROM),

@@ -29,10 +29,10 @@ from ..fluid import (
     WATER,
     Accumulator,
     AdiabaticWall,
+    FixedPump,
     Gas,
     Isothermal,
     LiquidChamber,
-    OrderlyValve,
     Orifice,
     PumpedAccumulator,
     SonicValve,
@@ -46,7 +46,7 @@ from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..muscle import Muscle
 from ..table_model import did_you_mean
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
-from .scenario_schema import DATA_SHEET, INNER, PARTS, PUMPED, choose_schema, pump_class
+from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
 from .schema import FileLocation, check_kind, validate
 from .shipped_files import example_text, named_muscles
 
@@ -208,7 +208,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
         raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
     _check_list_lengths(tables, classes, units, root)
-    parts = _parts(tables, classes, units, root)
+    parts = _parts(tables, classes, root)
     run = file.run
     options = run.model_dump(exclude_none=True, include={"law", "volume"})
 
@@ -277,7 +277,7 @@ def _with_measured_friction(
 
 def _table_values(section: BaseModel) -> dict[str, Any]:
     """Values of a table by key, without the names of classes."""
-    names = {"kind": True, "chamber": True, "pump": {"kind"}}
+    names = {"kind": True, "chamber": True}
     return section.model_dump(exclude_none=True, exclude=names)
 
 
@@ -352,7 +352,7 @@ def _as_bundle(obj: Muscle | Bundle) -> Bundle:
 
 
 def _parts(
-    tables: dict[str, dict[str, Any]], classes: Mapping[str, type], units: int, root: FileLocation
+    tables: dict[str, dict[str, Any]], classes: Mapping[str, type], root: FileLocation
 ) -> dict[str, Any]:
     """Parts of the plant by the name of its argument."""
     section = tables["fluid"]
@@ -367,8 +367,6 @@ def _parts(
             if inner in table:
                 with location.child(inner, kind="part").error_context():
                     table[inner] = inner_kind(**table[inner])
-        if kind is OrderlyValve:
-            table["units"] = units
         if kind is Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
         if kind is SonicValve:
@@ -412,7 +410,7 @@ def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> An
     with location.error_context():
         medium = MEDIA[check_choice(name, MEDIA, "medium")]
     if liquid == isinstance(medium, Gas):
-        kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
+        kinds = "adiabatic_wall or isothermal" if liquid else "liquid"
         phase = "gas" if liquid else "liquid"
         raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
     if liquid and not np.all(np.asarray(section.get("compliance", 0.0)) > 0):
@@ -431,17 +429,14 @@ def _supply(
     if kind is Tank and not gas:
         rule = "it holds a gas: take constant, accumulator or pumped for a liquid."
         raise location.error(("kind",), rule)
-    pump_parts: dict[str, Any] = {}
+    pump = None
     if kind is PumpedAccumulator:
-        for key, part_kind in {"pump": pump_class(root.data, root), **PUMPED}.items():
-            if key in table:
-                options = table.pop(key) | ({"liquid": medium} if key == "pump" else {})
-                with location.child(key, kind="part").error_context():
-                    pump_parts[key] = part_kind(**options)
+        with location.child("pump", kind="part").error_context():
+            pump = FixedPump(**table.pop("pump"), liquid=medium)
     with location.error_context():
         if kind in (Accumulator, PumpedAccumulator):
             store = Accumulator(**table, liquid=medium, **room)
-            return store if kind is Accumulator else PumpedAccumulator(store, **pump_parts)
+            return store if pump is None else PumpedAccumulator(store, pump)
         if kind is Tank:
             wall = table.pop("conductance", None)
             chamber: Any = Isothermal if wall is None else AdiabaticWall
@@ -474,7 +469,7 @@ def _schedule(
     """Commands in time, and notes on those that the run can't follow exactly."""
     times, commands, notes = _rising_times(rows, "schedule", root), [], []
     for index, row in enumerate(rows):
-        location, count, size = root.child("schedule", index), plant.commands, np.size(row.command)
+        location, count, size = root.child("schedule", index), plant.units, np.size(row.command)
         if size != count and (np.ndim(row.command) or size != 1):
             rule = f"must be one number, or a list of one for each command, {count}"
             raise location.error(("command",), f"{rule}, got {size}.")

@@ -29,16 +29,11 @@ from ..fluid import (
     Isothermal,
     Line,
     LiquidChamber,
-    OrderlyValve,
     Orifice,
-    Polytropic,
-    PressureBand,
     PumpedAccumulator,
-    Relief,
     Servovalve,
     SonicValve,
     Tank,
-    VariablePump,
 )
 from ..table_model import Quantity, TableModel, did_you_mean
 from ..units import quantity_example
@@ -68,7 +63,7 @@ _DIMENSIONS = {
     "length": "length", "diameter": "length", "viscosity": "viscosity",
     "friction_factor": "number", "overlap": "number", "time_constant": "time",
     "displacement": "volume", "speed": "frequency", "volumetric_efficiency": "number",
-    "mechanical_efficiency": "number", "crack": "pressure", "slope": "relief_slope",
+    "mechanical_efficiency": "number", "switch_on": "pressure", "switch_off": "pressure",
     "slip_force": "force", "slip_force_slope": "slip", "width": "pressure",
     "velocity": "velocity",
 }  # fmt: skip
@@ -76,16 +71,10 @@ _ROTARY_DIMENSIONS = {
     "damping": "angular_damping", "stiffness": "angular_stiffness", "low": "angle", "high": "angle",
     "position": "angle",
 }  # fmt: skip
-# dimensions of a name in one class alone
-_CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
-    PressureBand: {"low": "pressure", "high": "pressure"},
-    VariablePump: {"band": "pressure"},
-}
 _NAME: tuple[Any, Any] = (str | None, None)
 # keys of a valve's data sheet that stand for C; nominal flow: 6 to 5 bar gauge, normal liters
 DATA_SHEET = {"nominal_flow": "volume_flow", "Kv": "volume_flow", "Cv": "number"}
 INNER = {"stop": Stop, "line": Line}  # tables in a part's table
-PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
 
 
 class Part(NamedTuple):
@@ -117,7 +106,7 @@ PARTS = {
     }, many=False),
     "fluid": Part("chamber", {
         "adiabatic_wall": AdiabaticWall, "isothermal": Isothermal,
-        "polytropic": Polytropic, "liquid": LiquidChamber,
+        "liquid": LiquidChamber,
     }, supplied=("gas", "liquid")),
     "supply": Part("kind", {
         "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
@@ -126,15 +115,13 @@ PARTS = {
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, optional=True),
     "spool": Part("kind", {
-        "direct": Direct, "servovalve": Servovalve, "orderly": OrderlyValve,
-    }, "direct", supplied=("units",), optional=True),
+        "direct": Direct, "servovalve": Servovalve,
+    }, "direct", optional=True),
     "hysteresis": Part("kind", {
         "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
     }, optional=True),
 }  # fmt: skip
-_PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
-              supplied=("liquid",), many=False)  # fmt: skip
-_NAMELESS = Part("", {}, many=False)  # a table of one class, such as [load.stop]
+_NAMELESS = Part("", {}, supplied=("liquid",), many=False)  # a table of one class: [load.stop]
 
 
 class CommandSection(TableModel):
@@ -167,7 +154,7 @@ def choose_schema(
     for name, part in PARTS.items():
         table: Any = TableModel
         if classes.get(name) is PumpedAccumulator:
-            table = _pumped_table(pump_class(data, location))
+            table = _pumped_table()
         elif name in classes:
             table = _table_model(part, classes[name], rotary and name == "load")
         if name == "fluid" and name in classes:
@@ -193,13 +180,6 @@ def choose_schema(
     return create_model("ScenarioFileSection", __base__=TableModel, **keys), classes
 
 
-def pump_class(data: Mapping[str, Any], location: FileLocation) -> type:
-    """Class of the pump in a scenario's tables."""
-    table = data["supply"].get("pump")
-    table = table if isinstance(table, dict) else {}
-    return _class("pump", _PUMPS, table, location.child("supply", kind="part"))
-
-
 def _key(
     dimension: str, many: bool = False, required: bool = True, **limits: Any
 ) -> tuple[Any, Any]:
@@ -213,7 +193,7 @@ def _key(
 def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
     """Table of a class: the arguments of its constructor."""
     keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
-    dimensions = _CLASS_DIMENSIONS.get(kind, _ROTARY_DIMENSIONS if rotary else {})
+    dimensions = _ROTARY_DIMENSIONS if rotary else {}
     for name, parameter in signature(kind).parameters.items():
         if name in part.supplied:
             continue
@@ -231,14 +211,11 @@ def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableMode
     return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
 
 
-def _pumped_table(pump: type) -> type[TableModel]:
-    """Table of an accumulator with a class of pump."""
-    keys: dict[str, Any] = {
-        name: (_table_model(_NAMELESS, kind) | None, None) for name, kind in PUMPED.items()
-    }
-    keys["pump"] = (_table_model(_PUMPS, pump), Field(examples=["[supply.pump]"]))
+def _pumped_table() -> type[TableModel]:
+    """Table of an accumulator with a pump."""
+    pump: Any = (_table_model(_NAMELESS, FixedPump), Field(examples=["[supply.pump]"]))
     store = _table_model(PARTS["supply"], Accumulator)
-    return create_model("PumpedSection", __base__=store, **keys)
+    return create_model("PumpedSection", __base__=store, pump=pump)
 
 
 def _control_keys(rotary: bool) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from .flow_elements import Orifice as Orifice
 from .flow_elements import SonicValve as SonicValve
 from .gas_chambers import AdiabaticWall as AdiabaticWall
 from .gas_chambers import Isothermal as Isothermal
-from .gas_chambers import Polytropic as Polytropic
 from .liquid_chamber import LiquidChamber as LiquidChamber
 from .media import AIR as AIR
 from .media import NITROGEN as NITROGEN
@@ -25,13 +24,9 @@ from .media import WATER as WATER
 from .media import Gas as Gas
 from .media import Liquid as Liquid
 from .pumps import FixedPump as FixedPump
-from .pumps import PressureBand as PressureBand
-from .pumps import Relief as Relief
-from .pumps import VariablePump as VariablePump
 from .spools import AbstractSpool as AbstractSpool
 from .spools import Direct as Direct
 from .spools import Openings as Openings
-from .spools import OrderlyValve as OrderlyValve
 from .spools import Servovalve as Servovalve
 from .spools import validate_commands as validate_commands
 from .supply import AbstractSupply as AbstractSupply

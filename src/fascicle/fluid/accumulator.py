@@ -11,10 +11,9 @@ fast one; the gas is a spring, so that what it takes it gives back.
 
 With a pump,
 
-$$\dot m_{acc} = \dot m_{pump}(P) - \dot m_{relief}(P) - \dot m_{drawn}, \tag{F23}$$
+$$\dot m_{acc} = \dot m_{pump}(P) - \dot m_{drawn}, \tag{F23}$$
 
-the pump driven, and wasting, as (F20) says, the relief valve as (F22). A fixed pump is switched by
-a pressure band, looked at after each step; a variable one swivels by itself. Energies are
+the pump driven, and wasting, as (F20) says; its switch is updated after each step. Energies are
 integrated beside the mass, so that the work of the shaft is the energy that the bundle gets, the
 energy stored, and the losses.
 
@@ -50,7 +49,7 @@ from .fields import (
     temperature_field,
 )
 from .media import OIL, Liquid
-from .pumps import FixedPump, PressureBand, Relief, VariablePump
+from .pumps import FixedPump
 from .supply import AbstractSupply, supply_pressure_field
 
 
@@ -158,26 +157,18 @@ class Accumulator(AbstractSupply):
 class PumpedAccumulator(AbstractSupply):
     """Supply from an accumulator that a pump fills, equation (F23).
 
-    `accumulator`: with its initial pressure. `pump`. `band`: pressures between which a fixed pump
-    is switched; left out, it always runs. `relief`: a valve to the reservoir, or none.
+    `accumulator`: with its initial pressure. `pump`: with its switch.
     """
 
     source: ClassVar[str] = "Merritt (1967)"
     # energies are those since the start
-    names: ClassVar[tuple[str, ...]] = (
-        "mass", "pump_on", "shaft_work", "pump_lost", "relief_lost",
-    )  # fmt: skip
-    units: ClassVar[tuple[str, ...]] = ("kg", "1", "J", "J", "J")
+    names: ClassVar[tuple[str, ...]] = ("mass", "pump_on", "shaft_work", "pump_lost")
+    units: ClassVar[tuple[str, ...]] = ("kg", "1", "J", "J")
 
     accumulator: Accumulator = component_field("accumulator", (Accumulator,))
-    pump: FixedPump | VariablePump = component_field("pump", (FixedPump, VariablePump))
-    band: PressureBand | None = component_field("band", (PressureBand,), default=None)
-    relief: Relief | None = component_field("relief", (Relief,), default=None)
+    pump: FixedPump = component_field("pump", (FixedPump,))
 
     def __check_init__(self):
-        if self.band is not None and isinstance(self.pump, VariablePump):
-            why = "must be left out with a VariablePump, which swivels by itself"
-            raise InvalidInputError("band", why, self.band, shown="one")
         pumped, stored = self.pump.liquid, self.accumulator.liquid
         pairs = ((pumped.bulk_modulus, stored.bulk_modulus),
                  (pumped.reference_density, stored.reference_density))  # fmt: skip
@@ -186,11 +177,11 @@ class PumpedAccumulator(AbstractSupply):
             raise InvalidInputError("pump", rule, pumped, shown="another")
 
     def initial_state(self) -> Numbers:
-        """State [SI] at the accumulator's pressure, its pump switched by the band."""
+        """State [SI] at the accumulator's pressure, with the pump switched for it."""
         P = self.accumulator.pressure
-        on = 1.0 if self.band is None else self.band.initial_state(P)
         none = 0.0 * P
-        return stack_last(self.accumulator.initial_state()[..., 0], on + none, none, none, none)
+        mass, on = self.accumulator.initial_state()[..., 0], self.pump.initial_switch(P)
+        return stack_last(mass, on + none, none, none)
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI]."""
@@ -206,19 +197,12 @@ class PumpedAccumulator(AbstractSupply):
         """
         del energy_in
         P, on, pump = self.pressure_at(state), state[..., 1], self.pump
-        relief_flow = relief_loss = 0.0 * P
-        if self.relief is not None:
-            relief_flow = self.relief.flow(P)
-            relief_loss = self.relief.lost_power(P, self.accumulator.liquid)
-        mass_rate = mass_in + pump.flow(P, on) - relief_flow
         shaft, losses = pump.shaft_power(P, on), pump.lost_power(P, on)
-        return stack_last(mass_rate, 0.0 * P, shaft, losses, relief_loss)
+        return stack_last(mass_in + pump.flow(P, on), 0.0 * P, shaft, losses)
 
     def update_switch(self, state: Numbers) -> Numbers:
-        """State [SI] after a `state` [SI] whose pressure switches the pump by the band."""
-        if self.band is None:
-            return state
-        on = self.band.update(state[..., 1], self.pressure_at(state))
+        """State [SI] after a `state` [SI] whose pressure switches the pump."""
+        on = self.pump.update_switch(state[..., 1], self.pressure_at(state))
         xp = array_namespace(state, on)
         return xp.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
 
@@ -227,10 +211,10 @@ class PumpedAccumulator(AbstractSupply):
         return self.accumulator.stored_energy(state)
 
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
-        """Shaft work, losses of the pump and of the relief valve [J] from the start to a `state`
-        [SI]: keys "shaft_work", "pump_lost" and "relief_lost".
+        """Shaft work and losses of the pump [J] from the start to a `state` [SI]: keys
+        "shaft_work" and "pump_lost".
         """
-        return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
+        return dict(zip(self.names[2:], (state[..., 2], state[..., 3]), strict=True))
 
     def empty(self, state: Numbers) -> BoolBatch:
         """True if a `state` [SI] has no liquid left."""

@@ -43,13 +43,11 @@ class AbstractChamber(Module):
     - `dead_volume`: of hose and fittings, in addition to the volume of each method [m³].
     - `room_pressure`: absolute [Pa]. `room_temperature`: of room and wall [K].
     - `names`, `units`: of the state variables, and `count`, their number.
-    - `physical`: true if it keeps both laws of thermodynamics, so that an audit can close.
     - `gas` of a gas, `liquid` of a liquid.
     """
 
     names: ClassVar[tuple[str, ...]]
     units: ClassVar[tuple[str, ...]]
-    physical: ClassVar[bool]
     gas: ClassVar[Any]
     liquid: ClassVar[Any]
 
@@ -72,9 +70,7 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room, or, for
-        `Polytropic`, as its law (F15) makes it.
-        """
+        """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
 
     @abc.abstractmethod
     def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:

@@ -1,4 +1,4 @@
-r"""Chambers of gas: with a wall that conducts heat, at the room's temperature, and a fit.
+r"""Chambers of gas: behind a wall that conducts heat, or as warm as the room.
 
 `AdiabaticWall`: its state is its mass and its internal energy $U = m c_v T$; at an
 absolute pressure $p = P + p_a$,
@@ -12,16 +12,8 @@ adiabatic where $G = 0$, ever closer to isothermal as $G$ rises (and ever stiffe
 
 $$p V = m R T_a. \tag{F14}$$
 
-`Polytropic`: a fitted exponent,
-
-$$p = p_a \left(\frac{m}{V} \frac{R T_a}{p_a}\right)^n. \tag{F15}$$
-
-It fits the pressure of one motion and is no physics: gas that enters has no temperature of its own,
-and a cycle may convert the room's heat to work without end. An audit refuses it (`physical` is
-`False`).
-
 **Assumes** an ideal gas, mixed at once; (F14) motion slower than its heat leaves. **Source:** the
-first law; (F15) Andersen (1967), The Analysis and Design of Pneumatic Systems.
+first law.
 """
 
 from dataclasses import KW_ONLY
@@ -32,7 +24,7 @@ from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
 from .chamber import AbstractChamber, AbstractMassChamber, StateResidual, stack_last
-from .fields import component_field, interval_field, nonnegative_field
+from .fields import component_field, nonnegative_field
 from .media import AIR, Gas
 
 
@@ -76,7 +68,6 @@ class AdiabaticWall(AbstractGasChamber):
 
     names: ClassVar[tuple[str, ...]] = ("mass", "internal_energy")
     units: ClassVar[tuple[str, ...]] = ("kg", "J")
-    physical: ClassVar[bool] = True
     source: ClassVar[str] = "first law of an ideal gas"
 
     conductance: Batch = nonnegative_field(
@@ -143,7 +134,6 @@ class AdiabaticWall(AbstractGasChamber):
 class Isothermal(AbstractGasChamber, AbstractMassChamber):
     """Chamber of gas as warm as the room, equation (F14)."""
 
-    physical: ClassVar[bool] = True
     source: ClassVar[str] = "ideal gas at one temperature"
 
     def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
@@ -176,57 +166,3 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         work = (pressure + self.room_pressure) * volume_rate
         stored = self.gas.c_v * self.room_temperature * mass_in
         return energy_in - work - stored + 0.0 * state[..., 0]
-
-
-class Polytropic(AbstractGasChamber, AbstractMassChamber):
-    """Chamber of gas by a fitted exponent, equation (F15): no physics, and refused by an audit.
-
-    `exponent`: $n$ [-], in [1, 2].
-    """
-
-    physical: ClassVar[bool] = False
-    source: ClassVar[str] = "Andersen (1967)"
-
-    exponent: Batch = interval_field(
-        "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic air"
-    )
-
-    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], at the temperature of (F15)."""
-        ratio = (pressure + self.room_pressure) / self.room_pressure
-        return stack_last(self._room_mass(0.0, volume) * ratio ** (1 / self.exponent))
-
-    def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """Temperature $T_a (p/p_a)^{1 - 1/n}$ [K] of a `state` [SI] at gauge `pressure` [Pa]."""
-        p = pressure + self.room_pressure
-        ratio = guarded(p > 0, p, self.room_pressure) / self.room_pressure
-        return self.room_temperature * ratio ** (1 - 1 / self.exponent) + 0.0 * state[..., 0]
-
-    def state_residual(
-        self, state: Numbers, pressure: BatchLike, volume: BatchLike
-    ) -> StateResidual:
-        """Residual $p_a V (p/p_a)^{1/n} - m R T_a$ and its slopes [SI] for a `state` [SI] at
-        gauge `pressure` [Pa] in a `volume` [m³].
-        """
-        V, p_a, n = volume + self.dead_volume, self.room_pressure, self.exponent
-        p = pressure + p_a
-        ratio = guarded(p > 0, p, p_a) / p_a
-        # without gas a straight line goes on, so that a search comes back
-        reduced = where(p > 0, p_a * ratio ** (1 / n), p)
-        slope = where(p > 0, ratio ** (1 / n - 1) / n, 1.0)
-        value = reduced * V - self._RT * state[..., 0]
-        zero = 0.0 * value
-        return StateResidual(value, stack_last(-self._RT + zero), V * slope + zero, reduced + zero)
-
-    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-        V, p_a = volume + self.dead_volume, self.room_pressure
-        ratio = state[..., 0] * self._RT / (V * p_a)
-        power = where(ratio > 0, guarded(ratio > 0, ratio) ** self.exponent, 0.0)
-        return p_a * (power - 1)
-
-    def heat_flow(
-        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
-    ) -> Batch:
-        """NaN [W], since a fitted exponent defines no heat; arguments [SI] as of `rates`."""
-        return float("nan") * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)

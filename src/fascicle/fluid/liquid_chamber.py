@@ -27,7 +27,6 @@ class LiquidChamber(AbstractMassChamber):
     `liquid`. `compliance`: $c$ [m³/Pa]; left out, zero.
     """
 
-    physical: ClassVar[bool] = True
     source: ClassVar[str] = "Merritt (1967)"
 
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)

@@ -11,27 +11,14 @@ follows it,
 
 $$\dot x = \frac{u - x}{\tau}. \tag{F10}$$
 
-The orderly recruitment valve has one spool for $N$ units, whose ports lie in a row. At $x = -1$ all
-are vented; on its way to 1 it passes each in turn and leaves it joined to the supply:
-
-$$x_i = N (1 + x) - 2 i - 1, \quad i = 0 \dots N - 1, \tag{F11}$$
-
-is the position of the spool at port $i$, and (F9) of it, up to 1, the port's opening. One unit is
-throttled at a time, the units before it are at the supply, those after it at the exhaust.
-
-**Source:** Merritt (1967), Hydraulic Control Systems; the orderly valve after Vemula, Kim,
-Mazzoleni and Bryant (2022), Bioinspiration & Biomimetics 17, from what its abstract says: the
-ports' even spacing and linear openings are ours.
+**Source:** Merritt (1967), Hydraulic Control Systems.
 """
 
 import abc
 from typing import ClassVar, NamedTuple
 
-import numpy as np
-
 from ..core.array_namespace import maximum, minimum
-from ..core.errors import InvalidInputError
-from ..core.module import Module, static
+from ..core.module import Module
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
 from .fields import interval_field, positive_field
@@ -53,10 +40,6 @@ class AbstractSpool(Module):
     """
 
     overlap: ClassVar[Batch]
-
-    def command_count(self, units: int) -> int:
-        """Number of commands for a number of `units`: one for each."""
-        return units
 
     @abc.abstractmethod
     def state_count(self, units: int) -> int:
@@ -124,53 +107,6 @@ class Servovalve(AbstractSpool):
         """Openings [-], (F9), at the `spool` [-]; the `command` [-] doesn't count."""
         del command
         return self._port_openings(spool)
-
-
-class OrderlyValve(AbstractSpool):
-    """One spool for all units, equations (F10) and (F11).
-
-    `units`: number of its ports. `time_constant`: $\\tau$ [s]. `overlap`: $o$ at each port
-    [-], in [0, 1).
-    """
-
-    source: ClassVar[str] = "Vemula, Kim, Mazzoleni and Bryant (2022)"
-    units: int = static()
-    time_constant: Batch = positive_field("time_constant", _TIME)
-    overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
-
-    def __check_init__(self):
-        if isinstance(self.units, bool) or not isinstance(self.units, int) or self.units < 1:
-            raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
-
-    def command_count(self, units: int) -> int:
-        """One command for all of the `units`, whose number must be that of the ports."""
-        if units != self.units:
-            rule = f"must be the bundle's number of motor units, {units}"
-            raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
-        return 1
-
-    def state_count(self, units: int) -> int:
-        """One spool for all of the `units`, whose number must be that of the ports."""
-        return self.command_count(units)
-
-    def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Rate of the `spool` [1/s] towards the `command` [-], equation (F10)."""
-        return (command - spool) / self.time_constant
-
-    def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Openings [-] of all units, on the last axis, at the one `spool`'s position [-], (F11) and
-        (F9); `command` doesn't count.
-        """
-        del command
-        return self._port_openings(self.units * (1 + spool) - 2 * np.arange(self.units) - 1)
-
-    def closing_command(self, unit: int) -> float:
-        """Command [-] at which port `unit`, counted from 0, is shut and all before it are open to
-        the supply.
-        """
-        if not 0 <= unit < self.units:
-            raise InvalidInputError("unit", f"must lie in [0, {self.units - 1}]", unit)
-        return (2 * unit + 1) / self.units - 1
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:

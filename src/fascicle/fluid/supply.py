@@ -26,7 +26,7 @@ from .fields import (
     room_pressure_field,
     temperature_field,
 )
-from .gas_chambers import AdiabaticWall, Isothermal, Polytropic
+from .gas_chambers import AdiabaticWall, Isothermal
 
 
 _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar
@@ -161,9 +161,7 @@ class Tank(AbstractSupply):
 
     source: ClassVar[str] = "the chamber's"
 
-    chamber: AdiabaticWall | Isothermal | Polytropic = component_field(
-        "chamber", (AdiabaticWall, Isothermal, Polytropic)
-    )
+    chamber: AdiabaticWall | Isothermal = component_field("chamber", (AdiabaticWall, Isothermal))
     volume: Batch = positive_field("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
     pressure: Batch = supply_pressure_field()
 

@@ -123,7 +123,7 @@ class Drive(Module):
             raise InvalidInputError(name, "is missing", None, remedy)
         if chamber is not None and not isinstance(chamber, AbstractMassChamber):
             rule = "must be one whose state is its mass"
-            remedy = "take Isothermal, Polytropic or LiquidChamber"
+            remedy = "take Isothermal or LiquidChamber"
             raise InvalidInputError("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
         if not attached:
             raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
@@ -285,7 +285,7 @@ class Drive(Module):
         """Check the command and step MuJoCo's `data` as `step` does, but without a warning;
         arguments and result [SI] are the same.
         """
-        count, indices = self.plant.commands if self.valved else self.units, list(self.actuators)
+        count, indices = self.units, list(self.actuators)
         if self.valved:
             values = np.asarray(validate_commands(command), float)
         else:

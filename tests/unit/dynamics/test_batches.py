@@ -18,9 +18,7 @@ MASS = dynamics.HangingMass(12.0, damping=300.0)
 STOP = dynamics.Stop(high=0.012, stiffness=2e5, damping=200.0)
 TURN = dynamics.AntagonisticJoint(0.02, 0.025, 0.015, damping=0.1, gravity_moment=0.6)
 ACCUMULATOR = fluid.Accumulator(2e-4, 2e5, SUPPLY)
-PUMPED = fluid.PumpedAccumulator(ACCUMULATOR, fluid.FixedPump(1e-6, 25.0), relief=fluid.Relief(
-    SUPPLY, 1e-11
-))  # fmt: skip
+PUMPED = fluid.PumpedAccumulator(ACCUMULATOR, fluid.FixedPump(1e-6, 25.0))
 
 OF_GAS = {
     "wall": {},
@@ -28,7 +26,6 @@ OF_GAS = {
     "hose": {"valve": fluid.SonicValve(2e-9, 0.3, line=fluid.Line(1.0, 0.002))},
     "tank": {"supply": fluid.Tank(fluid.AdiabaticWall(0.5), 1e-3, SUPPLY)},
     "servovalve": {"spool": fluid.Servovalve(0.01, overlap=0.05)},
-    "orderly": {"spool": fluid.OrderlyValve(2, 0.01)},
     "spring and stop": {"load": dynamics.InertiaSpringDamper(8.0, 5e3, 120.0, stop=STOP)},
     "motion": {"load": dynamics.PrescribedMotion(0.012, 0.005, 5.0)},
     "slip": {"hysteresis": dynamics.MaxwellSlip([2e4, 4e4], [3.0, 1.5])},
@@ -76,7 +73,7 @@ slow = [pytest.param(name, marks=pytest.mark.slow) for name in [*OF_GAS, *OF_OIL
 def test_a_batch_of_runs_equals_single_runs(name, muscle):
     plant = made(name, muscle)
     start = dynamics.equilibrium_state(plant, 1.5e5)
-    commands = np.random.default_rng(7).uniform(-1, 1, (RUNS, STEPS, plant.commands))
+    commands = np.random.default_rng(7).uniform(-1, 1, (RUNS, STEPS, plant.units))
 
     def ran(rows):
         run = dynamics.simulate(plant, rows, start=start, substeps=16 if plant.liquid else 2)
@@ -93,7 +90,7 @@ def test_gradients_of_a_batch_equal_those_of_single_runs(name, muscle):
     plant = made(name, muscle)
     start = dynamics.equilibrium_state(plant, 1.5e5)
     rng = np.random.default_rng(8)
-    rows = jnp.asarray(rng.uniform(-0.9, 0.9, (RUNS, STEPS, plant.commands)))
+    rows = jnp.asarray(rng.uniform(-0.9, 0.9, (RUNS, STEPS, plant.units)))
 
     def cost(share, rows):
         run = dynamics.simulate(

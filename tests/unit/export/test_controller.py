@@ -33,7 +33,6 @@ def make_plant(chamber=None, valve=None):
 CASES = {
     "orderly": ("orderly", {}),
     "threshold": ("threshold", {}),
-    "polytropic": ("threshold", {"chamber": fluid.Polytropic(1.2, dead_volume=3e-6)}),
     "hose": ("threshold", {"valve": fluid.SonicValve(1e-9, 0.3, line=fluid.Line(1.0, 4e-3))}),
     "wall": ("orderly", {"chamber": fluid.AdiabaticWall(0.5, dead_volume=3e-6)}),
 }

@@ -13,9 +13,9 @@ static const real dt = @dt@, force_gain = @force_gain@, force_integral_gain = @f
 static const real pressure_time = @pressure_time@, flow_limit = @flow_limit@;
 static const real band = @band@; /* [N] */
 static const int parks = @parked@;
-/* each unit's chamber: its density at a pressure [kg/m3] is `dense` (p/room)^`softness` */
+/* each unit's chamber: its density at a pressure [kg/m3] is `dense` p/room */
 static const real room[UNITS] = {@room@}, dead[UNITS] = {@dead@};
-static const real dense[UNITS] = {@dense@}, softness[UNITS] = {@softness@};
+static const real dense[UNITS] = {@dense@};
 /* ISO 6358 wide open, onward and back: C rho0 sqrt(T0/T) [kg/(s Pa)], b and m */
 static const real supply_valve[UNITS][2][3] = {@supply_valve@};
 static const real exhaust_valve[UNITS][2][3] = {@exhaust_valve@};
@@ -110,7 +110,7 @@ static real content(int unit, real pressure, real strain)
     const real ratio = (pressure + room[unit]) / room[unit];
     const real volume = count_of[unit] * unit_at(unit, pressure, strain).volume + dead[unit];
 
-    return dense[unit] * volume * (softness[unit] < 1 ? pow(ratio, softness[unit]) : ratio);
+    return dense[unit] * volume * ratio;
 }
 
 /* how far a valve opens, so that its chamber comes to a pressure with a time constant */
