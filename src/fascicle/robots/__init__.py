@@ -15,7 +15,6 @@ from .sizing import Sizing as Sizing
 from .sizing import size as size
 from .tables import TableStatus as TableStatus
 from .tables import TableWarning as TableWarning
-from .warp_control import WarpControl as WarpControl
 
 
 _PROCESS = os.getpid()  # of the first import: a forked process has another one

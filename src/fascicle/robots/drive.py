@@ -3,7 +3,7 @@ r"""Bundles that drive a robot: their chambers beside MuJoCo's state, and one st
 A step takes the tendons' lengths *of this step*, sets each bundle's pull for them, and lets MuJoCo
 complete it. With the lengths of the step before, which are in MuJoCo's data before `mj_step`, a
 muscle is a delayed spring, and generates energy. So does a pull that is constant through the stages
-of a Runge-Kutta step: there it is evaluated at each stage, by MuJoCo's gain callback.
+of a Runge-Kutta step, which is therefore refused.
 
 Fluid flows between steps: at the pressures $P$ of this step a chamber's mass becomes
 
@@ -52,7 +52,6 @@ from ..fluid.spools import validate_commands
 from .attach import Attached, Tendons
 from .compliance import NEWTON_STEPS, Series, bundle_strains
 from .optional_imports import mjx, mujoco
-from .runge_kutta import runge_kutta_step
 from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
@@ -113,8 +112,9 @@ class Drive(Module):
         - `highest_pressure`: of a command [Pa]; left out, the bundles' largest supply pressure.
         - `shape`: nodes of the muscles' tables in pressure and strain.
 
-        **Raises:** `InvalidInputError` for components that don't fit, a chamber whose gas warms,
-        and a tendon that begins outside of its muscles' tables, where `size` helps.
+        **Raises:** `InvalidInputError` for components that don't fit, a chamber whose gas warms, a
+        model stepped by Runge-Kutta, and a tendon that begins outside of its muscles' tables, where
+        `size` helps.
         """
         arguments = [value is not None for value in (supply, chamber, valve)]
         if any(arguments) and not all(arguments):
@@ -142,6 +142,7 @@ class Drive(Module):
         assert supply is not None
         assert chamber is not None
         assert valve is not None
+        _check_integrator(model)
         bundles = [entry.bundle for entry in attached]
         load = Tendons(bundles=len(bundles))
         plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
@@ -297,8 +298,7 @@ class Drive(Module):
         command = np.broadcast_to(values, (count,))
         if act is None:
             act, fluid = self.act, to_numpy(fluid)  # which may come from compiled steps
-        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            return self._runge_kutta_step(model, data, fluid, command, act)
+        _check_integrator(model)
         mujoco.mj_step1(model, data)
         lengths = data.actuator_length[indices]
         _check_lengths(lengths)
@@ -367,22 +367,14 @@ class Drive(Module):
         # with 64 bits some whole numbers come back wider than before, which no loop accepts
         return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
 
-    def _runge_kutta_step(
-        self, model: Any, data: Any, fluid: Fluid, command: Numbers, act: Any
-    ) -> Fluid:
-        """Step MuJoCo's `data` by Runge-Kutta, with pulls by the function `act`, plain or compiled
-        `Drive.act`, at each stage; returns the fluid of the first stage.
-        """
-        stages: list[Fluid] = []
 
-        def pull(lengths: Numbers) -> Numbers:
-            _check_lengths(lengths)
-            after, pull = act(fluid, lengths, command, model.opt.timestep)
-            stages.append(after)
-            return pull
-
-        runge_kutta_step(model, data, self.actuators, pull)
-        return stages[0]  # the first stage is the step's beginning
+def _check_integrator(model: Any) -> None:
+    """Refuse a `model` that is stepped by Runge-Kutta: a pull that is constant through its stages
+    creates energy.
+    """
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        remedy = "take Euler or implicitfast"
+        raise InvalidInputError("model.opt.integrator", "must not be RK4", "RK4", remedy, shown="")
 
 
 def _check_lengths(lengths: Numbers) -> None:

@@ -64,30 +64,20 @@ def test_muscles_at_constant_pressure_conserve_energy(spatial, elbow, energy):
     assert np.abs(off).max() < 0.02  # J, of 1 J that swings
 
 
-def test_runge_kutta_evaluates_the_pull_at_each_stage(elbow, energy):
-    off = drifts(elbow(integrator="RK4"), energy, right, seconds=1.0)
-    assert np.abs(off).max() < 1e-6
-
-
-def test_the_gain_callback_of_the_user_stays(elbow):
-    model, data, drive = elbow(integrator="RK4")
-
-    def gain(model, data, actuator):
-        del model, data, actuator
-        return 0.0
-
-    mujoco.set_mjcb_act_gain(gain)
-    try:
+def test_runge_kutta_is_refused(elbow):
+    """A pull that is constant through its stages creates energy."""
+    model, data, drive = elbow()
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    with pytest.raises(ValueError, match="RK4") as error:
         drive.step(model, data, drive.start(model, data, HELD), HELD)
-        assert mujoco.get_mjcb_act_gain() is gain
-    finally:
-        mujoco.set_mjcb_act_gain(None)
+    assert error.value.argument == "model.opt.integrator"
+    with pytest.raises(ValueError, match="RK4"):
+        elbow(integrator="RK4")
 
 
-@pytest.mark.parametrize("integrator", ["Euler", pytest.param("RK4", marks=pytest.mark.slow)])
-def test_a_delayed_pull_creates_energy(integrator, elbow, energy):
+def test_a_delayed_pull_creates_energy(elbow, energy):
     # forbidden, and why: a drive that did so would fail the two tests above by a factor of hundreds
-    off = drifts(elbow(integrator=integrator), energy, before)
+    off = drifts(elbow(), energy, before)
     assert off[-20:].mean() > 0.1  # J, and rising
 
 
@@ -345,17 +335,16 @@ def test_defaults_of_the_model_do_not_change_the_force(bundle):
     np.testing.assert_allclose(data.actuator_force, -pull)
 
 
-@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
-def test_several_models_step_in_turn(elbow, integrator):
-    """Each is stepped as if it were alone: nothing of one is in the other, or stays in MuJoCo."""
+def test_several_models_step_in_turn(elbow):
+    """Each is stepped as if it were alone: nothing of one is in the other."""
     alone = []
     for angle in (0.6, 0.2):
-        model, data, drive = elbow(integrator=integrator, angle=angle)
+        model, data, drive = elbow(angle=angle)
         held = drive.start(model, data, HELD)
         for _ in range(20):
             held = drive.step(model, data, held, HELD)
         alone.append(float(data.qpos[0]))
-    both = [elbow(integrator=integrator, angle=angle) for angle in (0.6, 0.2)]
+    both = [elbow(angle=angle) for angle in (0.6, 0.2)]
     fluids = [drive.start(model, data, HELD) for model, data, drive in both]
     for _ in range(20):
         fluids = [
@@ -363,7 +352,6 @@ def test_several_models_step_in_turn(elbow, integrator):
             for (model, data, drive), fluid in zip(both, fluids, strict=True)
         ]
     assert [float(data.qpos[0]) for _, data, _ in both] == alone
-    assert mujoco.get_mjcb_act_gain() is None
 
 
 @pytest.mark.parametrize("case", ["16_attach_prefix.py", "18_knee_route.py"])
