@@ -154,13 +154,6 @@ def test_invalid_input_is_refused(bench, options, argument):
     assert error.value.argument == argument
 
 
-def test_a_single_command_for_several_units_is_refused(bench, pair):
-    parts = {name: getattr(bench, name) for name in ("load", "supply", "chamber", "valve")}
-    plant = dynamics.Plant(pair, **parts, spool=fluid.OrderlyValve(2, 0.01))
-    with pytest.raises(ValueError, match="one command for each motor unit"):
-        control.cascade(plant, "orderly")
-
-
 def test_crossings_along_a_reference(bench, ramp, pair, five):
     def crossings(plant, reference):
         return control.crossings_on_reference(plant, reference, 1e-3, "force")
