@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from fascicle import records
 from fascicle.bundle import recruitment
 from fascicle.bundle.energetics import efficiency_map
+from fascicle.cli.errors import UserError
 from fascicle.cli.inputs import cache_folder, read_bundle, read_states
 from fascicle.cli.outputs import print_table
 from fascicle.files import catalog, example, example_text, examples, load, save
@@ -147,6 +148,14 @@ def test_a_muscle_is_a_bundle_of_one():
     bundle = read_bundle(SIX)
     assert [int(unit.count) for unit in bundle.motor_units] == [1]
     assert read_states(["34.5kPa"], bundle) == [[34.5e3]]
+
+
+def test_states_of_repeated_options_add_up():
+    bundle = read_bundle(PAIR)
+    states = read_states(["0kPa:400kPa:0.4kPa,0kPa", "0kPa:400kPa:0.4kPa,100kPa"], bundle)
+    assert len(states) == 2 * 1001
+    with pytest.raises(UserError):
+        read_states(["0kPa:400kPa:0.4kPa,0kPa:400kPa:0.4kPa"], bundle)
 
 
 def test_space(answer, result, tmp_path):

@@ -40,7 +40,7 @@ from ..muscle import Muscle
 from ..muscle.muscle import batch_shape
 from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
-from .equilibria import Equilibria, attach_derivatives, find_equilibria, max_equilibria
+from .equilibria import Equilibria, attach_derivatives, find_equilibria, usual_count
 from .inverse import recruit
 from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
 from .printing import bundle_line, bundle_table, unit_line, unit_table
@@ -253,7 +253,7 @@ class Bundle(Module):
         if self.is_numpy and is_numpy(*arrays[1:]):
             return evaluate(find_equilibria, *arrays)
         jax = jax_backend()
-        slots = (*shape, max_equilibria(len(self.motor_units)))
+        slots = (*shape, usual_count(len(self.motor_units)))
         kinds = ((float, slots), (bool, slots), (int, shape))
         result = Equilibria(*(jax.array_spec(*kind) for kind in kinds))
         roots = jax.call_numpy(partial(evaluate, find_equilibria), result, *arrays)

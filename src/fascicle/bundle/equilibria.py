@@ -10,7 +10,7 @@ lies in a dip shallower than that cubic's error, of fourth order in the cell. If
 past the load, the jump is reported.
 
 Without a load all units pull before the least free strain: stretches begin there. With one, they
-begin where the fibers of a muscle are straight.
+begin where the domain does, beside straight fibers, where a bladder's force has no bound.
 """
 
 from collections.abc import Callable
@@ -24,6 +24,7 @@ from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
 from ..core.validation import LARGEST_STRAIN
 from ..muscle.piecewise import PressurizedMuscle
+from ..muscle.validation import lowest_strain
 from ..repr_table import with_table_repr
 from .pressurized import PressurizedBundle, flatten_batch, pressurize
 from .printing import equilibria_table
@@ -40,8 +41,8 @@ _PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
 @with_table_repr(equilibria_table)
 class Equilibria(NamedTuple):
     """Strains [-] at which the force is zero or equals the load, rising along the last axis, which
-    ends in NaN where there are fewer. `stable`: the force falls with strain there. `count`: their
-    number.
+    ends in NaN where there are fewer. `stable`: the force falls with strain there, or jumps down
+    past the load. `count`: their number.
     """
 
     strain: Float[AnyArray, "*#points zero"]
@@ -57,12 +58,18 @@ def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilib
     for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2))):
         block, P, load = tree_map(lambda x, i=i: x[i] if np.ndim(x) > 1 else x, arrays)
         parts.append(_equilibria_of_block(pressurize(block, P), load if force else None))
-    columns = map(np.concatenate, zip(*parts, strict=True))
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in columns))
+    found, strain, falls = (np.concatenate(x) for x in zip(*parts, strict=True))
+    slots = max(usual_count(units), int(found.max(initial=0)))
+    exists = np.arange(slots) < found[:, None]
+    table, stable = np.full(exists.shape, np.nan), np.zeros(exists.shape, bool)
+    table[exists], stable[exists] = strain, falls
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in (table, stable, found)))
 
 
-def max_equilibria(units: int) -> int:
-    """Number of equilibria for which a result has room: each unit adds a dip, so two at most."""
+def usual_count(units: int) -> int:
+    """Number of equilibria for which a result has room at least, and at most in JAX, whose shapes
+    are fixed: each unit adds a dip, which has two. More are rare.
+    """
     return 2 * units + 1
 
 
@@ -79,20 +86,24 @@ def attach_derivatives(
     return where(exists, roots.reshape(strain.shape), strain)
 
 
-def _equilibria_of_block(pressurized: PressurizedBundle, load: Numbers | None) -> Equilibria:
-    """As `find_equilibria`, of a batch that fits the memory, with an axis of one ahead of units."""
+def _equilibria_of_block(
+    pressurized: PressurizedBundle, load: Numbers | None
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Number of equilibria of each bundle of a batch that fits the memory, with an axis of one
+    ahead of units; and of all in order their strains [-], and whether the force falls there.
+    """
 
     def strains(function: Callable[[PressurizedMuscle], Any]) -> Numbers:
         return pressurized.plate_strains(function)[..., 0, :]
 
-    kinks = strains(lambda muscle: muscle.kinks)  # the first is the free strain
+    kinks = np.concatenate([strains(lambda muscle: muscle.kinks), strains(_fold)[None]])
     lowest_free, highest_free = (pick(kinks[0], axis=1, keepdims=True) for pick in (np.min, np.max))
     # the domain of all muscles' laws
     end = strains(lambda _: LARGEST_STRAIN).min(axis=1, keepdims=True)
     end, start = np.maximum(end, highest_free), lowest_free
     if load is not None:
-        straight = strains(lambda muscle: muscle.law.tension.bladder.braid.straight_strain)
-        start = straight.max(axis=1, keepdims=True)
+        lowest = strains(lambda muscle: lowest_strain(muscle.law))
+        start = lowest.max(axis=1, keepdims=True)
     target = 0.0 * lowest_free if load is None else load
     ends = np.sort(np.concatenate([start, *np.clip(kinks, start, end), end], axis=1), axis=1)
     batch, nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
@@ -112,13 +123,12 @@ def _equilibria_of_block(pressurized: PressurizedBundle, load: Numbers | None) -
         strain = np.where(equal, lowest_free[batch], strain)
     strain = refine_root(_falling_force, theta, strain)[:, 0]
 
-    shape = (len(ends), max_equilibria(kinks.shape[-1]))
-    table, stable = np.full(shape, np.nan), np.zeros(shape, bool)
-    slot = np.arange(len(batch)) - np.searchsorted(batch, batch)
-    fits = slot < shape[1]
-    table[batch[fits], slot[fits]] = strain[fits]
-    stable[batch[fits], slot[fits]] = falls[fits]
-    return Equilibria(table, stable, np.isfinite(table).sum(axis=1))
+    return np.bincount(batch, minlength=len(ends)), strain, falls
+
+
+def _fold(muscle: PressurizedMuscle) -> Any:
+    """Strain at which a buckled muscle's force jumps [-], inf if it doesn't."""
+    return next(iter(muscle.law.buckling.folds(muscle.column)), np.inf)
 
 
 def _separating_nodes(

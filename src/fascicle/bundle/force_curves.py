@@ -144,7 +144,7 @@ class StateCurves:
         counts = np.eye(len(unique))[list(self.kind)] * np.reshape(bundle.counts, (-1, 1))
         self.throttled, self.vented, self.full = (x.astype(float) @ counts for x in masks)
         self.states = len(self.throttled)
-        self._columns, self._table = np.array([np.inf, -np.inf]), np.zeros(0)
+        self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
     def force_at_nodes(self, strain: Array, node: Array) -> Array:
         """Force of one muscle of each kind and its slope [N], by `strain` [-], `node` and kind."""
@@ -164,17 +164,18 @@ class StateCurves:
         """Force [N] of the units that each `state` throttles at every node, nodes last, linear
         between the columns of a table over `strain` [-], and its change between both columns [N].
         """
-        ends = self._columns[0], self._columns[-1]
-        low, high = min(strain.min(), ends[0]), max(strain.max(), ends[1])
-        if (low, high) != ends:
-            self._columns = np.linspace(low, high, _COLUMNS)
-            forces = self.force_at_nodes(self._columns, np.arange(len(self.levels)))[0]
+        columns, table = self._table  # read and replaced as one: threads share the curves
+        low, high = min(strain.min(), columns[0]), max(strain.max(), columns[-1])
+        if (low, high) != (columns[0], columns[-1]):
+            columns = np.linspace(low, high, _COLUMNS)
+            forces = self.force_at_nodes(columns, np.arange(len(self.levels)))[0]
             # nodes last: each state's row is read as one piece
-            self._table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
-        position = np.interp(strain, self._columns, np.arange(_COLUMNS))
+            table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
+            self._table = columns, table
+        position = np.interp(strain, columns, np.arange(_COLUMNS))
         column = np.minimum(position.astype(int), _COLUMNS - 2)
         weight = (position - column)[:, None]
-        left, right = self._table[column, state], self._table[column + 1, state]
+        left, right = table[column, state], table[column + 1, state]
         return (1 - weight) * left + weight * right, np.abs(right - left)
 
 

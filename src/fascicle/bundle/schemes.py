@@ -45,7 +45,10 @@ class AbstractScheme(ABC):
         """True for an equal scheme, and for its name."""
         if isinstance(scheme, str):
             return self.name == scheme
-        return type(self) is type(scheme) and vars(self) == vars(scheme)
+        if type(self) is not type(scheme):
+            return False
+        own, other = vars(self), vars(scheme)
+        return own.keys() == other.keys() and all(_is_equal(own[x], other[x]) for x in own)
 
     def __hash__(self) -> int:
         """Hash of the name, which the scheme equals."""
@@ -57,6 +60,13 @@ class AbstractScheme(ABC):
     def __repr__(self) -> str:
         arguments = ", ".join(f"{key}={value!r}" for key, value in vars(self).items())
         return f"{type(self).__name__}({arguments})"
+
+
+def _is_equal(value: object, other: object) -> bool:
+    """True for equal attributes of two schemes, arrays among them."""
+    import numpy as np  # a scheme with attributes is a user's
+
+    return value is other or bool(np.array_equal(value, other))  # type: ignore[arg-type]
 
 
 Scheme = TypeVar("Scheme", bound=AbstractScheme)

@@ -11,7 +11,6 @@ and of largest. Bundles, their efficiency and designs use it.
 """
 
 from collections.abc import Sequence
-from functools import cache
 from itertools import chain, product
 from math import prod
 from typing import Any, NamedTuple
@@ -174,7 +173,6 @@ def overlap_edges(
     return maximum(maximum(first[0], second[0]), 0.0), minimum(first[1], second[1])
 
 
-@cache
 def states_of(scheme: AbstractScheme, units: int) -> States:
     """States of a `scheme` for so many motor `units`; `ValueError` for impossible ones."""
     masks: list[list[np.ndarray]] = []
@@ -197,7 +195,6 @@ def states_of(scheme: AbstractScheme, units: int) -> States:
     return States(full_mask, throttled_mask, scheme.independent, scheme.name)
 
 
-@cache
 def is_prefix_consistent(scheme: AbstractScheme, units: int) -> bool:
     """True if fewer units have the first states of so many `units`: then a bundle of fewer counts
     as one whose last units have no muscles.

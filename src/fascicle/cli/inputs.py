@@ -171,8 +171,9 @@ def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
                 " give one for each, between commas."
             )
         ranges = [read_list(entry, "pressure", "--pressure") for entry in entries]
-        check_grid(*map(len, ranges), len(states) + 1)
+        check_grid(*map(len, ranges))
         states += [list(state) for state in itertools.product(*ranges)]
+        check_grid(len(states))
     return states
 
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.bundle import equilibria
 from unlike import SUPPLY, random_bundle
 
 
@@ -32,3 +33,33 @@ def test_equal_units_at_any_pressures(P):
 def test_no_pressures_have_no_zeros():
     muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     assert fs.Bundle([fs.MotorUnit(muscle)]).free_strain(np.zeros((0, 1))).shape == (0,)
+
+
+STEEP = fs.Muscle("127 mm", "6.35 mm", "1.6 mm", "38 deg")
+WIDE = fs.Muscle(0.2, 8e-3, 1.6e-3, math.radians(38))
+SOFT = fs.Muscle("138.46 mm", "6.45 mm", "1.441 mm", 0.51836, buckling="elastica")
+
+
+@pytest.mark.parametrize(
+    ("units", "load", "pressures", "strains"),
+    [
+        ([fs.MotorUnit(STEEP)], 20.0, [200e3], [0.10111]),
+        ([fs.MotorUnit(WIDE), fs.MotorUnit(WIDE, 4)], 40.0, [3e5, 0.0], [0.13074]),
+        ([fs.MotorUnit(SOFT)], -1.0, [0.0], [0.00148, 0.0995, 0.36247]),
+    ],
+)
+def test_strains_that_hold_a_load(units, load, pressures, strains):
+    """Straight fibers, where a force rounds to anything, are no equilibrium and hide none."""
+    result = fs.Bundle(units).strain_at(load, pressures)
+    assert_allclose(result.strain[: result.count], strains, rtol=0, atol=1e-5)
+
+
+def test_no_equilibrium_is_cut(monkeypatch):
+    bundle, loads = fs.Bundle([fs.MotorUnit(SOFT)]), [[20.0], [-1.0], [1.0]]
+    whole = bundle.strain_at(loads, [0.0])
+    monkeypatch.setattr(equilibria, "usual_count", lambda units: units)
+    monkeypatch.setattr(equilibria, "_BATCH", 1)
+    result = bundle.strain_at(loads, [0.0])
+    assert result.count.max() == 3 and np.array_equal(result.count, whole.count)
+    assert_allclose(result.strain, whole.strain, rtol=0, atol=1e-14)
+    assert np.array_equal(result.stable, whole.stable)

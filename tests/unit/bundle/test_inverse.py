@@ -3,7 +3,9 @@
 `tests/validation/test_inverse.py` compares it with dense sampling.
 """
 
+import copy
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
@@ -92,6 +94,23 @@ def test_a_single_demand_equals_the_same_demand_in_a_batch(monkeypatch, make, op
     assert_allclose(many.force[reached], force[reached], rtol=0, atol=1e-8)
     for i in range(count):
         assert_same(recruit(bundle, force[i], strain[i], **options), many, i)
+
+
+def test_threads_share_a_bundle():
+    """Eight threads on one bundle give what one gives, whatever strains each asks for."""
+    random = np.random.default_rng(11)
+    made = random_bundle(random, 4)
+    asks = []
+    for i in range(16):
+        strain = random.uniform(0.0, 0.02 + 0.018 * i, 40)
+        asks.append((random.uniform(-20, 600, 40), strain))
+    alone = [recruit(made, *ask) for ask in asks]
+    shared = copy.copy(made)  # without what it remembers
+    with ThreadPoolExecutor(8) as pool:
+        results = list(pool.map(lambda ask: recruit(shared, *ask), asks))
+    for result, expected in zip(results, alone, strict=True):
+        assert np.array_equal(result.status, expected.status)
+        assert_allclose(result.pressures, expected.pressures, rtol=0, atol=1e-6 * SUPPLY)
 
 
 def test_single_demands_select_the_solution_nearest_to_the_present_pressures():

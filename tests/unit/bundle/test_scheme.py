@@ -95,6 +95,29 @@ class Detour(AbstractScheme):
         return [State([], [0]), *(State([0], [unit]) for unit in range(1, units))]
 
 
+class Listed(AbstractScheme):
+    """Units in the order of an array."""
+
+    name = "listed"
+
+    def __init__(self, order):
+        self.order = np.asarray(order)
+
+    def states(self, units):
+        return [State(self.order[:k].tolist(), [int(self.order[k])]) for k in range(units)]
+
+
+def test_a_scheme_may_hold_an_array():
+    bundle = fs.Bundle(three.motor_units, SUPPLY, Listed([2, 0, 1]))
+    first, again = (fs.Bundle(three.motor_units, SUPPLY, Listed([2, 0, 1])) for _ in range(2))
+    for one in (bundle, bundle, first, again):
+        assert one.recruit(20.0, 0.05).unit == 3
+    assert Listed([2, 0, 1]) == Listed([2, 0, 1]) != Listed([0, 1, 2])
+    assert Listed([0, 1]) != Listed([0, 1, 2])
+    bundle.scheme.order[:] = [1, 0, 2]  # nothing remembers the states of before
+    assert bundle.recruit(20.0, 0.05).unit == 2
+
+
 def test_nested_states():
     assert states_of(Orderly(), 3).nested and not states_of(Detour(), 3).nested
     assert not states_of(EachThenBoth(), 3).nested
