@@ -19,6 +19,7 @@ import numpy as np
 
 import fascicle as fs
 from fascicle import control, dynamics, fluid
+from fascicle.control.metrics import drawdown
 from fascicle.core.module import with_fields
 
 
@@ -182,8 +183,8 @@ def study(
         rows = []
         for plant, y, flow in zip(plants, force[:, 1:], air, strict=True):
             can = demand <= 0.995 * float(plant.bundles[0].force([SUPPLY, SUPPLY], strain))
-            fall = control.metrics.drawdown(y, demand, can)
-            rise = control.metrics.drawdown(-y, -demand, can)  # while the demand falls
+            fall = drawdown(y, demand, can)
+            rise = drawdown(-y, -demand, can)  # while the demand falls
             rows.append((max(fall, rise) / depth, float(flow[can].sum()) * DT))
         dip, drawn = np.array(rows).T
         return Result(dip, np.array(least), drawn)

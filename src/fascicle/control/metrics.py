@@ -19,7 +19,7 @@ from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
 from ..dynamics.energy_ledger import LEDGER
 from ..dynamics.outputs import PlantOutputs
-from .cascade import Cascade
+from .controller import Cascade
 
 
 _LAGS = 500  # steps, the largest lag: half a second of 1 ms steps, longer than any loop's

@@ -12,8 +12,8 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
-from .cascade import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
-from .crossing import Crossing, Path, crossing
+from .controller import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
+from .crossings import Crossing, Path, crossing
 from .sequential_policies import hand_over, orderly, threshold
 from .simultaneous_policies import batch
 from .units import ControlledUnits
@@ -57,7 +57,8 @@ def cascade(
       unit's force at rest.
     - `dt`: the simulation's step [s].
     - `sample_time`: period of its commands [s], whole steps; left out, each step.
-    - `delay`: of its measurements [s], whole steps.
+    - `delay`: dead time of the bench's valves and measurements [s]. It is declared, for a
+      `pressure_time` that fits, and adds none; the lag of valves is the plant's.
     - `highest_pressure`: of its targets [Pa]; left out, the supply's.
     - `flow_limit`: largest opening of a valve [-].
     - `compensate`: feedforward of the plant's friction.
@@ -76,8 +77,7 @@ def cascade(
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
     period_steps = _whole_steps(period, step, "sample_time")
-    lateness = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
-    delay_steps = _whole_steps(lateness, step, "delay") if lateness else 0
+    dead_time = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
     supply = plant.supply_pressure
     highest = float(check_interval(
         supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
@@ -106,8 +106,8 @@ def cascade(
     tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
     controller = Cascade(
         plant, units, policies, gains, np.float64(highest), np.float64(limit),
-        plant.hysteresis if compensate else None, np.float64(tension), np.float64(step), of,
-        delay_steps, period_steps,
+        plant.hysteresis if compensate else None, np.float64(tension), np.float64(dead_time),
+        np.float64(step), of, period_steps,
     )  # fmt: skip
     if derived:
         pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))

@@ -46,7 +46,6 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (controller.of != "force", "is of position", "close that loop around one of force"),
         (plant.liquid, "is of a liquid", "use gas"),
         (not isinstance(plant.chamber, _CHAMBERS), "has a chamber that C doesn't have", ""),
-        (controller.delay > 0, "has a delay", "drop it: measurements in C are late by themselves"),
         (not _c_policy(controller), "has a policy that C doesn't have", "use orderly or threshold"),
     )
     for is_violated, reason, remedy in limitations:

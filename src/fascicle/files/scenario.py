@@ -511,9 +511,6 @@ def _control(
     )
     policy = values.pop("policy")
     values.pop("model", None)
-    if values.get("delay", 0.0) > duration:
-        rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
-        raise location.error(("delay",), rule)
     position, integral_time, force_integral_time = (
         values.pop(key, missing)
         for key, missing in (("position_gain", 0.0), ("integral_time", np.inf),

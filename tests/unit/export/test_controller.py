@@ -117,7 +117,6 @@ def test_unsupported_controllers_are_refused():
     for cascade, options, argument in (
         (control.cascade(plant, "hand_over"), {}, "controller"),
         (control.cascade(plant, "orderly", of="position"), {}, "controller"),
-        (control.cascade(plant, "orderly", delay=2e-3), {}, "controller"),
         (control.cascade(plant, "orderly"), {"precision": "float"}, "precision"),
     ):
         with pytest.raises(fs.InvalidInputError) as error:

@@ -1,5 +1,8 @@
 """The dip before a unit: shapes, limits, unlike units, and what is refused."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -100,3 +103,24 @@ def test_invalid_input_is_refused(pair, call, argument):
     with pytest.raises(InvalidInputError) as error:
         call(pair)
     assert error.value.argument == argument
+
+
+def test_dips_need_no_jax():
+    code = """
+import sys
+from importlib.abc import MetaPathFinder
+
+class Missing(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "jax":
+            raise ModuleNotFoundError(name)
+
+sys.meta_path.insert(0, Missing())
+import fascicle as fs
+from fascicle import control
+
+bundle = fs.example("kim2021_bundle_1_4")
+assert control.transition(bundle, 0.2).dip > 0
+assert control.needed_reserve(bundle, 0.2, 10.0, 0.1) > control.transition(bundle, 0.2).dip
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

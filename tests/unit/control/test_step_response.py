@@ -31,25 +31,52 @@ def test_delay_and_lag_of_a_synthetic_response_are_found(delay, lag):
     found = control.identify(*response(delay, lag, 0.2))
     # a sample is 1 ms
     assert_allclose([found.delay, found.lag], [delay, lag], atol=1e-3)
-    assert_allclose(found.fill_time, 0.2, rtol=0.01)
-    noisy = control.identify(*response(delay, lag, 0.2, 2e3))
-    assert abs(noisy.lateness - delay - lag) < 3e-3 and 1.5e3 < noisy.error < 2.5e3
+    with pytest.raises(InvalidInputError) as error:
+        control.identify(*response(delay, lag, 0.2, 10e3))
+    assert error.value.argument == "pressure"
 
 
-def test_a_plants_valve_is_identified(pair):
+@pytest.fixture(scope="module")
+def step(pair):
+    """Steps of a plant's valve with a lag of 15 ms, measured late by 15 ms; its step is compiled
+    once.
+    """
     plant = dynamics.Plant(
         pair, dynamics.PrescribedMotion(0.05 * 0.127), fluid.ConstantSupply(413.7e3),
-        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3), spool=fluid.Servovalve(20e-3),
+        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3), spool=fluid.Servovalve(15e-3),
     )  # fmt: skip
-    commands = np.zeros((400, 2))
-    commands[50:, 0] = 0.2
-    start = dynamics.equilibrium_state(plant, [150e3, 0.0])
-    run = dynamics.simulate(plant, commands, dt=DT, start=start)
-    pressure = np.asarray(run.outputs.pressures)[:-1, 0]
-    late = np.concatenate([np.full(10, pressure[0]), pressure[:-10]])  # measured 10 ms late
-    found = control.identify(DT * np.arange(400), commands[:, 0], late)
-    # the flow falls as the chamber fills, which (K7) knows roughly: a quarter too late at most
-    assert 30e-3 - 1e-3 < found.lateness < 1.25 * 30e-3
+
+    def record(pressure, command):
+        commands = np.zeros((2050, 2))
+        commands[50:, 0] = command
+        start = dynamics.equilibrium_state(plant, [pressure, 0.0])
+        run = dynamics.simulate(plant, commands, dt=DT, start=start, substeps=2)
+        pressures = np.asarray(run.outputs.pressures)[:-1, 0]
+        return commands[:, 0], np.r_[np.full(15, pressures[0]), pressures[:-15]]
+
+    return record
+
+
+@pytest.mark.parametrize(
+    ("begin", "command"), [(100e3, 1.0), (150e3, 0.3), (0.0, 1.0), (300e3, -1.0)]
+)
+def test_a_plants_valve_is_identified_or_refused(step, begin, command):
+    commands, pressure = step(begin, command)
+    generator, refused = np.random.default_rng(1), 0
+    for noise in (0.0, 500.0):
+        noisy = pressure + noise * generator.standard_normal(len(pressure))
+        for samples in (250, 350, 2050):
+            try:
+                found = control.identify(
+                    DT * np.arange(samples), commands[:samples], noisy[:samples]
+                )
+            except InvalidInputError:
+                refused += 1
+                continue
+            # of 30 ms together: a polynomial misses the flow of a valve near the supply by some
+            assert max(abs(found.delay - 15e-3), abs(found.lag - 15e-3)) < 0.2 * 30e-3
+            assert max(found.delay_error, found.lag_error) < 3e-3
+    assert begin == 0.0 or refused <= 4
 
 
 def test_margins_are_those_of_a_frequency_sweep(pair):

@@ -47,7 +47,7 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..muscle.hysteresis import AbstractHysteresis
-from .identify import LoopMargins, loop_margins
+from .step_response import LoopMargins, loop_margins
 from .units import ControlledUnits, UnitDemand, evaluate_capability
 
 
@@ -81,8 +81,8 @@ class Gains(NamedTuple):
 class CascadeMemory(NamedTuple):
     """Memory of a cascade between steps: integrals of its errors [SI], the `disturbance` [SI], the
     previous `demand` without corrections and its filtered `rate` [SI], the model's `friction`
-    forces [N], the previous `reference` [SI], each bundle's policy, the `queue` of measurements
-    [SI], the present `commands` [-], steps to `wait` until the next ones and steps since the start.
+    forces [N], the previous `reference` [SI], each bundle's policy, the present `commands` [-],
+    steps to `wait` until the next ones and steps since the start.
     """
 
     integral: Batch
@@ -93,7 +93,6 @@ class CascadeMemory(NamedTuple):
     friction: Numbers
     reference: Batch
     policies: tuple
-    queue: Numbers
     commands: Numbers
     wait: Batch
     steps: Batch
@@ -109,8 +108,8 @@ class Cascade(Module):
 
     `plant`: its model. `units`: of each bundle. `policies`: one for each bundle. `gains`: `Gains`
     [SI]. `highest_pressure` [Pa], `flow_limit`: fraction of a valve's opening [-]. `friction`: the
-    law that is compensated, or none. `co_contraction` [N]. `of`: "force" or "position"; `delay` of
-    measurements and period, `every`, in steps of `dt` [s].
+    law that is compensated, or none. `co_contraction` [N]. `delay`: declared dead time of valves
+    and measurements [s]. `of`: "force" or "position"; period, `every`, in steps of `dt` [s].
     """
 
     plant: Plant
@@ -121,9 +120,9 @@ class Cascade(Module):
     flow_limit: Batch
     friction: AbstractHysteresis | None
     co_contraction: Batch
+    delay: Batch
     dt: Batch
     of: str = static()
-    delay: int = static()
     every: int = static()
 
     @property
@@ -138,8 +137,8 @@ class Cascade(Module):
 
     @property
     def _total_delay(self) -> float:
-        """Delay of measurements and samples [s]."""
-        return float(self.dt) * (self.delay + self.every)
+        """Delay of valves, measurements and samples [s]."""
+        return float(self.delay) + float(self.dt) * self.every
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -161,8 +160,7 @@ class Cascade(Module):
         return CascadeMemory(
             zero, zero, zero, zero, zero,
             jnp.zeros((n, self.friction.count if self.friction else 0)), zero,
-            jax.tree.map(jnp.asarray, policies), jnp.zeros((self.delay, n + 4)), jnp.zeros(n),
-            zero, zero,
+            jax.tree.map(jnp.asarray, policies), jnp.zeros(n), zero, zero,
         )  # fmt: skip
 
     def __call__(
@@ -171,15 +169,13 @@ class Cascade(Module):
         """Next memory and commands [-], from a `memory`, a `measurement` [SI] and the present
         `reference` [SI].
         """
-        delayed, queue = self._delay_measurement(memory, measurement)
-        memory = memory._replace(queue=queue)
         if self.every == 1:
-            following, commands = self._update(memory, delayed, reference)
+            following, commands = self._update(memory, measurement, reference)
         else:  # between its samples nothing is computed
             sample = memory._replace(wait=self.every + 0.0 * memory.wait)
             following, commands = lax.cond(
                 memory.wait <= 0,
-                lambda: self._update(sample, delayed, reference),
+                lambda: self._update(sample, measurement, reference),
                 lambda: (memory, memory.commands),
             )
         wait = following.wait - 1
@@ -188,7 +184,7 @@ class Cascade(Module):
     def _update(
         self, memory: CascadeMemory, measurement: Measurement, reference: Any
     ) -> tuple[CascadeMemory, Numbers]:
-        """Next memory and commands [-] of one sample, from a delayed `measurement` [SI].
+        """Next memory and commands [-] of one sample, from a `measurement` [SI].
 
         The caller sets the timing in the memory.
         """
@@ -311,18 +307,3 @@ class Cascade(Module):
             memory.friction, travel, speed, (P, P), muscles.force_by_pressure
         )
         return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
-
-    def _delay_measurement(
-        self, memory: CascadeMemory, measurement: Measurement
-    ) -> tuple[Measurement, Numbers]:
-        """Delayed measurement, and the queue of later ones."""
-        if not self.delay:
-            return measurement, memory.queue
-        names = ("position", "velocity", "force", "supply_pressure")
-        scalars = jnp.stack([getattr(measurement, name) for name in names])
-        row = jnp.concatenate([scalars, measurement.pressures])
-        queue = jnp.where(memory.steps > 0, memory.queue, row)
-        delayed = measurement._replace(
-            **{name: queue[0, i] for i, name in enumerate(names)}, pressures=queue[0, 4:]
-        )
-        return delayed, jnp.concatenate([queue[1:], row[None]])

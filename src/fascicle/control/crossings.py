@@ -28,7 +28,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_interval
 from .branches import Branches
-from .transition import Transition, check_unit, transition, unit_strain
+from .dip import Transition, check_unit, transition, unit_strain
 from .units import SLACK
 from .valves import AbstractValves, valves_of_units
 
