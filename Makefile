@@ -22,7 +22,7 @@ $(STAMP): requirements.lock pyproject.toml
 	touch $@
 
 reproduce: $(STAMP)
-	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --force
+	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --overwrite
 
 # the README and the docs show the reproduction's own Fig. 9 and claims, the explorer at work, and
 # runs that pages only tell of

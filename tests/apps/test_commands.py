@@ -352,25 +352,13 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
     assert (tmp_path / "results" / "report.html").read_text() == "a report"
 
 
-@pytest.mark.parametrize("option", ["--json", "--csv"])
-def test_json_and_csv_go_to_a_file_or_to_standard_output(answer, tmp_path, option):
-    suffix, command = option[2:], ("-p", "1bar", "-s", "0,0.1")
-    text = answer("force", SIX, *command, option)
-    for arguments in ([option, f"a.{suffix}"], [f"{option}=b"]):
-        assert answer("force", SIX, *command, *arguments) == ""
-    assert answer("force", SIX, *command, option, "-") == text
-    assert (tmp_path / f"a.{suffix}").read_text() == (tmp_path / "b").read_text() == text
-    # a muscle's name after it is no file of its
-    assert answer("force", option, SIX, *command) == text
-
-
 def test_a_file_is_written_with_an_incomplete_result(fascicle, refused, tmp_path):
     (tmp_path / "mine.json").write_text("mine")
-    assert "--json mine.json" in refused("force", SIX, "--json", "mine.json")
-    refused("force", SIX, "-p", "2MPa", "--json", "none.json")
-    line = ("recruit", PAIR, "-f", "20N,5kN", "-s", "0.1", "--json", "some.json")
-    code, out, err = fascicle(*line)
-    assert (code, out) == (3, "") and err.startswith("1 of 2 demands")
+    assert "--out mine.json" in refused("force", SIX, "--out", "mine.json")
+    refused("force", SIX, "-p", "2MPa", "--out", "none.json")
+    line = ("recruit", PAIR, "-f", "20N,5kN", "-s", "0.1", "--out", "some.json")
+    code, _, err = fascicle(*line)
+    assert code == 3 and err.startswith("1 of 2 demands")
     assert json.loads((tmp_path / "some.json").read_text())["status"] == [[0], [1]]
 
 

@@ -79,7 +79,6 @@ LINES = [
     (f"recruit {PAIR} -f 20N -f 40N -s 0.1", "--force was given twice"),
     (f"space {PAIR} --supply 1bar --supply 2bar", "--supply was given twice: give it once"),
     ("design t.toml --seed 1 --seed 2", "--seed was given twice"),
-    (f"force {SIX} --json a.json --json b.json", "--json was given twice"),
     # muscles, bundles, scenarios and tasks
     ("force nowhere.toml", "nowhere.toml: no such file"),
     ("force no/where.toml", "no/where.toml: no such file"),

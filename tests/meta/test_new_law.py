@@ -218,7 +218,7 @@ text = example_text("kim2021_figure_6")
 text = text.replace('tension = "klute_hannaford"', 'tension = { law = "toy2026", loss = 0.6 }')
 Path("toy.toml").write_text(text)
 try:
-    main("force toy.toml --pressure 100kPa --strain 0.1 --json toy.json".split())
+    main("force toy.toml --pressure 100kPa --strain 0.1 --out toy.json".split())
 except SystemExit as end:
     assert not end.code
 assert len(json.loads(Path("toy.json").read_text())["force"][0]) == 1

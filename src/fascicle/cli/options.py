@@ -1,11 +1,9 @@
 """Options that commands share, and the class of all commands."""
 
 import contextlib
-import io
 import itertools
 import re
 from collections import Counter
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +13,10 @@ from typer.core import TyperCommand
 from ..bundle.schemes import SCHEMES, format_names
 from ..core.errors import InvalidInputError
 from .errors import UserError
-from .outputs import check_file, write_text
 
 
 _FOLDERS = ("FOLDER", "DIR")  # metavars of outputs, which are recognized by them
 OUTPUTS = ("PATH", *_FOLDERS)
-_PRINTED = {"--json": ".json", "--csv": ".csv"}  # options with an optional file, and its suffix
 # arguments of the library, and the parameters of commands that set them
 _PARAMETERS = {
     "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
@@ -106,28 +102,25 @@ SCHEME = option(
     autocompletion=lambda: list(SCHEMES),
 )
 SEED = option("Random seed.", "--seed", default=0, min=0)
-JSON = flag("JSON in SI units on standard output; into a file with --json FILE.json.", "--json")
-CSV = flag("CSV in SI units on standard output; into a file with --csv FILE.csv.", "--csv")
+JSON = flag("JSON in SI units on standard output.", "--json")
+CSV = flag("CSV in SI units on standard output.", "--csv")
 VERBOSE = flag("Tables and details on the terminal, too.", "--verbose")
 OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
 PLOT = option("Figure file: .png or .svg.", "--plot", metavar="PATH")
-_OVERWRITE = "Replacement of existing files, including files not created by fascicle."
-OVERWRITE = flag(_OVERWRITE, "--overwrite --force")
-OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # of commands whose --force is a list of forces
+OVERWRITE = flag(
+    "Replacement of existing files, including files not created by fascicle.", "--overwrite"
+)
 
 
 class Command(TyperCommand):
-    """A command that checks its outputs, and writes the files of `--json FILE` and `--csv FILE`.
-
-    It refuses repeated options and outputs that collide, and names options in the library's
-    messages.
+    """A command that refuses repeated options and outputs that collide, and names options in the
+    library's messages.
     """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments, and check that they fit together."""
         if ctx.resilient_parsing:  # the shell completes them
             return super().parse_args(ctx, args)
-        args, data_files = _split_data_files(args)
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for parameter, count in Counter[Any](order).items():
             single = parameter.param_type_name == "option" and not parameter.is_flag
@@ -138,35 +131,21 @@ class Command(TyperCommand):
                 times = "twice" if count == 2 else f"{count} times"
                 raise UserError(f"{name} was given {times}: {remedy}.")
         extra = super().parse_args(ctx, args)
-        ctx.meta["data_files"] = data_files
-        self._check_outputs(ctx, data_files)
+        self._check_outputs(ctx)
         return extra
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command, and write the file of its output, whole or not at all."""
-        overwrite = bool(ctx.params.get("overwrite"))
-        data_files = ctx.meta.get("data_files", {})
-        for name, path in data_files.items():
-            check_file(name, path, overwrite)
-        text = io.StringIO()
+        """Run the command; a user's mistake is named by its option."""
         try:
-            with contextlib.redirect_stdout(text) if data_files else contextlib.nullcontext():
-                code = super().invoke(ctx)
-        except typer.Exit as error:
-            code = error.exit_code
+            return super().invoke(ctx)
         except UserError as error:
             error.args = (self._with_option_names(error),)
             raise
-        for name, path in data_files.items():
-            write_text(name, path, overwrite, text.getvalue())
-        return code
 
-    def _check_outputs(self, ctx: Any, data_files: Mapping[str, str]) -> None:
-        """Refuse outputs that share a path, and a file in the folder of another output.
-
-        `data_files`: those of `--json FILE` and `--csv FILE`, by the option.
-        """
-        outputs, folders = dict(data_files), []
+    def _check_outputs(self, ctx: Any) -> None:
+        """Refuse outputs that share a path, and a file in the folder of another output."""
+        outputs: dict[str, str] = {}
+        folders: list[str] = []
         for parameter in self.get_params(ctx):
             value = ctx.params.get(parameter.name)
             if isinstance(value, str) and parameter.metavar in OUTPUTS:
@@ -206,31 +185,3 @@ class Command(TyperCommand):
 def _longest_spelling(parameter: Any) -> str:
     """Longest spelling of an option, the first of several."""
     return max(parameter.opts, key=len)
-
-
-def _split_data_files(args: list[str]) -> tuple[list[str], dict[str, str]]:
-    """Arguments without the files of `--json FILE.json`, `--json=FILE` and the like for CSV, and
-    these files by the option.
-
-    The argument after the option is its file if it has the option's suffix. `-` is standard output.
-    """
-    arguments: list[str] = []
-    data_files: dict[str, str] = {}
-    queue = list(args)
-    while queue:
-        name, equals, path = queue[0].partition("=")
-        if name not in _PRINTED:
-            arguments.append(queue.pop(0))
-            continue
-        arguments.append(name)
-        del queue[0]
-        if not equals and queue:
-            following = queue[0]
-            has_suffix = Path(following).suffix.lower() == _PRINTED[name]
-            if following == "-" or (has_suffix and not following.startswith("-")):
-                path = queue.pop(0)
-        if path not in ("", "-"):
-            if name in data_files:
-                raise UserError(f"{name} was given twice: give it once.")
-            data_files[name] = path
-    return arguments, data_files

@@ -30,7 +30,7 @@ def run(
     as_csv: bool = options.CSV,
     out: str | None = options.OUT,
     plot: str | None = options.PLOT,
-    overwrite: bool = options.OVERWRITE_ONLY,
+    overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Compute the average efficiency of isobaric and isotonic work.
 

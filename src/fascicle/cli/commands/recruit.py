@@ -34,7 +34,7 @@ def run(
     as_json: bool = options.JSON,
     as_csv: bool = options.CSV,
     out: str | None = options.OUT,
-    overwrite: bool = options.OVERWRITE_ONLY,
+    overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Find the pressures that give a force at a contraction.
 
