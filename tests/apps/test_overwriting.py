@@ -7,6 +7,7 @@ from typer.main import get_command
 
 from fascicle.cli.commands import app
 from fascicle.cli.options import OUTPUTS
+from fascicle.results import labelled
 
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
@@ -108,6 +109,31 @@ def test_an_input_is_not_replaced(fascicle, refused, tmp_path, command, option, 
         assert fascicle("init", "in.toml", *kind)[0] == 0
     (tmp_path / f"link.{suffix}").symlink_to(path.name)
     assert f"{option} link.{suffix}: " in refused(*command, f"{option}=link.{suffix}")
+
+
+@pytest.mark.parametrize("name", ["x.nc", "x.zarr"])
+def test_a_target_that_another_program_makes_meanwhile_is_kept(
+    fascicle, monkeypatch, tmp_path, name
+):
+    pytest.importorskip("zarr", reason="needs the extra `sweep`")
+    mine = tmp_path / name / "thesis.txt" if name == "x.zarr" else tmp_path / name
+    make_dataset = labelled.dataset
+
+    def make_slowly(*arguments, **attributes):
+        mine.parent.mkdir(exist_ok=True)
+        mine.write_text("mine")
+        return make_dataset(*arguments, **attributes)
+
+    monkeypatch.setattr(labelled, "dataset", make_slowly)
+    code, out, err = fascicle("force", SIX, *ONE, "--out", name)
+    assert (code, out) == (2, "") and f"{name}: already exists" in err
+    assert mine.read_text() == "mine"
+    if name == "x.zarr":  # with the flag, beside what isn't of the result
+        monkeypatch.undo()
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / name / "zarr.json").write_text("{}")
+        assert fascicle("force", SIX, *ONE, "--out", name, "--overwrite")[0] == 0
+        assert mine.read_text() == "mine"
 
 
 def test_a_file_that_an_input_names_is_not_replaced(fascicle, refused, tmp_path):

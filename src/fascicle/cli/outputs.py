@@ -188,13 +188,18 @@ def check_file(
 
 @contextlib.contextmanager
 def replace_output(
-    option: str, path: str | Path, overwrite: bool, folder: bool = False
+    option: str,
+    path: str | Path,
+    overwrite: bool,
+    is_own: Callable[[Path], bool] | None = None,
 ) -> Iterator[Path]:
-    """Context of a path, not yet made, of a draft that replaces `path`; errors name `option`."""
-    with user_errors(f"{option} ".lstrip()):
-        atomic.check_overwrite(path, overwrite)
-        with atomic.open_replacement(path, folder) as draft:
-            yield draft
+    """Context of a path, not yet made, of a draft that becomes `path`; errors name `option`.
+
+    `is_own`: for a folder, as of `open_replacement`.
+    """
+    prefix = f"{option} ".lstrip()
+    with user_errors(prefix), atomic.open_replacement(path, overwrite, is_own) as draft:
+        yield draft
 
 
 def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> None:
@@ -275,8 +280,8 @@ class Outputs:
         with status("writing the result") as update:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
-                is_folder = Path(self.out).suffix.lower() == ".zarr"
-                with replace_output("--out", self.out, self.overwrite, is_folder) as draft:
+                is_own = labelled.is_zarr if Path(self.out).suffix.lower() == ".zarr" else None
+                with replace_output("--out", self.out, self.overwrite, is_own) as draft:
                     labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
             if self.plot is not None and figure is not None:
                 from ..plot import to_bytes

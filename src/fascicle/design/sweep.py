@@ -161,7 +161,7 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
     """
     from dask import config
     from distributed import Client, LocalCluster, Security
-    from distributed.comm import connect
+    from distributed.comm.core import connect
 
     async def check_scheduler(address: str) -> None:
         """Connect once: a client that can't connect prints errors until this process ends."""

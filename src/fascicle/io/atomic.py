@@ -1,38 +1,34 @@
-"""Files that appear completely or not at all.
+"""Files that appear whole or not at all.
 
-The content is written into a hidden draft folder beside the target, and moved there in one step; an
-error before that leaves an existing file untouched. A draft folder is locked while its writer
-lives: the next writer in the same folder removes the drafts of killed ones.
+The content is written into a hidden draft folder beside the target, flushed to the disk, and moved
+to the target in one step; an error before that leaves an existing file untouched. A file that
+appears at the target meanwhile stays, unless it may be overwritten. Drafts of killed runs are
+found by their name and age, and removed by later ones.
 """
 
 import contextlib
-import ctypes
 import os
 import secrets
 import shutil
-import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 
-if sys.platform == "win32":
-    fcntl = None
-else:
-    import fcntl
-
 _DRAFT, _DRAFT_END = ".fascicle-", ".draft"  # of a hidden folder's name
+_ABANDONED = 24 * 3600.0  # s after the last change to a draft: no writer pauses for so long
 _BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
-_FORMER = "former"  # inside a draft folder: the folder that is being replaced
-_AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <stdio.h>, and macOS's
 
 
 def write(
-    path: str | os.PathLike[str], fill: Callable[[Path], object], folder: bool = False
+    path: str | os.PathLike[str],
+    fill: Callable[[Path], object],
+    is_own: Callable[[Path], bool] | None = None,
 ) -> None:
-    """Let `fill` write a draft of a file, or of a `folder`, and move it to `path` when it is
-    complete; an existing one is replaced. `OSError`, one line, if it can't be written.
+    """Let `fill` write a draft and move it to `path` when it is complete; an existing file is
+    replaced. `is_own` and errors as of `open_replacement`.
     """
-    with open_replacement(path, folder) as draft:
+    with open_replacement(path, is_own=is_own) as draft:
         fill(draft)
 
 
@@ -42,24 +38,33 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 @contextlib.contextmanager
-def open_replacement(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
-    """Context of the path of a draft, to be written as a file or a `folder`; at the end it replaces
-    `path`. `OSError` as of `write`.
+def open_replacement(
+    path: str | os.PathLike[str],
+    overwrite: bool = True,
+    is_own: Callable[[Path], bool] | None = None,
+) -> Iterator[Path]:
+    """Context of the path of a draft, to be written as a file; at the end it becomes `path`.
+
+    `is_own`: for a draft that is written as a folder: true for the entries that belong to a former
+    result, which the new one replaces; all others of an existing folder stay. Raises `OSError`, one
+    line, if the draft can't be written, and `FileExistsError` if `path` exists by the end, unless
+    it may be overwritten.
     """
-    target = draft = check_writable(path, folder)
+    target = draft = check_writable(path, folder=is_own is not None)
     try:
         with open_draft(target) as draft:
             yield draft
-            if target.is_file():
-                shutil.copymode(target, draft)
-            if target.is_dir():
-                _replace_folder(draft, target)
+            _flush(draft)
+            if not overwrite:
+                _move_to_free_name(draft, target)
+            elif target.is_dir() and is_own is not None:
+                _replace_folder(draft, target, is_own)
             else:
+                if target.is_file():
+                    shutil.copymode(target, draft)
                 draft.replace(target)
     except OSError as error:
-        if str(draft) in str(error) and error.errno is None:  # raised here, about the draft
-            raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
-        raise OSError(_error_line(path, error.strerror or str(error))) from None
+        raise _readable_error(error, {draft, target}, path) from None
 
 
 @contextlib.contextmanager
@@ -67,14 +72,13 @@ def open_draft(target: Path) -> Iterator[Path]:
     """Context of a path of the target's name in a hidden folder beside the `target`, which is
     removed at the end.
     """
-    remove_abandoned(target.parent)
-    folder, lock = _locked_folder(target.parent)
+    _remove_abandoned(target.parent)
+    folder = target.parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
+    folder.mkdir()
     try:
         yield folder / target.name
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
 
 
 def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
@@ -137,45 +141,60 @@ def write_folder(
         with open_draft(target) as draft:
             draft.mkdir()
             fill(draft)
+            _flush(draft)
             entries = sorted(draft.iterdir())
             names = [entry.name for entry in entries]
             if not target.is_dir():
-                draft.replace(target)
+                _move_to_free_name(draft, target)
                 return names
             check_folder(path, overwrite)  # again: the work may have taken an hour
-            for existing in (target / entry.name for entry in entries):
+            for existing in (target / name for name in names):
                 if existing.is_dir() and not existing.is_symlink():
                     raise IsADirectoryError(f"{existing}: is a folder, where a file would go.")
             for entry in entries:
-                entry.replace(target / entry.name)
+                move = Path.replace if overwrite else _move_to_free_name
+                move(entry, target / entry.name)
             return names
     except OSError as error:
-        if error.errno is None:  # raised here, perhaps about the draft
-            raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
-        raise OSError(_error_line(path, error.strerror or str(error))) from None
+        raise _readable_error(error, {draft, target}, path) from None
 
 
-def remove_abandoned(parent: Path) -> None:
-    """Remove the draft folders of killed writers in a folder: their lock is free."""
-    with contextlib.suppress(OSError):
-        for folder in list(parent.glob(f"{_DRAFT}*{_DRAFT_END}")):
-            with contextlib.suppress(OSError):
-                lock = _lock(folder, wait=False)
-                if lock is None:
-                    continue
-                try:
-                    for former in (folder / _FORMER).glob("*"):
-                        if not (parent / former.name).exists():
-                            former.replace(parent / former.name)
-                    shutil.rmtree(folder, ignore_errors=True)
-                finally:
-                    os.close(lock)
+def _move_to_free_name(draft: Path, target: Path) -> None:
+    """Move a draft to a name that nothing has; `FileExistsError` if something appeared there."""
+    try:
+        if draft.is_dir():
+            draft.rename(target)  # fails for a file, and a folder that isn't empty
+        else:
+            target.hardlink_to(draft)  # fails for anything
+    except OSError:
+        check_overwrite(target)
+        draft.replace(target)  # a file system without links
 
 
-def holds_drafts_only(folder: Path) -> bool:
-    """True for a folder that holds at most drafts of killed writers."""
-    names = [entry.name for entry in folder.iterdir()]
-    return all(name.startswith(_DRAFT) and name.endswith(_DRAFT_END) for name in names)
+def _replace_folder(draft: Path, target: Path, is_own: Callable[[Path], bool]) -> None:
+    """Replace the entries of the folder `target` that are a former result's by those of `draft`."""
+    former = draft.parent / "former"
+    target.rename(former)
+    draft.rename(target)
+    for entry in former.iterdir():
+        if not is_own(entry) and not (target / entry.name).exists():
+            entry.rename(target / entry.name)
+
+
+def _flush(path: Path) -> None:
+    """Write what the system still holds of a file, or of a folder's files, to the disk."""
+    for file in path.rglob("*") if path.is_dir() else [path]:
+        if file.is_file():
+            with file.open("rb+") as handle:
+                os.fsync(handle.fileno())
+
+
+def _remove_abandoned(parent: Path) -> None:
+    """Remove the drafts of killed runs in a folder."""
+    for folder in parent.glob(f"{_DRAFT}*{_DRAFT_END}"):
+        with contextlib.suppress(OSError):
+            if time.time() - folder.stat().st_mtime > _ABANDONED:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _obstacle(target: Path, folder: bool) -> str:
@@ -189,59 +208,17 @@ def _obstacle(target: Path, folder: bool) -> str:
     return "" if target.parent.is_dir() else "no such folder"
 
 
+def _readable_error(error: OSError, names: Iterable[Path], path: str | os.PathLike[str]) -> OSError:
+    """Error in one line that says `path` for other `names` of it."""
+    if error.errno is None:  # raised here
+        text = str(error)
+        for name in names:
+            text = text.replace(str(name), os.fspath(path))
+        return type(error)(text)
+    return OSError(_error_line(path, error.strerror or str(error)))
+
+
 def _error_line(path: str | os.PathLike[str], reason: str) -> str:
     name = os.fspath(path)
     name = name if name.isprintable() and len(name) < 200 else repr(name)[:200]
     return f"{name}: can't be written: {reason}."
-
-
-def _replace_folder(draft: Path, target: Path) -> None:
-    """Replace the folder `target` by the folder `draft`."""
-    if _exchange(draft, target):
-        return
-    # on systems that can't exchange folders the existing one is moved first; `remove_abandoned`
-    # moves it back if this process is killed here
-    former = draft.parent / _FORMER
-    former.mkdir()
-    target.replace(former / target.name)
-    draft.replace(target)
-
-
-def _exchange(first: Path, second: Path) -> bool:
-    """Exchange two folders in one step; false on systems that can't."""
-    if sys.platform == "win32":
-        return False
-    libc, names = ctypes.CDLL(None), (os.fsencode(first), os.fsencode(second))
-    if hasattr(libc, "renameat2"):
-        arguments = (_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE)
-        return libc.renameat2(*arguments) == 0
-    if hasattr(libc, "renamex_np"):
-        return libc.renamex_np(*names, _RENAME_SWAP) == 0
-    return False
-
-
-def _locked_folder(parent: Path) -> tuple[Path, int | None]:
-    """A new draft folder, and the handle of its lock."""
-    while True:
-        folder = parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
-        folder.mkdir()
-        # another writer may have removed it before it was locked
-        with contextlib.suppress(FileNotFoundError):
-            lock = _lock(folder, wait=True)
-            if folder.exists():
-                return folder, lock
-            if lock is not None:
-                os.close(lock)
-
-
-def _lock(folder: Path, wait: bool) -> int | None:
-    """Handle of a folder's lock; `None` on systems without locks, and if it is locked."""
-    if fcntl is None:
-        return None
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-    except OSError:  # held, or a file system without locks
-        os.close(handle)
-        return None
-    return handle

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import xarray
 
 SUFFIXES = (".nc", ".zarr", ".csv", ".json")  # of results, by which the format is chosen
-_ZARR_FILES = ("zarr.json", ".zgroup", ".zattrs")  # of a store in zarr's formats 3 and 2
+_ZARR_FILES = ("zarr.json", ".zgroup", ".zarray", ".zattrs")  # of zarr's formats 3 and 2
 
 
 class Variable(NamedTuple):
@@ -133,7 +133,7 @@ def write(
         ".csv": lambda draft: draft.write_text(to_csv(variables), encoding="utf-8"),
         ".json": lambda draft: draft.write_text(to_json(variables) + "\n", encoding="utf-8"),
     }
-    write_whole(path, fill[suffix], folder=suffix == ".zarr")
+    write_whole(path, fill[suffix], is_zarr if suffix == ".zarr" else None)
 
 
 class Table(dict[str, Variable]):
@@ -187,10 +187,15 @@ def check_result_path(path: str | os.PathLike[str]) -> Path:
         if importlib.util.find_spec("zarr") is None:
             install = "pip install 'fascicle[sweep]'"
             raise ValueError(f"{name!r}: .zarr needs the package zarr: {install}.")
-        if Path(name).is_dir() and not any(Path(name, file).exists() for file in _ZARR_FILES):
+        if Path(name).is_dir() and not is_zarr(Path(name)):
             raise ValueError(f"{name!r}: is a folder, but no zarr store; it isn't replaced.")
     check_writable(path, folder=suffix == ".zarr")
     return Path(name)
+
+
+def is_zarr(path: Path) -> bool:
+    """True for the folder of a zarr group or array, and for a file that describes one."""
+    return path.name in _ZARR_FILES or any((path / file).exists() for file in _ZARR_FILES)
 
 
 def read(path: str | os.PathLike[str]) -> "xarray.Dataset":

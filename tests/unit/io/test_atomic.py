@@ -1,4 +1,4 @@
-"""Files appear whole or not at all, and killed writers leave nothing for good."""
+"""Files appear whole or not at all, and nothing is replaced unasked."""
 
 import os
 import resource
@@ -11,118 +11,84 @@ import pytest
 from fascicle.io import atomic
 
 
-# writes a file, or replaces a folder, and is killed at the moment that is named
+# writes a file and is killed before it is moved to its name
 KILLED = """
-import os, shutil, signal, sys
-from pathlib import Path
+import os, signal, sys
 from fascicle.io import atomic
 
-when, path = sys.argv[1], Path(sys.argv[2])
-
-def kill(*_):
-    os.kill(os.getpid(), signal.SIGKILL)
-
-if when == "before":
-    Path.replace = kill
-    atomic._exchange = kill
-if when == "between":  # on a system that can't exchange two folders
-    atomic._exchange = lambda *_: False
-    steps = [Path.replace, kill]
-    Path.replace = lambda one, other: steps.pop(0)(one, other)
-if when == "after":
-    remove = shutil.rmtree
-
-    def kill_once_written(*given, **named):
-        there = path / "0" if path.suffix == ".zarr" else path
-        if there.exists() and there.read_text() == "new":
-            kill()
-        remove(*given, **named)
-
-    shutil.rmtree = kill_once_written
-
-def fill(draft):
-    if path.suffix == ".zarr":
-        draft.mkdir()
-        draft = draft / "0"
+with atomic.open_replacement(sys.argv[1]) as draft:
     draft.write_text("new")
-
-atomic.write(path, fill, folder=path.suffix == ".zarr")
+    os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def killed(when, path):
-    done = subprocess.run([sys.executable, "-c", KILLED, when, str(path)], timeout=120)
-    assert done.returncode == -signal.SIGKILL
-
-
 def names(folder):
-    return [entry.name for entry in folder.iterdir()]
+    return sorted(entry.name for entry in folder.iterdir())
 
 
-def write_store(path, text):
+def write_store(path, **texts):
+    """A folder with a file `own-…` for each text."""
+
     def fill(draft):
         draft.mkdir()
-        (draft / "0").write_text(text)
+        for name, text in texts.items():
+            (draft / f"own-{name}").write_text(text)
 
-    atomic.write(path, fill, folder=True)
-
-
-@pytest.mark.parametrize(
-    ("when", "text"), [("before", "old"), ("between", "old"), ("after", "new")]
-)
-def test_a_store_whose_writer_is_killed_stands_under_its_name(tmp_path, when, text):
-    store = tmp_path / "x.zarr"
-    write_store(store, "old")
-    killed(when, store)
-    if when == "between":
-        # the one moment without it; whoever writes in this folder next puts it back
-        assert not store.exists()
-        atomic.check_writable(tmp_path / "y.csv")
-    assert (store / "0").read_text() == text
-    write_store(store, "again")
-    assert (store / "0").read_text() == "again"
-    assert names(tmp_path) == ["x.zarr"]
+    atomic.write(path, fill, is_own=lambda entry: entry.name.startswith("own-"))
 
 
-def test_folders_are_exchanged_in_one_step_here(tmp_path):
-    for name in "ab":
-        (tmp_path / name).mkdir()
-        (tmp_path / name / name).touch()
-    if not atomic._exchange(tmp_path / "a", tmp_path / "b"):
-        pytest.skip("this system exchanges no folders")
-    assert (tmp_path / "a" / "b").exists() and (tmp_path / "b" / "a").exists()
-
-
-@pytest.mark.parametrize("when", ["before", "after"])
-def test_drafts_of_a_killed_run_are_removed_by_the_next(tmp_path, when):
-    killed(when, tmp_path / "x.csv")
-    assert any(name.startswith(".") for name in names(tmp_path))
+def test_a_killed_writer_changes_nothing_and_its_draft_is_removed(tmp_path):
+    (tmp_path / "x.csv").write_text("old")
+    done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "x.csv")], timeout=120)
+    assert done.returncode == -signal.SIGKILL and (tmp_path / "x.csv").read_text() == "old"
+    (draft,) = (entry for entry in tmp_path.iterdir() if entry.name.startswith("."))
+    # another may still write
     atomic.write_text(tmp_path / "another.csv", "x")
-    assert not any(name.startswith(".") for name in names(tmp_path))
+    assert draft.exists()
+    yesterday = draft.stat().st_mtime - 25 * 3600
+    os.utime(draft, (yesterday, yesterday))
+    atomic.write_text(tmp_path / "another.csv", "x")
+    assert names(tmp_path) == ["another.csv", "x.csv"]
 
 
-def test_drafts_of_others_that_still_write_stay(tmp_path):
-    with atomic.open_draft(tmp_path / "x.csv") as draft:
-        draft.write_text("half")
-        atomic.write_text(tmp_path / "x.csv", "other")
-        assert draft.read_text() == "half"
-        draft.replace(tmp_path / "x.csv")
-    assert (tmp_path / "x.csv").read_text() == "half"
-    assert names(tmp_path) == ["x.csv"]
+def test_a_folder_is_replaced_but_for_what_is_not_its_own(tmp_path):
+    store = tmp_path / "x.zarr"
+    write_store(store, a="old", b="old")
+    (store / "thesis.txt").write_text("mine")
+    (store / "more").mkdir()
+    write_store(store, a="new", c="new")
+    assert names(store) == ["more", "own-a", "own-c", "thesis.txt"]
+    assert (store / "own-a").read_text() == "new" and names(tmp_path) == ["x.zarr"]
 
 
-def test_a_draft_that_is_removed_before_it_is_locked_is_made_anew(tmp_path, monkeypatch):
-    lock, removed = atomic._lock, []
+@pytest.mark.parametrize("other", ["file", "folder"])
+@pytest.mark.parametrize("ours", ["file", "folder", "files"])
+def test_a_target_that_appears_meanwhile_stays(tmp_path, other, ours):
+    target = tmp_path / "x.zarr"
+    mine = target if other == "file" else target / "thesis.txt"
 
-    def late(folder, wait):
-        if wait and not removed:
-            removed.append(folder)
-            folder.rmdir()
-        return lock(folder, wait)
+    def fill(draft):
+        if ours == "file":
+            draft.write_text("ours")
+        else:
+            draft.mkdir(exist_ok=True)
+            (draft / "thesis.txt").write_text("ours")
+        if other == "folder":
+            target.mkdir()
+        mine.write_text("mine")
 
-    monkeypatch.setattr(atomic, "_lock", late)
-    atomic.write_text(tmp_path / "x.csv", "x")
-    assert removed and names(tmp_path) == ["x.csv"]
+    def write():
+        if ours == "files":
+            atomic.write_folder(target, fill)
+            return
+        is_own = None if ours == "file" else lambda _: True
+        with atomic.open_replacement(target, overwrite=False, is_own=is_own) as draft:
+            fill(draft)
+
+    with pytest.raises(FileExistsError) as raised:
+        write()
+    assert "already" in str(raised.value) and ".draft" not in str(raised.value)
+    assert mine.read_text() == "mine" and names(tmp_path) == ["x.zarr"]
 
 
 @pytest.mark.parametrize("linked", [False, True])
