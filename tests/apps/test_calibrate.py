@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -194,6 +195,19 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Selected: ")
     assert sum(one["taken"] for one in kept["candidate"]) == 1
     assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
+
+
+def test_a_given_zero_is_obeyed(fascicle, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    record = records.load(folder / "d.csv", rest_length=0.127)
+    zero = 0.05 * float(record.force.max())
+    rest = records.Record.of(np.zeros(6), np.zeros(6), zero + np.linspace(-1, 1, 6))
+    shifted = replace(record, force=record.force + zero)
+    records.write(records.join([replace(rest, rest_length=0.127), shifted]), "shifted.csv")
+    named = ("calibrate", "shifted.csv", "--muscle", TEN, "--fit", "c10", "--starts", "1", "--json")
+    gauge = json.loads(fascicle(*named)[1])["gauge"]
+    assert gauge["force_zero"] == pytest.approx(zero, rel=0.2)
+    assert json.loads(fascicle(*named, "--zero", "force=0N")[1])["gauge"] == {}
 
 
 def test_help_lists_every_name_that_a_fit_takes(fascicle):

@@ -15,10 +15,11 @@ from .data import FitData, Grid
 from .friction import Friction, fit_friction
 from .gauges import GAUGE_NAMES, Gauge, default_deviations
 from .least_squares import KNOWN, NORMAL, Minimum, Problem, SearchEnds
-from .parameters import GAUGE_UNITS, WEAK, Parameter, put, values
+from .parameters import FACTORS, GAUGE_UNITS, WEAK, Parameter, put, values
 from .readings import Readings, static_force
 
 
+_MAJORITY = 0.5  # of the trends' squares: more lies past the free strain than before it
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
@@ -145,6 +146,8 @@ class Diagnosis:
     - `causes`: likely causes, the likeliest first.
     - `confounded`: constants that were not fitted, and that the data can't distinguish from the
       fitted ones.
+    - `past_free_strain`: share of the significant trends' squares that lies past the free strain
+      [-].
     """
 
     trends: tuple[Trend, ...] = ()
@@ -158,6 +161,14 @@ class Diagnosis:
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     causes: tuple[Cause, ...] = ()
     confounded: tuple[str, ...] = ()
+    past_free_strain: float = 0.0
+
+    @property
+    def resisting_law_in_doubt(self) -> bool:
+        """The residuals' trends lie mainly past the free strain, where an error of a gauge alone
+        would not: the factors on the resisting force depend on a law that the data contradict.
+        """
+        return self.past_free_strain > _MAJORITY
 
     @property
     def significant(self) -> tuple[Trend, ...]:
@@ -281,10 +292,20 @@ class Calibration:
             value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
             for side in (-1, 1)
         )
-        return tuple(
+        rows = tuple(
             _with_profile(e, profiles.get(e.name), *ends)
             for e, *ends in zip(linear, low, high, strict=True)
         )
+        return tuple(
+            replace(e, identifiable=False, bound="") if e.name in self.doubtful else e for e in rows
+        )
+
+    @property
+    def doubtful(self) -> tuple[str, ...]:
+        """Names of fitted factors whose law past the free strain the data contradict."""
+        factors = {factor.name for factor in FACTORS}
+        in_doubt = self.diagnosis.resisting_law_in_doubt
+        return tuple(name for name in self.names if in_doubt and name in factors)
 
     @property
     def intervals(self) -> str:

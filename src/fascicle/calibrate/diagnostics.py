@@ -68,6 +68,10 @@ _CAUSES = {
     "branch": ("friction, a hysteresis loop",
                "count the loop's width as an error of the muscle in use"),
     "time": ("a drift in time", "measure the first pressure again at the end"),
+    "resisting_law": (
+        "the law past the free strain, or an error of a gauge: these data can't tell them apart",
+        "compare the laws with --compare, and zero the load cell with the muscle vented, at rest",
+    ),
 }  # fmt: skip
 _CAUSES_BY_CONSTANT = {
     "dead_band": "a dead band, or an offset of the pressure transducer",
@@ -174,6 +178,7 @@ def diagnose(fit: Calibration) -> Diagnosis:
     """Diagnose the residuals of a `fit`."""
     residuals = residuals_of(fit)
     diagnosis = find_trends(residuals)
+    diagnosis = replace(diagnosis, past_free_strain=_share_past(fit, residuals, diagnosis))
     covariance, discrepancy = _model_error(fit, residuals, diagnosis)
     effects = _effects_of_constants(fit, residuals)
     return replace(
@@ -496,6 +501,19 @@ def _confounded_constants(
     return tuple(names)
 
 
+def _share_past(fit: Calibration, residuals: Residuals, diagnosis: Diagnosis) -> float:
+    """Share of the significant trends' squares that lies past the free strain [-]."""
+    if fit.problem.pulls or not diagnosis.significant:
+        return 0.0
+    trends = np.hstack([trend.columns for trend in diagnosis.significant])
+    Q = residuals.complement(residuals.model_subspace, trends)
+    square = (Q @ (Q.T @ residuals.residual))[residuals.is_reading] ** 2
+    readings = residuals.readings
+    free_strain = fit.free_strain[readings.level.astype(int)]
+    past = readings.strain * fit.strain_scale > free_strain
+    return float(np.sum(square[past]) / np.sum(square))
+
+
 def _likely_causes(
     fit: Calibration,
     residuals: Residuals,
@@ -505,6 +523,9 @@ def _likely_causes(
     """Causes that would explain much of the residuals, the likeliest first; none of noise."""
     if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise):
         return ()
+    if diagnosis.resisting_law_in_doubt:
+        share = sum(trend.share for trend in diagnosis.significant)
+        return (Cause(*_CAUSES["resisting_law"], min(share, 1.0)),)
     problem, measured, strain = fit.problem, fit.grid.measured, residuals.strain
     stretched = replace(problem.grid, strain=problem.grid.strain + _STRAIN_STEP)
     force = replace(problem, grid=stretched).force(fit.coordinates)[measured]

@@ -270,8 +270,8 @@ def solve_problem(problem: Problem, readings: Readings | None, options: FitOptio
     if readings is None:
         return solution
     joint = fit_jointly(
-        solution.problem, readings, solution.point, options.weights,
-        covariance=solution.minimum.covariance,
+        solution.problem, readings, solution.point, options.weights, max(options.starts, 1),
+        options.seed, solution.minimum.covariance,
     )  # fmt: skip
     if joint is None:
         return solution._replace(readings=readings)

@@ -7,10 +7,10 @@ $$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_
 
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
-then is their zero. These readings come first: they correct the record before the fit if the zero
-exceeds their scatter and half of the push that the muscle's law predicts, also if the law lacks a
-passive force, a polynomial of the strain. Only readings repeated at one strain show a drift beside
-such a force.
+then is their zero. A little shorter it pushes, between nothing, if it gives way, and what a
+straight muscle would. These readings come first: they correct the record before the fit if a zero
+or a drift exceeds their noise wherever the push lies in that range. What the muscle does further on
+tells nothing of the gauges: a column that folds earlier than the law's would look like a zero.
 
 Faults of a channel are properties of its readings, whatever the muscle: many readings exactly at
 one end of a range.
@@ -24,11 +24,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import fdtrc, ndtr, stdtrit
 
 from ..core.module import to_numpy, with_fields
 from ..core.types import Batch
-from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle
 from ..records.record import Record
 from ..units import pretty
@@ -36,12 +34,11 @@ from ..units import pretty
 
 VENTED = 0.01  # of the highest pressure: below it a transducer shows its zero, not a setpoint
 _STRETCHED = -1e-3  # strain: a muscle pulled beyond this pulls back without pressure
-_CLEAR = 4.0  # deviations of a zero, as all records together shall have few false ones
-_PUSH_ERROR = 0.5  # of the predicted push: published laws of resisting muscles are no better
-_PASSIVE_ORDERS = 3  # of strain: the rubber's stress is smooth
-_CHANCE = 0.05  # of a passive force that is only noise: the stricter rule for it costs little
-_SAME_STRAIN = 1e-3  # strains this close are one length, read again
-_MIN_VENTED = 3  # readings: fewer show no scatter
+CLEAR = 4.0  # deviations of a zero, as all records together shall have few false ones
+_STIFFER = 2.0  # times the straight muscle's stiffness: nominal moduli of rubber are no better
+_SMALL_STRAIN = 1e-4  # where a straight muscle's push is still linear
+_MIN_FOR_NOISE = 8  # readings: the median of fewer differences is too uncertain
+_MIN_VENTED = 3  # pressures: fewer show no scatter
 _APART = 0.3  # of the record's duration: readings of one strain over a shorter time show no drift
 # an end of a range: at least so many readings, such a share of all, and so many times as many as
 # at each of the values next to it, which a coarse gauge would repeat as well
@@ -174,91 +171,86 @@ class VentedReadings(NamedTuple):
 
 
 def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
-    """Zeros of the gauges from a record's readings without pressure, as the gauges gave them; the
-    law of the `muscle` predicts the push without pressure.
+    """Zeros of the gauges from a record's readings without pressure, as the gauges gave them; those
+    of channels whose zero was given are not read.
+
+    The stiffness of the `muscle` bounds its push near the rest length.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
     vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
+    zeros, deviations = {}, {}
     count = int(np.sum(vented))
-    if count < _MIN_VENTED or top <= 0:
-        return VentedReadings(replace(PERFECT, start=start), {})
-    zeros: dict[str, float] = {}
-    P, F, strain = record.pressure[vented], record.force[vented], record.strain[vented]
-    # a transducer that writes its noise without the negative half has a mean below its deviation
-    zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
-    # a zero that never changed is not exact: at least 1e-5 of the highest pressure
-    deviations = {"pressure_zero": max(scatter / np.sqrt(count), 1e-5 * top)}
-    if abs(zero) > max(scatter, _CLEAR * deviations["pressure_zero"]):
-        zeros["pressure_zero"] = zero
-    scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
-    strain = np.clip(strain * scale, 0.0, LARGEST_STRAIN)
-    push = np.asarray(to_numpy(muscle).force(0.0, strain))
-    duration = 0.0 if record.time is None else float(np.ptp(record.time))
-    elapsed = np.zeros(count) if record.time is None else record.time[vented] - start
-    # a passive force that the law lacks; at the rest length it is zero
-    orders = min(_PASSIVE_ORDERS, np.unique(strain // _SAME_STRAIN).size - 1)
-    smooth = np.polynomial.polynomial.polyvander(strain / max(float(np.max(strain)), 1e-9), orders)
-    later = elapsed - smooth @ np.linalg.lstsq(smooth, elapsed, rcond=None)[0]
-    drifts = duration > 0 and float(np.ptp(later)) > _APART * duration
-    names = ["force_zero", *(["force_drift"] if drifts else [])]
-    columns = [smooth[:, 0], *([elapsed] if drifts else [])]
-    least_noise = 1e-6 * float(np.max(np.abs(record.force)))  # of readings without any
-    # a passive force counts if the readings show one; then errors of the gauges must be clear with
-    # it and without
-    passives = [np.empty((count, 0)), smooth[:, 1:]]
-    level_fit = _fit_push(F - push, push, smooth[:, :1], least_noise)
-    curve_fit = _fit_push(F - push, push, smooth, least_noise)
-    excess = max(level_fit.squares / max(curve_fit.squares, least_noise**2) - 1, 0.0)
-    ratio = excess * curve_fit.freedom / max(orders, 1)  # of variances, Fisher's F
-    if orders == 0 or (curve_fit.freedom > 0 and fdtrc(orders, curve_fit.freedom, ratio) > _CHANCE):
-        passives = passives[:1]
-    fits = [
-        _fit_push(F - push, push, np.column_stack([*columns, passive]), least_noise)
-        for passive in passives
-    ]
-    best = fits[-1].coefficients
-    for i, name in enumerate(names):
-        deviations[name] = max(float(fit.deviations[i]) for fit in fits)
-        if all(abs(fit.coefficients[i]) > _CLEAR * fit.deviations[i] for fit in fits):
-            zeros[name] = float(best[i])
-    if "force_drift" in zeros:  # it is the change of a zero
-        zeros["force_zero"] = float(best[0])
+    if top > 0 and count >= _MIN_VENTED and "pressure" not in record.zeroed:
+        P = record.pressure[vented]
+        # a transducer that writes its noise without the negative half has a mean below its
+        # deviation
+        zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
+        # a zero that never changed is not exact: at least 1e-5 of the highest pressure
+        deviations["pressure_zero"] = max(scatter / np.sqrt(count), 1e-5 * top)
+        if abs(zero) > max(scatter, CLEAR * deviations["pressure_zero"]):
+            zeros["pressure_zero"] = zero
+    if top > 0 and count and "force" not in record.zeroed:
+        of_force = _read_load_cell(record, muscle, np.flatnonzero(vented))
+        zeros |= of_force.zeros
+        deviations |= of_force.deviations
     return VentedReadings(Gauge(**zeros, start=start), deviations)
 
 
-class _PushFit(NamedTuple):
-    """Fit of the forces that a predicted push missed: `coefficients` of its columns [N], their
-    standard `deviations`, sum of the squared residuals [N²] and its degrees of `freedom`.
+class _LoadCellReadings(NamedTuple):
+    """Clear `zeros` of a load cell, and `deviations` of what rest readings determine [SI]."""
+
+    zeros: dict[str, float]
+    deviations: dict[str, float]
+
+
+def _read_load_cell(record: Record, muscle: Muscle, vented: np.ndarray) -> _LoadCellReadings:
+    """Zero and drift of the load cell from the `vented` readings next to the rest length.
+
+    However the column buckles, it pushes no harder than a straight muscle and no less than
+    nothing. An error counts if it is clear at both ends of this range.
     """
+    scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
+    strain = np.maximum(record.strain * scale, 0.0)
+    straight = abs(float(to_numpy(muscle).law.tension.force(0.0, _SMALL_STRAIN))) / _SMALL_STRAIN
+    noise = reading_noise(record.force)
+    # as many of the least strains as show the smallest zero: more have less noise, but push more
+    order = vented[np.argsort(strain[vented], kind="stable")]
+    size = np.arange(1, order.size + 1)
+    range_width = _STIFFER * straight * np.cumsum(strain[order]) / size
+    rest = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
+    push = _STIFFER * straight * strain[rest]
+    columns, names = [np.ones(rest.size)], ["force_zero"]
+    if record.time is not None:
+        elapsed = record.time[rest] - np.min(record.time)
+        if np.ptp(elapsed) > _APART * np.ptp(record.time) > 0:
+            columns.append(elapsed)
+            names.append("force_drift")
+    basis = np.stack(columns, axis=1)
+    inverse = np.linalg.pinv(basis)
+    least, most = inverse @ record.force[rest], inverse @ (record.force[rest] + push)
+    by_noise = noise * np.sqrt(np.sum(inverse**2, axis=1))
+    clear = np.minimum(np.abs(least), np.abs(most)) > CLEAR * by_noise
+    clear &= np.sign(least) == np.sign(most)
+    middle, half = (least + most) / 2, np.abs(most - least) / 2
+    # the push lies anywhere in its range
+    deviation = np.hypot(by_noise, half / np.sqrt(3))
+    if clear[-1]:  # a drift is the change of a zero
+        clear[:] = True
+    return _LoadCellReadings(
+        {name: float(x) for name, x, found in zip(names, middle, clear, strict=True) if found},
+        dict(zip(names, deviation.tolist(), strict=True)),
+    )
 
-    coefficients: np.ndarray
-    deviations: np.ndarray
-    squares: float
-    freedom: int
 
-
-def _fit_push(
-    missed: np.ndarray, push: np.ndarray, columns: np.ndarray, least_noise: float
-) -> _PushFit:
-    """Fit of `columns` to the forces that a predicted `push` missed [N]; its deviations are
-    infinite without a reading more than coefficients.
+def reading_noise(force: np.ndarray) -> float:
+    """Standard deviation of the noise of a reading [N], from second differences of the forces in
+    the order of the record: a smooth change has small ones, a turn or a step only a few large ones.
     """
-    # the push predicted by the law may be in error by a share with a prior of its own
-    basis = np.column_stack([columns, push])
-    best, _, rank, _ = np.linalg.lstsq(basis, missed, rcond=None)
-    freedom = missed.size - int(rank)
-    if freedom < 1:
-        return _PushFit(best[:-1], np.full(columns.shape[1], np.inf), 0.0, 0)
-    noise = max(float(np.linalg.norm(missed - basis @ best)) / np.sqrt(freedom), least_noise)
-    precision = basis.T @ basis
-    precision[-1, -1] += (noise / _PUSH_ERROR) ** 2
-    inverse = np.linalg.inv(precision)
-    # wider, as the scatter of few readings is itself uncertain
-    wider = noise * float(stdtrit(freedom, ndtr(_CLEAR))) / _CLEAR
-    best = inverse @ basis.T @ missed
-    squares = float(np.sum((missed - basis @ best) ** 2))
-    return _PushFit(best[:-1], wider * np.sqrt(np.diag(inverse))[:-1], squares, freedom)
+    least = 1e-6 * float(np.max(np.abs(force), initial=0.0))  # of readings without any
+    if force.size < _MIN_FOR_NOISE:
+        return np.inf
+    return max(float(np.median(np.abs(np.diff(force, 2)))) * 1.4826 / np.sqrt(6), least)
 
 
 @dataclass(frozen=True)

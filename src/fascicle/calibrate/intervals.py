@@ -29,7 +29,8 @@ _TOLERANCE = 3e-4  # of a cost of some hundreds: 5 % of the critical rise, 3 % o
 
 def with_profiles(calibration: Calibration) -> Calibration:
     """The `calibration` with profiles of those parameters whose quick interval says nothing."""
-    names = [parameter.name for parameter in calibration.parameters if not parameter.identifiable]
+    estimates, doubtful = calibration.parameters, calibration.doubtful
+    names = [e.name for e in estimates if not e.identifiable and e.name not in doubtful]
     if not names:
         return calibration
     return replace(calibration, profiles=profiles(calibration, names=names))

@@ -39,7 +39,8 @@ from .fitting import (
     set_up_problem,
     starts_of,
 )
-from .least_squares import ROUGH, Problem, loop_force, solve, solve_with_noise
+from .gauges import CLEAR
+from .least_squares import NORMAL, ROUGH, Problem, loop_force, solve, solve_with_noise
 from .messages import AS_GIVEN, TUNING, exclusions, length_violation, marginal_gains
 from .messages import selection_reasons as reasons_of
 from .parameters import (
@@ -65,7 +66,7 @@ _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
 _FULL_TRIALS = 5  # usual number, for an estimate of the progress
-_BAND, _WALL, _ACTIVE = "dead_band", "wall_thickness", "active_length"
+_BAND, _WALL, _ACTIVE, _ZERO = "dead_band", "wall_thickness", "active_length", "force_zero"
 
 Names = tuple[str, ...]
 Priors = Mapping[str, Prior]
@@ -125,7 +126,7 @@ def select_model(
     best = select([t for t in trials if t.candidate.method == "constants"], noise, loss)
     names = best.candidate.names
     muscle = with_optional_laws(muscle, names)
-    full_trials, searches = _full_trials(compared, muscle, priors, options, names, steps)
+    full_trials, searches = _full_trials(compared, muscle, priors, options, names, noise, steps)
     final = select(full_trials, noise, loss)
     free = final.candidate.names
     options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
@@ -383,12 +384,14 @@ def _full_trials(
     priors: Priors,
     options: FitOptions,
     names: Names,
+    noise: float,
     steps: _Steps,
 ) -> tuple[list[Trial], list[FitOptions]]:
     """Trials on pulling and resisting readings, and the options of a search from each one's end.
 
     Tried are the paper's tuning; the constants `names`, which are best where the muscle pulls, with
-    the factors on the resisting force and without; and these factors alone.
+    the factors on the resisting force and without; and these factors alone. Where residuals are not
+    like noise, a zero of the load cell is tried beside them.
     """
     options = replace(options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES))
     top_force = largest_force(data.record)
@@ -403,24 +406,56 @@ def _full_trials(
         attempts = [(TUNING, FACTOR_NAMES, True), *attempts, *factors]
     trials, searches = [], []
     steps.total = steps.done + len(attempts) + 1  # the last is the fit to all readings
-    for title, free, tune in attempts:
+
+    def attempt(title: str, free: Names, tune: bool) -> tuple[Trial, FitOptions, Calibration]:
+        nonlocal options
         steps.begin("fitting the resisting force")
         options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
         end = dict(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
         # the next search begins at this end, too: few other points are enough
         options = replace(options, starts=min(options.starts, _STARTS))
-        searches.append(replace(options, near=end))
+        search = replace(options, near=end)
         options = replace(options, near={**options.near, **end})
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         candidate = title, free, fitted.method, len(free) + curves
-        left_out = data.errors(left_out_force(fitted))
+        left_out = fitted.fit_data.errors(left_out_force(fitted))  # corrected as the fit is
         violation = _active_length_message(data, muscle, fitted.muscle, free, priors)
         sizes = fitted.errors, left_out, options.loss, top_force
-        trials.append(make_trial(candidate, *sizes, "all", violation))
+        return make_trial(candidate, *sizes, "all", violation), search, fitted
+
+    for title, free, tune in attempts:
+        trial, search, fitted = attempt(title, free, tune)
+        trials.append(trial)
+        searches.append(search)
+        if tune or fitted.diagnosis.is_white_noise or not _may_have_zero(data, free):
+            continue
+        zeroed, search, fitted = attempt(f"{title}, and {_ZERO}", (*free, _ZERO), tune)
+        if _shows_zero(fitted) and select([trial, zeroed], noise, options.loss) is zeroed:
+            trials.append(zeroed)
+            searches.append(search)
     if all(trial.violation for trial in trials):  # one is returned all the same, with a warning
         trials = [replace(trial, violation="") for trial in trials]
     return trials, searches
+
+
+def _may_have_zero(data: FitData, names: Names) -> bool:
+    """Whether a zero of the load cell may be fitted beside the constants `names`.
+
+    Without the factors the resisting force is the law's as given, and a zero would make up for it.
+    """
+    factors = {*FACTOR_NAMES} <= {*names}
+    return factors and _ZERO not in names and "force" not in data.record.zeroed
+
+
+def _shows_zero(fitted: Calibration) -> bool:
+    """Whether a fit shows a zero of the load cell: clearly, and with residuals like noise.
+
+    Where residuals vary, the law is in error, and a zero would only make up for some of it.
+    """
+    zero = next(estimate for estimate in fitted.parameters if estimate.name == _ZERO)
+    deviation = (zero.high - zero.low) / (2 * NORMAL)
+    return fitted.diagnosis.is_white_noise and abs(zero.value) > CLEAR * deviation
 
 
 def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) -> np.ndarray:

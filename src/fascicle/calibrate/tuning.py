@@ -77,7 +77,7 @@ def refit_tuning(
     **Returns:** the coordinates [-], and the problem with its curves.
     """
     readings, refit = with_readings(problem, grid, weights)
-    end = fit_jointly(refit, readings, point, weights, starts=1) if joint else None
+    end = fit_jointly(refit, readings, point, weights) if joint else None
     if end is not None:
         return end.point, end.problem
     return solve(refit, point[None], tolerance=ROUGH).points[0], refit
@@ -88,7 +88,7 @@ def fit_jointly(
     readings: Readings,
     best: np.ndarray,
     weights: str,
-    starts: int = 4,
+    starts: int = 1,
     seed: int = 0,
     covariance: np.ndarray | None = None,
 ) -> Solution | None:

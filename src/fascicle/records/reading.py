@@ -302,8 +302,18 @@ def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
         pressure, strain, force, censored, read_branch(readings), time, rest_length,
         joint.arm if joint else readings.si("moment_arm"),
         synthetic=info.synthetic or _is_synthetic(header_lines),
-        notes=all_notes,
+        notes=all_notes, zeroed=_zeroed_channels(info),
     )  # fmt: skip
+
+
+def _zeroed_channels(info: Sidecar) -> tuple[str, ...]:
+    """Channels whose reading at zero, or at rest, was given."""
+    given = {
+        "force": (info.force_at_rest, info.torque_at_rest),
+        "pressure": (info.pressure_at_rest,),
+        "displacement": (info.displacement_at_rest,),
+    }
+    return tuple(name for name, values in given.items() if any(x is not None for x in values))
 
 
 def _read_published(raw: bytes, source: str, info: Sidecar) -> Record:

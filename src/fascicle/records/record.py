@@ -46,6 +46,8 @@ class Record:
     - `synthetic`: true for readings of a model.
     - `sources`: the files it was read from.
     - `notes`: guesses and changes made while reading, a line each.
+    - `zeroed`: channels whose reading at zero, or at rest, was given: "force", "pressure" or
+      "displacement".
     """
 
     pressure: np.ndarray
@@ -59,6 +61,7 @@ class Record:
     synthetic: bool = False
     sources: tuple[Source, ...] = ()
     notes: tuple[str, ...] = ()
+    zeroed: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -161,6 +164,7 @@ def join(records: Sequence[Record]) -> Record:
         synthetic=any(record.synthetic for record in records),
         sources=tuple(source for record in records for source in record.sources),
         notes=tuple(dict.fromkeys([*notes, *duplicates])),
+        zeroed=tuple(x for x in records[0].zeroed if all(x in r.zeroed for r in records)),
     )
 
 

@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose
 from scipy.optimize import least_squares
 
 import fascicle as fs
-from fascicle.calibrate import fit
+from fascicle.calibrate import fit, tuning
+from fascicle.calibrate.least_squares import starts_around
 from fascicle.calibrate.parameters import FACTORS, put
 from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
@@ -67,6 +68,18 @@ def test_the_minimum_is_scipys(tuned):
     # differences over 1e-4 of a deviation, at kinks: a twentieth of a deviation
     assert_allclose(found.x, 0, atol=0.05)
     assert found.cost > 0.5 * np.sum(residuals(np.zeros(11)) ** 2) - 1e-3
+
+
+def test_starts_and_seed_are_those_of_the_joint_search_too(tuned, monkeypatch):
+    seen = []
+
+    def spy(center, count, seed=0, covariance=None):
+        seen.append((count, seed))
+        return starts_around(center, count, seed, covariance)
+
+    monkeypatch.setattr(tuning, "starts_around", spy)
+    fit(tuned.record, tuned.start, starts=2, seed=7)
+    assert seen == [(2, 7)]
 
 
 def test_every_reading_has_a_say(tuned):

@@ -253,6 +253,21 @@ def test_a_coarse_load_cell_has_no_floor():
     )
 
 
+@pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
+def test_another_law_past_the_free_strain_is_no_error_of_a_gauge(truth, model):
+    slender = fs.example("kim2021_figure_6")
+    gauge = fs.records.VirtualDynamometer(noise=0.003, samples=20)
+    data = gauge.record(slender.replace(buckling=truth), seed=1)
+    free = ("youngs_modulus_factor", "collapse_moment_factor")
+    made = fit(data, slender.replace(buckling=model), free)
+    assert made.diagnosis.resisting_law_in_doubt and len(made.diagnosis.causes) == 1
+    # the factors belong to a law that the data contradict
+    assert made.doubtful == free == judge(made).undetermined
+    right = fit(data, slender.replace(buckling=truth), free)
+    assert not right.diagnosis.resisting_law_in_doubt
+    assert all(estimate.identifiable for estimate in right.parameters)
+
+
 def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
     made = sweeps([1e5, 2e5], [0.05, 0.1], noise=0.01)
     with pytest.raises(ValueError, match="--push-positive") as refused:
