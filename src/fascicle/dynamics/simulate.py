@@ -5,12 +5,12 @@ no stage of a step sees the next command. Pressures are integrated by (T4) and c
 of each substep; of chambers the conserved states (T6) are integrated.
 
 The whole run is one compiled loop, so that it can be batched and differentiated by numbers of the
-plant and the controller; `integrate` is its reference.
+plant and the controller. Numbers are its arguments: plants of one structure, with equally long
+runs, are compiled once. `integrate` is its reference.
 
 **Source:** Kutta (1901).
 """
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 
 from ..core.errors import InvalidInputError
-from ..core.module import Module, to_numpy
+from ..core.module import to_numpy, with_fields
 from ..core.types import Batch, BoolBatch, Numbers, Values
 from ..core.validation import check_positive, is_concrete
 from ..fluid import validate_commands
@@ -28,20 +28,14 @@ from .chamber_pressure import conserved_state, project_chambers, solve_pressures
 from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
 from .motion import FrictionMemory, evaluate_plant, time_derivative, update_friction
-from .muscles import MuscleTables
 from .outputs import STATUS, PlantOutputs, observe
 from .plant import Plant, State
 from .schedule import Controller, Measurement, Schedule
 from .step_size import StepSizeEstimate, estimate_substeps
 
 
-_NUMBERS = (
-    jax.Array,
-    np.ndarray,
-    np.generic,
-    float,
-    int,
-)  # leaves of a controller that may be differentiated
+# leaves of a controller that are arguments of the compiled run; functions and texts are fixed
+_NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
 _NEWTON_START = 8  # pressures of a user's `start` may be a rough guess
 _NEWTON = 2  # from integrated pressures, two steps leave 1e-12
 _TIMES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  # of stages
@@ -49,8 +43,6 @@ _TIMES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  #
 _FRICTION = np.array([name == "friction" for name in LEDGER], float)
 _BY_PARTS = np.array([[name == entry for name in LEDGER] for entry in
                       ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
-_MIN_BITS, _MANY_BITS = 10, 16  # of a number of steps: least, and from which memory counts
-_CHUNK = 20_000  # steps at once: their cells of the tables take some megabytes
 
 
 class IntegratorState(NamedTuple):
@@ -186,40 +178,26 @@ def simulate(
         name = "reference" if callable(controller) else "commands"
         raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
     leaves, kind = jax.tree.flatten(act)
-    fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
+    fixed = kind, tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    is_concrete_run = is_concrete((plant, numbers, memory, inputs, begin))
-    steps, count = len(inputs), None
-    if is_concrete_run:
-        # a power of four, or of two for many: another length mostly compiles nothing
-        count, bits = np.int64(steps), max(_MIN_BITS, (steps - 1).bit_length())
-        length = 1 << (bits + bits % 2 if bits < _MANY_BITS else bits)
-        inputs = np.concatenate([inputs, np.repeat(inputs[-1:], length - steps, axis=0)])
-    numbered = plant, numbers, memory, inputs, begin, np.float64(dt), count
-    history, commands, last = _run_rows(*numbered, (fixed, kind), int(substeps))
-    xp = jnp
-    if is_concrete_run:
-        history, commands, last = to_numpy((history, commands, last))
-        history, commands = jax.tree.map(lambda x: x[:steps], (history, commands))
-        xp = np
-    history = jax.tree.map(lambda rows, row: xp.concatenate([rows, row[None]]), history, last)
-    commands = xp.concatenate([commands, commands[-1:]])
-    tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), MuscleTables)
-    # tables need no compiler, which would take as long again as for the run
-    observe_run = _observe_run_numpy if is_concrete_run and tables else _observe_run_jax
-    outputs, pv_terms = observe_run(plant, dt, history, commands)
-    if is_concrete_run:
-        outputs, pv_terms = to_numpy((outputs, pv_terms))
-    ledger = history.ledger + pv_terms - pv_terms[0]
+    # the outputs of the last time need no bundles, whose names and laws would be compiled anew
+    arguments = with_fields(plant, bundles=()), numbers, memory, inputs, begin, np.float64(dt)
+    if is_concrete(arguments):
+        rows = to_numpy(_run_any_substeps(*arguments, np.int64(substeps), fixed))
+    else:
+        rows = _run_fixed_substeps(*arguments, int(substeps), fixed)
+    outputs, ledger = rows.outputs, rows.ledger
     if step_size is not None and step_size.stiff:
         outputs = outputs._replace(status=outputs.status | (1 << STATUS.index("stiff")))
-    return Trajectory(
-        dt * np.arange(steps + 1), outputs, commands, ledger, int(substeps), step_size, last.state
-    )
+    end = jax.tree.map(lambda x: x[-1], rows.state)
+    times = dt * np.arange(len(inputs) + 1)
+    return Trajectory(times, outputs, rows.commands, ledger, int(substeps), step_size, end)
 
 
-class _OpenLoop(Module):
-    """Controller that takes its reference as the commands."""
+def _follow_reference(memory: Any, measurement: Measurement, reference: Numbers) -> tuple:
+    """Controller that measures nothing, with the commands as its reference."""
+    del measurement
+    return memory, reference
 
 
 def _prepare_controller(
@@ -241,23 +219,30 @@ def _prepare_controller(
     else:
         rows = validate_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
-    return _OpenLoop(), (), plant.check_commands(rows)
+    return _follow_reference, (), plant.check_commands(rows)
 
 
-@partial(jax.jit, static_argnames=("fixed", "substeps"))
-def _run_rows(
+class _Rows(NamedTuple):
+    """Rows of a run, one for each time; without its description, a `Trajectory`."""
+
+    outputs: PlantOutputs
+    commands: Numbers
+    ledger: Numbers
+    state: State
+
+
+def _run(
     plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
-    count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
-) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
-    """Run a plant for the first `count` rows of `inputs`, or all: states of the integration before
-    each step, commands, and the state after the last step.
+    substeps: Any, fixed: tuple[Any, tuple[Any, ...]],
+) -> _Rows:  # fmt: skip
+    """Rows of a run of a plant from the state `begin` [SI] by a step for each row of `inputs`.
 
     `numbers` and `fixed` are the controller's parts: arrays, and what doesn't change, such as its
     structure.
     """
-    leaves, kind = fixed
+    kind, others = fixed
     act = jax.tree.unflatten(
-        kind, [x if y is None else y for x, y in zip(numbers, leaves, strict=True)]
+        kind, [x if y is None else y for x, y in zip(numbers, others, strict=True)]
     )
     hysteresis = plant.hysteresis
     spring_forces = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
@@ -266,90 +251,45 @@ def _run_rows(
     )
     friction_memory = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
+    closed = jnp.zeros(plant.units)  # commands that shut all valves
 
-    def step(carry: tuple, row: tuple) -> tuple[tuple, tuple]:
-        progress, memory = carry
-        time, reference = row
-        if isinstance(act, _OpenLoop):  # which measures nothing
-            command = reference
-        else:
-            state, no_command = progress.state, jnp.zeros(plant.units)
-            evaluation = evaluate_plant(plant, time, state, no_command, progress.friction_memory)
-            measurement = Measurement(  # its force is the muscles' pull without friction
-                time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
-                plant.supply.pressure_at(state.supply),
-            )  # fmt: skip
-            memory, command = act(memory, measurement, reference)
+    # a derivative computes a step again, which takes less memory than storing it
+    @partial(jax.checkpoint, prevent_cse=False)
+    def step(carry: tuple, row: tuple) -> tuple[tuple, _Rows]:
+        """One step: the state after it, and the row of its beginning."""
+        progress, memory, command = carry
+        time, reference, is_last = row
+        state, friction_memory = progress.state, progress.friction_memory
+        evaluation = evaluate_plant(plant, time, state, closed, friction_memory)
+        measurement = Measurement(  # its force is the muscles' pull without friction
+            time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
+            plant.supply.pressure_at(state.supply),
+        )  # fmt: skip
+        memory, action = act(memory, measurement, reference)
+        command = jnp.where(is_last, command, action)  # the last command holds at the end, too
+        evaluation = evaluate_plant(plant, time, state, command, friction_memory)
+        outputs = observe(plant, state, friction_memory, evaluation)
+        folded = progress.folded * (1 << STATUS.index("folded"))
+        outputs = outputs._replace(status=outputs.status | folded)
+        ledger = progress.ledger + pressure_volume_term(plant, evaluation)
+        beginning = _Rows(outputs, command, ledger, state)
 
-        # a derivative computes a substep again, which takes less memory than storing it
-        @partial(jax.checkpoint, prevent_cse=False)
         def advance(i: Any, progress: IntegratorState) -> IntegratorState:
             return substep(plant, time + i * h, progress, command, h)
 
-        initial = progress._replace(folded=jnp.zeros_like(progress.folded))
-        return (lax.fori_loop(0, substeps, advance, initial), memory), (progress, command)
+        progress = progress._replace(folded=jnp.zeros_like(progress.folded))
+        return (lax.fori_loop(0, substeps, advance, progress), memory, command), beginning
 
-    initial = (
-        IntegratorState(state, friction_memory, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)),
-        memory,
-    )
-    (last, _), (history, commands) = _scan(
-        step, initial, (dt * jnp.arange(len(inputs)), inputs), count
-    )
-    return history, commands, last
-
-
-def _scan(step: Callable, initial: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
-    """Result of `lax.scan` over the first `count` steps, or over all if it is `None`."""
-    if count is None:
-        return lax.scan(step, initial, inputs)
-    step = jax.jit(step, inline=True)  # traced once for both
-    row = jax.tree.map(lambda x: x[0], inputs)
-    shapes = jax.eval_shape(step, initial, row)[1]
-    rows = len(jax.tree.leaves(inputs)[0])
-
-    def advance(i: Any, state: tuple) -> tuple:
-        carry, history = state
-        row = jax.tree.map(lambda x: lax.dynamic_index_in_dim(x, i, keepdims=False), inputs)
-        carry, row = step(carry, row)
-        history = jax.tree.map(
-            lambda table, x: lax.dynamic_update_index_in_dim(table, x, i, 0), history, row
-        )
-        return carry, history
-
-    empty = jax.tree.map(lambda x: jnp.zeros((rows, *x.shape), x.dtype), shapes)
-    return lax.fori_loop(0, count, advance, (initial, empty))
+    progress = IntegratorState(state, friction_memory, jnp.zeros(len(LEDGER)), jnp.zeros((), bool))
+    # one row more for the end, whose step is dropped
+    steps = len(inputs)
+    times, is_last = dt * jnp.arange(steps + 1), jnp.arange(steps + 1) == steps
+    inputs = jnp.concatenate([inputs, inputs[-1:]])
+    rows: _Rows
+    _, rows = lax.scan(step, (progress, memory, closed), (times, inputs, is_last))
+    return rows._replace(ledger=rows.ledger - rows.ledger[0])
 
 
-def _observe_step(
-    plant: Plant, time: Batch, progress: IntegratorState, command: Numbers
-) -> tuple[PlantOutputs, Numbers]:
-    """Outputs of a plant at a `time` [s], and the `pressure_volume_term` of its ledger [J]."""
-    evaluation = evaluate_plant(plant, time, progress.state, command, progress.friction_memory)
-    outputs = observe(plant, progress.state, progress.friction_memory, evaluation)
-    folded = progress.folded * (1 << STATUS.index("folded"))
-    return outputs._replace(status=outputs.status | folded), pressure_volume_term(plant, evaluation)
-
-
-@jax.jit
-def _observe_run_jax(
-    plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
-) -> tuple[PlantOutputs, Numbers]:
-    """Outputs and `pressure_volume_term` [J] at each step of a run, by JAX; `dt` [s]."""
-    times = dt * jnp.arange(len(commands))
-    return jax.vmap(partial(_observe_step, plant))(times, history, commands)
-
-
-def _observe_run_numpy(
-    plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
-) -> tuple[PlantOutputs, Numbers]:
-    """Outputs and `pressure_volume_term` [J] at each step of a run, by NumPy; `dt` [s]."""
-    times = dt * np.arange(len(commands))
-    plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
-    chunks = []
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        for k in range(0, len(times), _CHUNK):
-            chunk = slice(k, k + _CHUNK)
-            progress = jax.tree.map(lambda x, chunk=chunk: x[chunk], history)
-            chunks.append(_observe_step(plant, times[chunk], progress, commands[chunk]))
-    return jax.tree.map(lambda *arrays: np.concatenate(arrays), *chunks)
+# a loop of any number of substeps has no derivative in reverse: there the number is compiled in
+_run_any_substeps = jax.jit(_run, static_argnames="fixed")
+_run_fixed_substeps = jax.jit(_run, static_argnames=("substeps", "fixed"))

@@ -26,7 +26,7 @@ import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, static, to_numpy
+from ..core.module import Module, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force
@@ -74,7 +74,7 @@ class UnitSurface(Module):
     root_step: Batch
     strains: tuple[Batch, Batch]
     rest_length: Batch
-    errors: tuple[float, float, float] = static()
+    errors: tuple[float, float, float]
 
     @classmethod
     def tabulate(
