@@ -70,12 +70,12 @@ def check_interval(
     good = ((x >= low) if closed[0] else (x > low)) & ((x <= high) if closed[1] else (x < high))
     if not np.all(good):
         bad, low, high = (float(np.broadcast_to(x, good.shape)[~good][0]) for x in (x, low, high))
-        ends = f"{_number_text(low)}, {_number_text(high)}"
-        interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
+        bad_text, low_text, high_text = _distinct_texts(bad, low, high)
+        interval = f"{'[' if closed[0] else '('}{low_text}, {high_text}{']' if closed[1] else ')'}"
         rule = f"must lie in {_append_unit(interval, unit)} {why}".rstrip()
         if (low, high) == (0, math.inf) and not any(closed):
             rule = "must be positive and finite"
-        text = _append_unit(_number_text(bad), unit)
+        text = _append_unit(bad_text, unit)
         raise InvalidInputError(name, rule, bad, remedy, shown=text)
     return x[()]
 
@@ -133,8 +133,22 @@ def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     return np.broadcast_shapes(*shapes.values())
 
 
-def _number_text(value: float) -> str:
-    return f"{value:g}".replace("e+0", "e")
+def _number_text(value: float, digits: int = 6) -> str:
+    return f"{value:.{digits}g}".replace("e+0", "e")
+
+
+def _distinct_texts(bad: float, low: float, high: float) -> list[str]:
+    """Texts of a refused value and its limits, with enough digits to tell the value from both."""
+    # 17 digits tell any two floats apart; a limit that six digits write exactly keeps them
+    for digits in range(6, 18):
+        text, *limits = (_number_text(x, digits) for x in (bad, low, high))
+        if text not in limits:
+            break
+    short = [_number_text(limit) for limit in (low, high)]
+    exact = [
+        float(limit_text) == limit for limit_text, limit in zip(short, (low, high), strict=True)
+    ]
+    return [text, *np.where(exact, short, limits)]
 
 
 def _append_unit(text: str, unit: str) -> str:
@@ -143,7 +157,11 @@ def _append_unit(text: str, unit: str) -> str:
 
 
 def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
-    """The `value` as an array of floats, refused if it isn't one of numbers."""
+    """The `value` as an array of floats, refused if it isn't one of numbers, or if it is masked."""
+    if np.ma.is_masked(value):
+        text = f"{np.ma.count_masked(value)} masked elements"
+        remedy = "drop them, x.compressed(), or fill them, x.filled(…)"
+        raise InvalidInputError(name, "must not be masked", None, remedy, shown=text)
     try:
         x = np.asarray(value)
         if x.dtype.kind not in "fiu":  # a bool or a string is no measurement

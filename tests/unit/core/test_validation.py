@@ -91,3 +91,27 @@ def test_shapes_that_do_not_broadcast_are_named(shapes):
     with pytest.raises(InvalidInputError) as error:
         broadcast_shape(pressure=first, time=(), strain=second)
     assert error.value.argument == "strain" and "`pressure`" in error.value.rule
+
+
+@pytest.mark.parametrize(
+    ("bad", "low", "high", "texts"),
+    [
+        (np.nextafter(1e6, 2e6), 0.0, 1e6, ["[0, 1e6]", "1000000.0000000001"]),
+        (-0.1923634, -0.1923633, 0.6, ["[-0.1923633, 0.6]", "-0.1923634"]),
+        (-1.0, 0.0, 1e6, ["[0, 1e6]", "-1 "]),
+    ],
+)
+def test_a_refused_value_differs_from_its_limit_as_written(bad, low, high, texts):
+    with pytest.raises(InvalidInputError) as error:
+        check_interval(bad, low, high, "pressure", "Pa", closed=(True, True))
+    for text in texts:
+        assert text in str(error.value)
+
+
+def test_masked_elements_are_refused_and_an_empty_mask_is_not():
+    masked = np.ma.masked_array([1.0, 2.0], [False, True])
+    with pytest.raises(InvalidInputError) as error:
+        check_finite(masked, "strain", "-")
+    assert error.value.argument == "strain" and "1 masked" in str(error.value)
+    unmasked = np.ma.masked_array([1.0, 2.0], [False, False])
+    assert np.array_equal(check_finite(unmasked, "strain", "-"), [1.0, 2.0])
