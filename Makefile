@@ -69,7 +69,7 @@ $(CORE)/.installed: requirements.lock pyproject.toml $(STAMP)
 	test -x $(CORE)/bin/python || $(BIN)/python -m venv --without-pip $(CORE)
 	sed 's/ *\\$$//; /^ *--hash/d' requirements.lock > $(CORE)/versions.txt
 	VIRTUAL_ENV=$(CURDIR)/$(CORE) $(BIN)/uv pip install --quiet --compile-bytecode --constraint $(CORE)/versions.txt \
-		numpy scipy pydantic pint tomlkit typer rich pytest hypothesis
+		numpy scipy attrs pydantic pint tomlkit typer rich pytest hypothesis
 	touch $@
 
 core: $(CORE)/.installed

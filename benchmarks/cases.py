@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import fascicle as fs
+import fascicle.jax
 
 
 MAX_PRESSURE, MAX_STRAIN = 413.7e3, 0.33  # Pa, -: Fig. 6's tests

@@ -30,6 +30,7 @@ from cases import (
 from timing import Quartiles, Row, run, take_turns
 
 import fascicle as fs
+import fascicle.jax
 
 
 FORMER_FIELD, FORMER_SCATTERED = 0.35, 0.08  # of the rate of x + 1, with version 0.1

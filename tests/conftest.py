@@ -32,6 +32,8 @@ _EXTRA = re.compile(
     r"^\s*(?:import|from) (?:jax|equinox|diffrax|xarray|pandas|matplotlib)\b", re.MULTILINE
 )
 _CORE_ALONE = find_spec("jax") is None
+if not _CORE_ALONE:  # tests pass arrays of JAX; that they are refused otherwise has its own test
+    import fascicle.jax  # noqa: F401
 
 
 def pytest_ignore_collect(collection_path):

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import equinox as eqx
 import numpy as np
 
+import fascicle.jax  # noqa: F401 muscles as pytrees
 from fascicle.bundle import Bundle, MotorUnit
 from fascicle.files import example
 from fascicle.muscle import Muscle, Tuning

@@ -1,15 +1,11 @@
 """fascicle: the open toolkit for fluidic artificial muscles (FAMs, McKibben muscles).
 
-Laws are pure functions in SI units, written once: NumPy's numbers and arrays are answered at
-once, JAX's compile, differentiate and run on a GPU, and C comes from the same source. Importing
-fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE_X64=0` to forgo
-it, and be warned once.
+Laws are pure functions in SI units, written once, for numbers and arrays of NumPy. After
+`import fascicle.jax` they take arrays of JAX, too, which compiles and differentiates them.
 """
 
-from .core.lazy import attach_lazy, enable_float64
+from .core.lazy import attach_lazy
 
-
-enable_float64()
 
 TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than all of this
 if TYPE_CHECKING:

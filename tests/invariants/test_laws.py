@@ -3,9 +3,9 @@
 Values are NumPy's, slopes JAX's: one compiled function a combination of laws.
 """
 
-from dataclasses import fields
 from inspect import signature
 
+import attrs
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -163,7 +163,7 @@ def test_what_a_law_declares_can_be(law):
     """A default that is usual, a scale that leads back, a name that no other parameter has."""
     assert law.source
     told = {one.name for one in (*law.constants(), *law.switches())}
-    assert told == {one.name for one in fields(law)}  # nothing of it is left untold
+    assert told == {one.name for one in attrs.fields(law)}  # nothing of it is left untold
     for one in law.constants():
         least, low, high, largest = one.bounds
         assert least <= low <= one.default <= high <= largest

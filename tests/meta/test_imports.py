@@ -4,8 +4,6 @@ import json
 import subprocess
 import sys
 
-import pytest
-
 
 HEAVY = {
     "dask", "fascicle.cli", "IPython", "matplotlib", "moocore", "netCDF4", "pandas", "panel",
@@ -70,44 +68,4 @@ def test_importing_leaves_the_environment_alone():
         "import os, jax\nbefore = dict(os.environ)\n"  # JAX has settings of its own
         "import fascicle as fs\nfs.example('kim2021_figure_6').force(1e5, 0.1)\n"
         "assert dict(os.environ) == before"
-    )
-
-
-def test_jax_is_switched_whenever_it_comes():
-    checked = "assert jax.config.jax_enable_x64\nassert jax.numpy.asarray(1.0).dtype == 'float64'"
-    for order in ("import jax, fascicle", "import fascicle, jax.numpy, jax",
-                  "import fascicle.muscle, importlib.util\nimportlib.util.find_spec('jax')\n"
-                  "import jax"):  # fmt: skip
-        loaded(f"{order}\n{checked}")
-
-
-def test_single_precision_asked_for_is_kept_and_warned_about_once():
-    loaded(
-        "import os, warnings\nos.environ['JAX_ENABLE_X64'] = '0'\n"
-        "with warnings.catch_warnings(record=True) as caught:\n"
-        "    warnings.simplefilter('always')\n"
-        "    import fascicle as fs, jax, jax.numpy as jnp\n"
-        "ours = [w for w in caught if 'JAX_ENABLE_X64' in str(w.message)]\n"
-        "assert len(ours) == 1, caught\n"
-        "assert jnp.asarray(1.0).dtype == 'float32'\n"
-        "muscle = fs.example('kim2021_figure_6')\n"
-        "slope = jax.jit(jax.grad(muscle.force))(34.5e3, 0.13)\n"
-        "assert jnp.isfinite(slope) and slope.dtype == 'float32'"
-    )
-
-
-@pytest.mark.slow
-def test_all_derivatives_exist_in_single_precision():
-    loaded(
-        "import os, warnings\nos.environ['JAX_ENABLE_X64'] = '0'\n"
-        "warnings.simplefilter('ignore')\n"
-        "import fascicle as fs, jax, jax.numpy as jnp\n"
-        "muscle, bundle = fs.example('kim2021_figure_6'), fs.example('kim2021_bundle_1_4')\n"
-        "at = lambda P: jnp.array([344.7e3, P])\n"
-        "recruit = fs.recruitment.recruit\n"
-        "slopes = [jax.grad(muscle.free_strain)(34.5e3),\n"
-        "    jax.grad(lambda m: m.force(34.5e3, 0.13))(muscle).length,\n"
-        "    jax.grad(lambda P: bundle.free_strain(at(P)))(5e4),\n"
-        "    jax.grad(lambda e: recruit(bundle, 60.0, e).pressures[0])(0.1)]\n"
-        "assert all(jnp.isfinite(s) and s.dtype == 'float32' for s in slopes)"
     )

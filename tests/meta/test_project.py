@@ -19,7 +19,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 def test_the_core_install_is_small():
     names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
-    assert names == {"numpy", "scipy", "pydantic", "pint", "tomlkit", "typer", "rich"}
+    assert names == {"numpy", "scipy", "attrs", "pydantic", "pint", "tomlkit", "typer", "rich"}
 
 
 def imported() -> set[str]:

@@ -93,17 +93,18 @@ class Bundle(Module):
         **Raises:** `ValueError` for no units, an unknown scheme, unequal lengths without a
         distance between the plates, and lengths that no plates can hold.
         """
-        self.motor_units = tuple(motor_units)
-        if not self.motor_units:
+        units = tuple(motor_units)
+        if not units:
             rule = "must hold at least one motor unit"
             raise InvalidInputError("motor_units", rule, None, shown="none")
-        for unit in self.motor_units:
+        for unit in units:
             if not isinstance(unit, MotorUnit):
                 raise InvalidInputError("motor_units", "must hold MotorUnit objects", unit)
-        self.plate_distance = plate_distance(length, [unit.muscle for unit in self.motor_units])
-        supply, name = supply_pressure, "supply_pressure"
-        self.supply_pressure = None if supply is None else check_gauge_pressure(supply, name)
-        self.scheme = scheme_of(scheme)
+        distance = plate_distance(length, [unit.muscle for unit in units])
+        supply = supply_pressure
+        if supply is not None:
+            supply = check_gauge_pressure(supply, "supply_pressure")
+        self.__attrs_init__(units, supply, scheme_of(scheme), distance)
 
     @property
     def length(self) -> Batch:

@@ -12,12 +12,12 @@ $z = \hat z + \mathrm{chol}(C) u$: without this scaling chains do not mix.
 from dataclasses import dataclass
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import log_ndtr
 
 from ..core.errors import InvalidInputError
+from ..jax import jax
 from .calibration import Calibration
 from .parameters import put, values
 

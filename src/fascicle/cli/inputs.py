@@ -10,7 +10,6 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.lazy import enable_whole_loops
 from ..units import parse, parse_list
 from .errors import UserError, user_errors
 from .outputs import status
@@ -30,7 +29,6 @@ def load_laws() -> None:
     A command evaluates a few thousand points: starting a GPU would take longer than that.
     `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` writes no cache.
     """
-    enable_whole_loops()
     # the CPU is always present; XLA's own log is on standard error
     variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
     if (folder := cache_folder()) is not None:

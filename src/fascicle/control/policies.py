@@ -2,10 +2,10 @@
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ..core.errors import InvalidInputError
@@ -111,7 +111,7 @@ def cascade(
     )  # fmt: skip
     if derived:
         pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
-        return replace(controller, gains=gains._replace(pressure_time=pressure_time))
+        return attrs.evolve(controller, gains=gains._replace(pressure_time=pressure_time))
     for warning in controller.warnings:
         warnings.warn(f"{warning}.", stacklevel=2)
     return controller

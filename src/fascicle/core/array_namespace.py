@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from .errors import InvalidInputError
+
 
 # types that NumPy computes with; a set is looked up sooner than instances are checked
 NUMPY_TYPES = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
@@ -40,15 +42,19 @@ def jax_backend() -> Any:
 
 
 def imported_jax() -> Any:
-    """The module `jax` if it has been imported completely, else `None`."""
-    jax = sys.modules.get("jax")
-    return jax if hasattr(jax, "jit") else None
+    """The module `jax` where `fascicle.jax` has been imported, else `None`."""
+    return sys.modules.get("jax") if "fascicle.jax" in sys.modules else None
 
 
 def is_jax_array(value: Any) -> bool:
-    """True for arrays and tracers of JAX."""
+    """True for arrays and tracers of JAX; `InvalidInputError` before `import fascicle.jax`."""
     jax = sys.modules.get("jax")
-    return jax is not None and isinstance(value, getattr(jax, "Array", ()))
+    if jax is None or not isinstance(value, getattr(jax, "Array", ())):
+        return False
+    if "fascicle.jax" not in sys.modules:
+        rule = "need `import fascicle.jax` first, which switches JAX to 64 bits"
+        raise InvalidInputError("JAX arrays", rule, None)
+    return True
 
 
 def as_jax(value: Any) -> Any:

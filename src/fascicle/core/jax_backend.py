@@ -8,12 +8,12 @@ from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import eval_shape, jit, lax  # noqa: F401 imported from here
 from jax.lax import stop_gradient
 
+from ..jax import jax
 from .array_namespace import where
 from .roots import SHORT_STEP, STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch

@@ -1,31 +1,30 @@
-"""Modules: frozen dataclasses of numbers, arrays and other modules, which JAX treats as pytrees.
+"""Modules: frozen attrs classes of numbers, arrays and other modules.
 
-A `Module` is a dataclass whose fields are set once. Each class registers itself with JAX when JAX
-is imported, before fascicle or after. Without JAX it is a dataclass and no more. Values that a
-module caches (`functools.cached_property`) are no part of its structure.
+A subclass of `Module` is an attrs class: converters check its fields as it is made, and they can't
+be set afterwards. `import fascicle.jax` makes modules pytrees of JAX. Values that a module caches
+(`functools.cached_property`) are no part of its structure.
 
 `tree_leaves`, `tree_map` and their like do what JAX's functions of these names do, without JAX.
 `evaluate` runs a law with NumPy or with JAX: the types of its arguments alone decide.
 """
 
+import sys
 from abc import ABC
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
 from functools import cached_property
 from inspect import signature
-from typing import Any, ClassVar, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, dataclass_transform
 
+import attrs
 import numpy as np
 
 from .array_namespace import (
     NUMPY_TYPES,
     array_namespace,
-    imported_jax,
     is_jax_array,
     is_numpy,
     jax_backend,
 )
-from .lazy import call_on_import
 from .validation import check_choice, is_concrete
 
 
@@ -92,21 +91,32 @@ def _rebuild(kind: Any, values: dict[str, Any]) -> Any:
 
 
 _MAX_SHOWN = 8  # numbers of an array for which a line has room
-_CLASSES: list[type[Any]] = []  # all modules, to be registered with JAX when it is imported
+_CLASSES: list[type["Module"]] = []
 
 
-def static(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
+def modules() -> list[type["Module"]]:
+    """All classes of modules that have been defined."""
+    return list(_CLASSES)
+
+
+def static(
+    *, default: Any = attrs.NOTHING, converter: Callable | None = None, **metadata: Any
+) -> Any:
     """A field that is part of a module's structure, such as the name of a law."""
     return record(default=default, converter=converter, static=True, **metadata)
 
 
-def record(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
+def record(
+    *,
+    default: Any = attrs.NOTHING,
+    converter: Callable | None = None,
+    kw_only: bool = False,
+    **metadata: Any,
+) -> Any:
     """A field of a module: its `default` [any unit], a `converter` that validates a value as it is
-    set and returns it as numbers [any unit], and other `metadata`.
+    set and returns it as numbers [any unit], and other `metadata`; `kw_only`: given by keyword.
     """
-    if converter is not None:
-        metadata["converter"] = converter
-    return field(default=default, metadata=metadata)
+    return attrs.field(default=default, converter=converter, kw_only=kw_only, metadata=metadata)
 
 
 class cached_number(cached_property):  # noqa: N801 as `cached_property`
@@ -121,34 +131,39 @@ class cached_number(cached_property):  # noqa: N801 as `cached_property`
         return value
 
 
-@dataclass_transform(eq_default=False, field_specifiers=(static, record, field))
+@dataclass_transform(
+    eq_default=False, frozen_default=True, field_specifiers=(static, record, attrs.field)
+)
 class Module(ABC):
-    """A frozen record of numbers, arrays and other modules."""
+    """A frozen record of numbers, arrays and other modules.
 
-    __dataclass_fields__: ClassVar[dict[str, Any]]
+    A class that writes `__init__` itself ends it with `self.__attrs_init__(…)`, which converts
+    and sets its fields. `__check_init__` of a class, and of each of its bases, then checks them
+    together.
+    """
+
     leaf_names: ClassVar[tuple[str, ...]]
     static_names: ClassVar[tuple[str, ...]]
-    _converters: ClassVar[dict[str, Callable]] = {}
+
+    if TYPE_CHECKING:
+
+        def __attrs_init__(self, *values: Any, **fields: Any) -> None: ...
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
-        cls._has_generated_init = owner is object or vars(owner).get("_has_generated_init", False)
-        dataclass(eq=False, repr=False, init=cls._has_generated_init)(cls)
-        # a class variable that a subclass makes a field must not keep its place among the fields
-        metadata = {x.name: x.metadata for x in fields(cls)}
-        for name in set(cls.__dataclass_fields__) - set(metadata):
-            del cls.__dataclass_fields__[name]
-        cls.leaf_names = tuple(name for name, data in metadata.items() if not data.get("static"))
-        cls.static_names = tuple(name for name, data in metadata.items() if data.get("static"))
-        cls._converters = {
-            name: data["converter"] for name, data in metadata.items() if "converter" in data
-        }
+        writes_init = owner is not object and "__attrs_init__" in vars(owner)
+        makes_init = "__init__" not in vars(cls) and not writes_init
+        attrs.define(cls, frozen=True, eq=False, repr=False, slots=False, init=makes_init)
+        del cls.__setattr__, cls.__delattr__  # attrs' own, which name no remedy
+        names = {field.name: bool(field.metadata.get("static")) for field in attrs.fields(cls)}
+        cls.leaf_names = tuple(name for name, is_static in names.items() if not is_static)
+        cls.static_names = tuple(name for name, is_static in names.items() if is_static)
         _CLASSES.append(cls)
-        if (jax := imported_jax()) is not None:
-            _register_pytree(cls, jax)
+        if fascicle_jax := sys.modules.get("fascicle.jax"):
+            fascicle_jax.register(cls)
 
-    def __post_init__(self) -> None:
+    def __attrs_post_init__(self) -> None:
         # a check of all fields together is inherited
         for kind in reversed(type(self).__mro__):
             if "__check_init__" in vars(kind):
@@ -156,17 +171,14 @@ class Module(ABC):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Fields are set once, by the constructor."""
-        if name in self.__dict__ or name not in type(self).__dataclass_fields__:
-            kind = type(self).__name__
-            remedy = "construct another one"
-            if hasattr(self, "replace") and name in signature(type(self)).parameters:
-                remedy = f"write {kind.lower()} = {kind.lower()}.replace({name}=…)"
-            raise FrozenInstanceError(f"`{name}` can't be set, a {kind} is immutable: {remedy}.")
-        converter = self._converters.get(name)
-        vars(self)[name] = value if converter is None else converter(value)
+        kind = type(self).__name__
+        remedy = "construct another one"
+        if hasattr(self, "replace") and name in signature(type(self)).parameters:
+            remedy = f"write {kind.lower()} = {kind.lower()}.replace({name}=…)"
+        raise AttributeError(f"`{name}` can't be set, a {kind} is immutable: {remedy}.")
 
     def __delattr__(self, name: str) -> None:
-        raise FrozenInstanceError(f"`{name}` can't be deleted.")
+        raise AttributeError(f"`{name}` can't be deleted.")
 
     @property
     def cache(self) -> dict:
@@ -209,37 +221,13 @@ class Module(ABC):
 
 
 def _field_names(module: Module) -> list[str]:
-    return [x.name for x in fields(module)]
+    return [field.name for field in attrs.fields(type(module))]
 
 
 def repr_fields(module: Module) -> str:
     """Fields of a `module` with their numbers, in one line."""
     values = (f"{name}={_value_text(getattr(module, name))}" for name in _field_names(module))
     return f"{type(module).__name__}({', '.join(values)})"
-
-
-def _register_pytree(kind: type[Module], jax: Any) -> None:
-    """Tell JAX the leaves and static values of a `kind` of module."""
-    leaf_names, static_names = kind.leaf_names, kind.static_names
-    keys = [jax.tree_util.GetAttrKey(name) for name in leaf_names]
-
-    def flatten(module: Any) -> tuple[tuple, tuple]:
-        values = module.__dict__
-        return tuple(map(values.get, leaf_names)), tuple(map(values.get, static_names))
-
-    def flatten_with_keys(module: Any) -> tuple[tuple, tuple]:
-        leaves, static_values = flatten(module)
-        return tuple(zip(keys, leaves, strict=True)), static_values
-
-    def unflatten(static_values: tuple, leaves: Any) -> Any:
-        # leaves may be tracers, so nothing is checked again
-        values = dict(zip(leaf_names, leaves, strict=True))
-        return _rebuild(kind, values | dict(zip(static_names, static_values, strict=True)))
-
-    jax.tree_util.register_pytree_with_keys(kind, flatten_with_keys, unflatten, flatten)
-
-
-call_on_import("jax", lambda jax: [_register_pytree(kind, jax) for kind in _CLASSES])
 
 
 def _value_text(value: Any) -> str:

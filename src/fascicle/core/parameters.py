@@ -15,6 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import attrs
+
 from ..units import DIMENSIONS
 from .array_namespace import exp, expm1, log, log1p, where
 from .module import record, static
@@ -98,8 +100,8 @@ class Constant:
 
     def field(self) -> Any:
         """Field of a law that is validated when set, with the constant in its metadata."""
-        default = {} if self.default is None else {"default": self.default}
-        return record(converter=self.validate, constant=self, **default)
+        default = attrs.NOTHING if self.default is None else self.default
+        return record(default=default, converter=self.validate, constant=self)
 
 
 @dataclass(frozen=True)

@@ -137,18 +137,18 @@ def _number_text(value: float, digits: int = 6) -> str:
     return f"{value:.{digits}g}".replace("e+0", "e")
 
 
-def _distinct_texts(bad: float, low: float, high: float) -> list[str]:
-    """Texts of a refused value and its limits, with enough digits to tell the value from both."""
-    # 17 digits tell any two floats apart; a limit that six digits write exactly keeps them
-    for digits in range(6, 18):
-        text, *limits = (_number_text(x, digits) for x in (bad, low, high))
-        if text not in limits:
-            break
-    short = [_number_text(limit) for limit in (low, high)]
-    exact = [
-        float(limit_text) == limit for limit_text, limit in zip(short, (low, high), strict=True)
-    ]
-    return [text, *np.where(exact, short, limits)]
+def _distinct_texts(bad: float, *limits: float) -> list[str]:
+    """Texts of a refused value and its limits, with enough digits to tell the value from them."""
+    digits = 6
+    while digits < 17 and any(  # 17 tell any two floats apart
+        _number_text(bad, digits) == _number_text(limit, digits) for limit in limits
+    ):
+        digits += 1
+    texts = [_number_text(bad, digits)]
+    for limit in limits:
+        is_short = float(_number_text(limit)) == limit  # six digits write it exactly
+        texts.append(_number_text(limit) if is_short else _number_text(limit, digits))
+    return texts
 
 
 def _append_unit(text: str, unit: str) -> str:
@@ -158,6 +158,7 @@ def _append_unit(text: str, unit: str) -> str:
 
 def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
     """The `value` as an array of floats, refused if it isn't one of numbers, or if it is masked."""
+    is_jax_array(value)  # refuses one before `import fascicle.jax`
     if np.ma.is_masked(value):
         text = f"{np.ma.count_masked(value)} masked elements"
         remedy = "drop them, x.compressed(), or fill them, x.filled(…)"

@@ -4,25 +4,22 @@
 rest, `simulate` moves it in fixed steps with a controller, `integrate` in adaptive steps, and
 `audit` returns the energy balance of a run.
 
-Importing this package sets an option of XLA in `XLA_FLAGS`, unless you have set it: with it fixed
-steps are ten times as fast on a CPU. XLA reads the variable when it first compiles, so import this
-package before you compile anything.
+Importing this package imports `fascicle.jax`, which sets an option of XLA: with it fixed steps are
+ten times as fast on a CPU. XLA reads it when it first compiles, so import this package before you
+compile anything.
 """
 
-# ruff: noqa: E402, I001 the option comes before all that imports JAX
-from ..core.lazy import enable_whole_loops
-
-enable_whole_loops()
-
+from ..jax import jax as _jax  # noqa: F401 64 bits, pytrees and XLA's option
+from ..muscle.hysteresis import AbstractHysteresis as AbstractHysteresis
+from ..muscle.hysteresis import Coulomb as Coulomb
+from ..muscle.hysteresis import Dahl as Dahl
+from ..muscle.hysteresis import MaxwellSlip as MaxwellSlip
 from .audit import Audit as Audit
 from .audit import Balance as Balance
 from .audit import Event as Event
 from .audit import audit as audit
 from .audit import events as events
-from ..muscle.hysteresis import AbstractHysteresis as AbstractHysteresis
-from ..muscle.hysteresis import Coulomb as Coulomb
-from ..muscle.hysteresis import Dahl as Dahl
-from ..muscle.hysteresis import MaxwellSlip as MaxwellSlip
+from .equilibrium import equilibrium_state as equilibrium_state
 from .integrate import integrate as integrate
 from .loads import AbstractLoad as AbstractLoad
 from .loads import AntagonisticJoint as AntagonisticJoint
@@ -30,13 +27,12 @@ from .loads import HangingMass as HangingMass
 from .loads import InertiaSpringDamper as InertiaSpringDamper
 from .loads import PrescribedMotion as PrescribedMotion
 from .loads import Stop as Stop
-from .step_size import StepSizeEstimate as StepSizeEstimate
-from .step_size import estimate_substeps as estimate_substeps
+from .outputs import PlantOutputs as PlantOutputs
 from .plant import Plant as Plant
 from .plant import State as State
-from .equilibrium import equilibrium_state as equilibrium_state
 from .schedule import Measurement as Measurement
 from .schedule import Schedule as Schedule
-from .outputs import PlantOutputs as PlantOutputs
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
+from .step_size import StepSizeEstimate as StepSizeEstimate
+from .step_size import estimate_substeps as estimate_substeps

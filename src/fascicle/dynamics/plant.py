@@ -106,26 +106,24 @@ class Plant(Module):
         **Raises:** `ValueError`, one line, for parts that don't go together, and for a liquid in
         chambers without compliance.
         """
-        self.bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
-        for item in self.bundles:
+        bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
+        for item in bundles:
             if not isinstance(item, Bundle):
                 kind = type(item).__name__
                 raise InvalidInputError("bundle", "must be a Bundle", item, shown=kind)
-        self.load, self.supply, self.chamber = load, supply, chamber
-        self.valve = valve
-        self.exhaust_valve = valve if exhaust_valve is None else exhaust_valve
-        self.spool = Direct() if spool is None else spool
-        self.hysteresis = hysteresis
-        units = [(unit, side) for side, b in enumerate(self.bundles) for unit in b.motor_units]
+        exhaust_valve = valve if exhaust_valve is None else exhaust_valve
+        spool = Direct() if spool is None else spool
+        units = [(unit, side) for side, b in enumerate(bundles) for unit in b.motor_units]
         muscles = [unit.muscle for unit, _ in units]
-        self.sides = tuple(side for _, side in units)
-        self.counts = np.array([float(unit.count) for unit, _ in units])
-        self.lengths = np.array([float(muscle.length) for muscle in muscles])
-        self.distances = np.array([float(self.bundles[side].length) for side in self.sides])
-        _check_fit(self)
+        _check_fit(
+            bundles,
+            load=load, supply=supply, chamber=chamber, valve=valve, exhaust_valve=exhaust_valve,
+            spool=spool, hysteresis=hysteresis,
+        )  # fmt: skip
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
-        top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
+        supply_pressure = float(supply.pressure_at(supply.initial_state()))
+        top = min(_ABOVE_SUPPLY * supply_pressure, HIGHEST_PRESSURE)
         unit_laws: AbstractMuscles = MuscleTables.from_muscles(muscles, top, shape)
         if law == "exact":
             unit_laws = ExactMuscles.from_muscles(muscles, top, unit_laws.strains)
@@ -134,7 +132,13 @@ class Plant(Module):
             braid = Braid(*(np.array([float(getattr(m, x)) for m in muscles]) for x in sizes))
             walls = np.array([float(muscle.bladder.volume) for muscle in muscles])
             unit_laws = GeometricMuscles(unit_laws, braid, walls)
-        self.muscles = unit_laws
+        self.__attrs_init__(
+            bundles, load, supply, chamber, valve, exhaust_valve, spool, hysteresis, unit_laws,
+            counts=np.array([float(unit.count) for unit, _ in units]),
+            lengths=np.array([float(muscle.length) for muscle in muscles]),
+            distances=np.array([float(bundles[side].length) for _, side in units]),
+            sides=tuple(side for _, side in units),
+        )  # fmt: skip
 
     @property
     def units(self) -> int:
@@ -200,33 +204,36 @@ class Plant(Module):
         return float(np.max(np.min(ends, axis=0))), float(np.min(np.max(ends, axis=0)))
 
 
-def _check_fit(plant: Plant) -> None:
-    """Refuse a plant whose fluid, chambers, valves and supply don't go together."""
+def _check_fit(bundles: tuple[Bundle, ...], **parts: Any) -> None:
+    """Refuse `parts` of a plant by name, fluid, chambers, valves and supply, that don't go together
+    with each other or its `bundles`.
+    """
     kinds = {
         "load": AbstractLoad, "supply": AbstractSupply, "chamber": AbstractChamber,
         "valve": SonicValve | Orifice, "exhaust_valve": SonicValve | Orifice,
         "spool": AbstractSpool, "hysteresis": AbstractHysteresis | None,
     }  # fmt: skip
     for name, kind in kinds.items():
-        value: Any = getattr(plant, name)
+        value = parts[name]
         if not isinstance(value, kind):
             types = getattr(kind, "__args__", (kind,))
             names = " or ".join(item.__name__.removeprefix("Abstract") for item in types)
             rule = f"must be a {names}".replace("NoneType", "None")
             raise InvalidInputError(name, rule, value, shown=type(value).__name__)
-    sides = len(plant.load.arms)
-    if len(plant.bundles) != sides:
-        kind = type(plant.load).__name__
-        raise InvalidInputError("bundle", f"must be {sides} for {kind}", len(plant.bundles))
+    sides, chamber = len(parts["load"].arms), parts["chamber"]
+    if len(bundles) != sides:
+        kind = type(parts["load"]).__name__
+        raise InvalidInputError("bundle", f"must be {sides} for {kind}", len(bundles))
     flows = {"a gas": SonicValve, "a liquid": Orifice}
-    fluid = "a liquid" if plant.liquid else "a gas"
+    liquid = isinstance(chamber, LiquidChamber)
+    fluid = "a liquid" if liquid else "a gas"
     for name in ("valve", "exhaust_valve"):
-        valve = getattr(plant, name)
+        valve = parts[name]
         if not isinstance(valve, flows[fluid]):
             rule = f"must be of {flows[fluid].__name__} for {fluid}"
             raise InvalidInputError(name, rule, valve, shown=type(valve).__name__)
-    if plant.liquid:
-        compliance: Any = getattr(plant.chamber, "compliance", 0.0)
+    if liquid:
+        compliance: Any = chamber.compliance
         if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
             raise InvalidInputError(
                 "compliance",

@@ -6,9 +6,9 @@ integral with its anti-windup, on gas. Any controller can close a loop of positi
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ..bundle import Bundle
@@ -57,8 +57,8 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
     strains = table_strains(plant.bundles[0])
     tables = MuscleTables.from_muscles(muscles, top, shape, strains)
     branches = Branches.tabulated(tables, plant.supply_pressure)
-    units = (replace(controller.units[0], branches=branches),)
-    return replace(controller, units=units, dt=controller.dt * controller.every, every=1)
+    units = (attrs.evolve(controller.units[0], branches=branches),)
+    return attrs.evolve(controller, units=units, dt=controller.dt * controller.every, every=1)
 
 
 def template_values(controller: Cascade, number: Callable[[float], str]) -> dict[str, Any]:

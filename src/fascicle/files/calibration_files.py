@@ -202,7 +202,7 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
     # the parameters' order may differ from that of the names in the file
     order = [names.index(parameter.name) for parameter in parameters]
     z = np.random.default_rng(seed).multivariate_normal(center, covariance, draws)[:, order]
-    import jax
+    from ..jax import jax
 
     return jax.vmap(lambda row: put(parameters, muscle, row))(jax.numpy.asarray(z))
 

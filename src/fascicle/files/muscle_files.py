@@ -4,10 +4,10 @@ import json
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
@@ -273,7 +273,7 @@ def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | 
     with location.error_context():
         law: Any = laws[name] if name in laws else check_choice(name, laws, kind)
     constants = {constant.name: constant for constant in law.constants()}
-    names = [field.name for field in fields(law)]
+    names = [field.name for field in attrs.fields(law)]
     arguments = {}
     for key, value in (section.model_extra or {}).items():
         if key not in names:

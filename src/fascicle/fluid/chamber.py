@@ -13,7 +13,6 @@ volume, so that a volume that moves with the pressure can be brought to the othe
 """
 
 import abc
-from dataclasses import KW_ONLY
 from typing import Any, ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace
@@ -51,12 +50,11 @@ class AbstractChamber(Module):
     gas: ClassVar[Any]
     liquid: ClassVar[Any]
 
-    _: KW_ONLY
     dead_volume: Batch = nonnegative_field(
-        "dead_volume", _DEAD, "leave it out if there is none", default=0.0
+        "dead_volume", _DEAD, "leave it out if there is none", default=0.0, kw_only=True
     )
-    room_pressure: Batch = room_pressure_field()
-    room_temperature: Batch = temperature_field()
+    room_pressure: Batch = room_pressure_field(kw_only=True)
+    room_temperature: Batch = temperature_field(kw_only=True)
 
     @property
     def count(self) -> int:

@@ -77,8 +77,8 @@ def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
     return record(converter=validate, **default)
 
 
-def room_pressure_field() -> Any:
-    """Field of the room's pressure, absolute [Pa]."""
+def room_pressure_field(**options: Any) -> Any:
+    """Field of the room's pressure, absolute [Pa]; `options` of `record`."""
 
     def validate(value: Values) -> Batch:
         x = check_interval(value, -np.inf, np.inf, "room_pressure", "Pa")
@@ -88,12 +88,12 @@ def room_pressure_field() -> Any:
             raise InvalidInputError("room_pressure", rule, low, remedy, shown=f"{low:g} Pa")
         return check_plausible(x, "room_pressure", _ROOM)
 
-    return record(converter=validate, default=ROOM_PRESSURE)
+    return record(converter=validate, default=ROOM_PRESSURE, **options)
 
 
-def temperature_field(name: str = "room_temperature") -> Any:
-    """Field of a temperature [K]."""
-    return positive_field(name, _TEMPERATURE, default=ROOM_TEMPERATURE)
+def temperature_field(name: str = "room_temperature", **options: Any) -> Any:
+    """Field of a temperature [K]; `options` of `record`."""
+    return positive_field(name, _TEMPERATURE, default=ROOM_TEMPERATURE, **options)
 
 
 def gauge_from(absolute: Values, room_pressure: Values) -> Batch:

@@ -16,7 +16,6 @@ $$p V = m R T_a. \tag{F14}$$
 first law.
 """
 
-from dataclasses import KW_ONLY
 from typing import ClassVar
 
 from ..core.array_namespace import where
@@ -33,8 +32,7 @@ class AbstractGasChamber(AbstractChamber):
     keyword.
     """
 
-    _: KW_ONLY
-    gas: Gas = component_field("gas", (Gas,), default=AIR)
+    gas: Gas = component_field("gas", (Gas,), default=AIR, kw_only=True)
 
     @property
     def _RT(self) -> Batch:

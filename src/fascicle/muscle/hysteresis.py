@@ -53,7 +53,7 @@ def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
     return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
 
 
-def _field(check: Callable, name: str, unit: str, **default: float) -> Any:
+def _field(check: Callable, name: str, unit: str, **default: Any) -> Any:
     """Field of a `name` and a `unit`, whose value a `check` converts."""
     return record(converter=partial(check, name=name, unit=unit), **default)
 
@@ -121,13 +121,13 @@ class MaxwellSlip(AbstractHysteresis):
         """Arguments are the fields; a single slope is that of all springs. `ValueError` for invalid
         numbers, and for different numbers of springs.
         """
-        self.stiffness = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
-        self.slip_force = np.atleast_1d(_check_nonnegative(slip_force, "slip_force", "N"))
-        if np.shape(self.stiffness) != np.shape(self.slip_force):
-            springs, remedy = np.size(self.slip_force), f"`stiffness` has {np.size(self.stiffness)}"
+        k = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
+        f = np.atleast_1d(_check_nonnegative(slip_force, "slip_force", "N"))
+        if np.shape(k) != np.shape(f):
+            springs, remedy = np.size(f), f"`stiffness` has {np.size(k)}"
             raise InvalidInputError("slip_force", "must have one for each spring", springs, remedy)
         slope = _check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
-        self.slip_force_slope = np.broadcast_to(slope, np.shape(self.stiffness))
+        self.__attrs_init__(k, f, np.broadcast_to(slope, np.shape(k)))
 
     @property
     def count(self) -> int:

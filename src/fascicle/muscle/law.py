@@ -10,10 +10,11 @@ import pkgutil
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields
 from functools import cached_property
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+import attrs
 
 from ..core.errors import InvalidInputError
 from ..core.module import Module
@@ -33,12 +34,12 @@ class Declared(Module):
     @classmethod
     def constants(cls) -> tuple[Constant, ...]:
         """Numbers of the law, in the order of its arguments."""
-        return tuple(x.metadata["constant"] for x in fields(cls) if "constant" in x.metadata)
+        return tuple(x.metadata["constant"] for x in attrs.fields(cls) if "constant" in x.metadata)
 
     @classmethod
     def switches(cls) -> tuple[Switch, ...]:
         """Options of the law that are chosen by name."""
-        return tuple(x.metadata["switch"] for x in fields(cls) if "switch" in x.metadata)
+        return tuple(x.metadata["switch"] for x in attrs.fields(cls) if "switch" in x.metadata)
 
 
 class AbstractLaw(Declared):

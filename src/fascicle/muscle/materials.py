@@ -52,6 +52,15 @@ class AbstractMaterial(Declared):
 
 LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, of latex: Klute and Hannaford (2000)
 
+_C10 = Constant(
+    "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
+    "constant C10 of the bladder's rubber", "Klute and Hannaford (2000)",
+)  # fmt: skip
+_C01 = Constant(
+    # many rubbers have next to none
+    "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
+    "constant C01 of the bladder's rubber", "Klute and Hannaford (2000)",
+)  # fmt: skip
 _E = Constant(
     # gels have 10 Pa, no bladder is stiffer than a hard plastic, 10 GPa; the softest silicones
     # have 20 kPa, polyethylene film 500 MPa
@@ -63,15 +72,8 @@ _E = Constant(
 class MooneyRivlin(AbstractMaterial):
     """Rubber with the energy (W), and constants of its own for bending."""
 
-    c10: Batch = Constant(
-        "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
-        "constant C10 of the bladder's rubber", "Klute and Hannaford (2000)",
-    ).field()  # fmt: skip
-    c01: Batch = Constant(
-        # many rubbers have next to none
-        "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
-        "constant C01 of the bladder's rubber", "Klute and Hannaford (2000)",
-    ).field()  # fmt: skip
+    c10: Batch = _C10.field()
+    c01: Batch = _C01.field()
     youngs_modulus: Batch = _E.field()
     # no fit moves it: that of rubber is known
     poisson_ratio: Batch = Constant(
@@ -91,9 +93,9 @@ class MooneyRivlin(AbstractMaterial):
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
         """
-        self.c10, self.c01, self.poisson_ratio = c10, c01, poisson_ratio
-        modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
-        self.youngs_modulus = modulus
+        if youngs_modulus is None:
+            youngs_modulus = 6 * (_C10.validate(c10) + _C01.validate(c01))
+        self.__attrs_init__(c10, c01, youngs_modulus, poisson_ratio)
 
     @classmethod
     def from_youngs_modulus(

@@ -89,18 +89,19 @@ class Tuning(Module):
 
         **Raises:** `ValueError` for an impossible table or factor.
         """
-        self.pressures, self.c1, self.c2 = _tuning_table(pressures, c1, c2)
-        self.youngs_modulus_factor = check_size(youngs_modulus_factor, "youngs_modulus_factor")
-        self.collapse_moment_factor = check_size(collapse_moment_factor, "collapse_moment_factor")
-        self.hinge_stiffness_factor = check_size(hinge_stiffness_factor, "hinge_stiffness_factor")
-        slope = check_finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa")
-        self.hinge_stiffness_slope = slope
         rate = transition_rate
-        self.transition_rate = None if rate is None else check_size(rate, "transition_rate")
-        self.dead_band = check_interval(
-            dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
+        self.__attrs_init__(
+            *_tuning_table(pressures, c1, c2),
+            check_size(youngs_modulus_factor, "youngs_modulus_factor"),
+            check_size(collapse_moment_factor, "collapse_moment_factor"),
+            check_size(hinge_stiffness_factor, "hinge_stiffness_factor"),
+            check_finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa"),
+            None if rate is None else check_size(rate, "transition_rate"),
+            check_interval(
+                dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
+            ),
         )
-        if is_concrete(self.hinge_stiffness_factor, slope):
+        if is_concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
             factor = self.hinge_stiffness_at(HIGHEST_PRESSURE)
             lowest = np.min(np.asarray(factor))
             if not lowest > 0:

@@ -1,7 +1,5 @@
 """A muscle prints its sizes with units, its laws and a small table; it can't be assigned to."""
 
-from dataclasses import FrozenInstanceError
-
 import jax
 import numpy as np
 import pytest
@@ -93,7 +91,7 @@ def test_traced_ones_print_without_numbers():
     ],
 )  # fmt: skip
 def test_an_assignment_says_what_to_write(assign, words):
-    with pytest.raises(FrozenInstanceError) as refused:
+    with pytest.raises(AttributeError) as refused:
         assign()
     assert words in str(refused.value) and "\n" not in str(refused.value)
 
