@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from .muscle import Constant as Constant
     from .muscle import MooneyRivlin as MooneyRivlin
     from .muscle import Muscle as Muscle
+    from .muscle import MuscleTable as MuscleTable
     from .muscle import Switch as Switch
     from .muscle import Tuning as Tuning
-    from .muscle import UnitSurface as UnitSurface
     from .muscle import buckling as buckling
     from .muscle import collapse as collapse
     from .muscle import ends as ends
@@ -53,9 +53,9 @@ _HOMES = {
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
+    "MuscleTable": "muscle",
     "Switch": "muscle",
     "Tuning": "muscle",
-    "UnitSurface": "muscle",
     "buckling": "muscle",
     "calibrate": "",
     "catalog": "files",
@@ -88,9 +88,9 @@ __all__ = [
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",
+    "MuscleTable",
     "Switch",
     "Tuning",
-    "UnitSurface",
     "buckling",
     "calibrate",
     "catalog",

@@ -3,8 +3,9 @@ import fascicle
 
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
-    "Bundle", "Constant", "InvalidInputError", "MooneyRivlin", "MotorUnit", "Muscle", "Switch",
-    "Tuning", "UnitSurface", "buckling", "calibrate", "catalog", "collapse", "control", "design",
+    "Bundle", "Constant", "InvalidInputError", "MooneyRivlin", "MotorUnit", "Muscle",
+    "MuscleTable", "Switch",
+    "Tuning", "buckling", "calibrate", "catalog", "collapse", "control", "design",
     "dynamics", "ends", "energetics", "example", "examples", "fluid", "laws", "load",
     "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes", "tables",
     "tension",

@@ -36,7 +36,7 @@ from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid import AbstractChamber
 from ..fluid.chamber import StateResidual
-from ..muscle.surface import Surface
+from ..muscle.table import MuscleState
 from .muscles import MuscleVolumes
 from .plant import Plant
 
@@ -53,7 +53,7 @@ class ChamberEvaluation(NamedTuple):
     """
 
     pressures: Numbers
-    muscles: Surface
+    muscles: MuscleState
     volume: Numbers
     by_strain: Numbers
     by_pressure: Numbers
@@ -120,8 +120,8 @@ def evaluate_chambers(
 
 def muscle_volumes(
     plant: Plant, strains: Numbers, pressures: Numbers
-) -> tuple[Surface, MuscleVolumes]:
-    """Surface of one muscle of each unit of a `plant` at `strains` [-] and `pressures` [Pa], and
+) -> tuple[MuscleState, MuscleVolumes]:
+    """State of one muscle of each unit of a `plant` at `strains` [-] and `pressures` [Pa], and
     the volume of all muscles of each unit [m³].
     """
     n, muscles = plant.counts, plant.muscles.at(pressures, strains)
@@ -132,7 +132,11 @@ def muscle_volumes(
 
 
 def assemble_chambers(
-    plant: Plant, chambers: Numbers, pressures: Numbers, muscles: Surface, volumes: MuscleVolumes
+    plant: Plant,
+    chambers: Numbers,
+    pressures: Numbers,
+    muscles: MuscleState,
+    volumes: MuscleVolumes,
 ) -> ChamberEvaluation:
     """Chambers at `pressures` [Pa], with the residual (F12) of their fluid and its slopes.
 

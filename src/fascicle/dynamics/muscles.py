@@ -1,8 +1,8 @@
 """The muscles of a plant's motor units, as tables of co-energy or by their exact law.
 
-Both give a `Surface`: co-energy, force and conjugate volume with their slopes, each a derivative of
-the first. `volume="geometric"` takes the straight braid's volume instead of the conjugate one, and
-so makes or loses energy when muscles buckle: an audit reports how much.
+Both give a `MuscleState`: co-energy, force and conjugate volume with their slopes, each a
+derivative of the first. `volume="geometric"` takes the straight braid's volume instead of the
+conjugate one, and so makes or loses energy when muscles buckle: an audit reports how much.
 """
 
 import abc
@@ -21,7 +21,7 @@ from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy
-from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface
+from ..muscle.table import PRESSURE_ROUNDING, MuscleState, MuscleTable
 
 
 class MuscleVolumes(NamedTuple):
@@ -43,8 +43,8 @@ class AbstractMuscles(Module):
     highest_pressure: ClassVar[Any]
 
     @abc.abstractmethod
-    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+    def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
+        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-].
         """
 
@@ -52,7 +52,7 @@ class AbstractMuscles(Module):
         """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.at(pressure, strain).force
 
-    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
+    def volumes(self, surface: MuscleState, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
         """Volume of fluid in one muscle of each unit, from its `surface` [SI] at a `strain` [-];
         `rest_length` [m].
         """
@@ -68,7 +68,7 @@ class MuscleTables(AbstractMuscles):
     each unit's coefficients in the stack.
     """
 
-    table: UnitSurface
+    table: MuscleTable
     indices: np.ndarray
 
     @classmethod
@@ -80,29 +80,27 @@ class MuscleTables(AbstractMuscles):
         strains: Sequence[tuple[float, float] | None] | None = None,
     ) -> "MuscleTables":
         """Tables of each unit's muscle, up to `highest_pressure` [Pa], with `shape` nodes between
-        its `strains` [-]; default: those of `UnitSurface.tabulate`.
+        its `strains` [-]; default: those of `Muscle.table`.
         """
         unique, indices = unique_indices(muscles)
         ends = strains or [None] * len(muscles)
-        tables = [
-            UnitSurface.tabulate(muscles[i], highest_pressure, ends[i], shape) for i in unique
-        ]
+        tables = [muscles[i].table(highest_pressure, ends[i], shape) for i in unique]
 
-        def per_unit(get: Callable[[UnitSurface], Any]) -> Numbers:
+        def per_unit(get: Callable[[MuscleTable], Any]) -> Numbers:
             return np.array([float(get(tables[i])) for i in indices])
 
         median, upper, largest = map(max, zip(*(table.errors for table in tables), strict=True))
-        surface = UnitSurface(
+        stack = MuscleTable(
             np.stack([table.coefficients for table in tables]),
             per_unit(lambda table: table.root_step),
             (per_unit(lambda table: table.strains[0]), per_unit(lambda table: table.strains[1])),
             per_unit(lambda table: table.rest_length),
             (median, upper, largest),
         )
-        return cls(surface, np.array(indices))
+        return cls(stack, np.array(indices))
 
-    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+    def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
+        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-], (V3).
         """
         return self.table.lookup_at(pressure, strain, self.indices)
@@ -142,8 +140,8 @@ class ExactMuscles(AbstractMuscles):
         indices, groups = zip(*stack_muscles(list(muscles)), strict=True)
         return cls(groups, indices, strains, np.full(len(muscles), highest_pressure))
 
-    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+    def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
+        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-], (V2).
         """
         P = minimum(maximum(pressure, 0.0), self.highest_pressure)
@@ -154,7 +152,7 @@ class ExactMuscles(AbstractMuscles):
         ]
         order = np.argsort([i for index in self.indices for i in index])
         columns = zip(*surfaces, strict=True)
-        surface = Surface(*(jnp.concatenate(x, axis=-1)[..., order] for x in columns))
+        surface = MuscleState(*(jnp.concatenate(x, axis=-1)[..., order] for x in columns))
         excess = pressure - P  # past the ends the volume is constant, and the force linear
         inside = absolute(excess) <= PRESSURE_ROUNDING
         return surface._replace(
@@ -182,8 +180,8 @@ class ExactMuscles(AbstractMuscles):
 
 
 @jax.jit  # operation by operation, a first value takes five times as long
-def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
-    """Surface of `muscles`, each unit at its `pressure` [Pa] and `strain` [-]."""
+def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> MuscleState:
+    """State of `muscles`, each unit at its `pressure` [Pa] and `strain` [-]."""
     one_pascal = jnp.ones_like(pressure)
 
     def coenergy_and_volume(P: Numbers) -> tuple[Numbers, Numbers]:
@@ -194,7 +192,7 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
 
     (value, volume), (_, volume_by) = jax.jvp(coenergy_and_volume, (pressure,), (one_pascal,))
     (pull, slope), (by_pressure, _) = jax.jvp(force_and_slope, (pressure,), (one_pascal,))
-    return Surface(value, pull, volume, slope, by_pressure, volume_by)
+    return MuscleState(value, pull, volume, slope, by_pressure, volume_by)
 
 
 class MuscleWrapper(AbstractMuscles):
@@ -221,8 +219,8 @@ class GeometricMuscles(MuscleWrapper):
     braid: Braid
     walls: Numbers
 
-    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+    def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
+        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-], with the wrapped muscles' volume.
         """
         return self.muscles.at(pressure, strain)
@@ -231,7 +229,7 @@ class GeometricMuscles(MuscleWrapper):
         """Force of each muscle [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.muscles.force(pressure, strain)
 
-    def volumes(self, surface: Surface, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
+    def volumes(self, surface: MuscleState, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
         """Volume of fluid in one muscle of each unit at its `strain` [-], at any `surface` [SI]
         and `rest_length` [m].
         """

@@ -13,7 +13,7 @@ from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN, is_concrete
 from ..io.atomic import write_text
 from ..muscle import Muscle
-from ..muscle.surface import default_strains
+from ..muscle.table import default_strains
 
 
 # a file of such a name would hide a header of C23, of POSIX or one that these include; and `fmu.c`

@@ -1,6 +1,6 @@
 r"""A muscle or a bundle as a table in C: force and volume from one co-energy, C99, no dependencies.
 
-The table holds the nodes of each different muscle's `UnitSurface`, (V3), in Hermite's form: the
+The table holds the nodes of each different muscle's `MuscleTable`, (V3), in Hermite's form: the
 co-energy and its slopes by strain, pressure and both, four numbers instead of a cell's sixteen. In
 C they are the same polynomial, so that force and volume come from one table and no cycle creates
 energy. At one strain the force in each cell is a cubic of the root of pressure, so that the inverse
@@ -21,9 +21,9 @@ from ..control import Cascade
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.types import Values
-from ..core.validation import HIGHEST_PRESSURE, check_choice
+from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval
 from ..muscle import Muscle
-from ..muscle.surface import UnitSurface, table_error
+from ..muscle.table import MuscleTable, force_error_by_strain, volume_errors
 from .c_files import (
     as_bundle,
     c_array,
@@ -54,7 +54,7 @@ class BundleTables(NamedTuple):
     the `bundle`; a `controller` on them, or `None`.
     """
 
-    surfaces: tuple[UnitSurface, ...]
+    surfaces: tuple[MuscleTable, ...]
     kinds: tuple[int, ...]
     counts: tuple[int, ...]
     ratios: tuple[float, ...]
@@ -223,15 +223,16 @@ def tabulate(
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
     indices, kinds = unique_indices([unit.muscle for unit in units])
     muscles, strains = [units[i].muscle for i in indices], table_strains(bundle)
-    surfaces = tuple(
-        UnitSurface.tabulate(units[i].muscle, highest_pressure, strains[i], shape) for i in indices
+    top = check_interval(
+        highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", closed=(False, True)
     )
+    surfaces = tuple(units[i].muscle.table(top, strains[i], shape) for i in indices)
     counts = tuple(int(unit.count) for unit in units)
-    errors = _error_text(muscles, surfaces, precision)
-    return BundleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision, bundle)
+    tables = BundleTables(surfaces, kinds, counts, length_ratios(bundle), "", precision, bundle)
+    return tables._replace(errors=_error_text(tables, muscles))
 
 
-def nodes(surface: UnitSurface) -> np.ndarray:
+def nodes(surface: MuscleTable) -> np.ndarray:
     """Values and slopes of a table at its nodes, for Hermite interpolation.
 
     **Returns:** [line, column, 4], the co-energy [J] and its slopes by strain, per cell [J], by
@@ -257,27 +258,42 @@ def nodes(surface: UnitSurface) -> np.ndarray:
     return tables
 
 
-def _error_text(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
-    """Error of one muscle's table, the largest of all kinds, in words."""
-    errors = [table_error(*pair) for pair in zip(surfaces, muscles, strict=True)]
-    force, volume = (
-        np.max([np.quantile(error[i], (0.5, 0.99, 1.0)) for error in errors], axis=0)
-        for i in (0, 1)
-    )
+def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
+    """Errors of one muscle's table, the largest of all kinds, and of the bundle's force, in words;
+    `muscles`: of the different tables.
+    """
+    pairs = list(zip(tables.surfaces, muscles, strict=True))
+    force = np.max([surface.errors for surface in tables.surfaces], axis=0)
+    volumes = [np.quantile(volume_errors(*pair), (0.5, 0.99, 1.0)) for pair in pairs]
+    volume = 1e6 * np.max(volumes, axis=0)
     text = (
-        "Error of the table for one muscle, between its nodes:\n"
-        f"force {force[0]:.1g} N (median), {force[1]:.1g} N (99th percentile), {force[2]:.2g} N at"
-        " most;\n"
-        f"volume {1e6 * volume[0]:.1g} mL (median), {1e6 * volume[1]:.1g} mL (99th percentile),"
-        f" {1e6 * volume[2]:.2g} mL at most."
+        "Error of the table for one muscle, measured between its nodes and at its kinks:\n"
+        f"force {force[0]:.1g} N (median), {force[1]:.1g} N (99th percentile), {force[2]:.2g} N"
+        f" (largest);\nvolume {volume[0]:.1g} mL (median), {volume[1]:.1g} mL (99th percentile),"
+        f" {volume[2]:.2g} mL (largest)."
     )
-    if precision == "float":
-        rounding = max(map(_rounding_error, surfaces))
+    if np.sum(tables.counts) > 1:
+        text += f"\nAll muscles together: force {_bundle_error(tables, muscles):.2g} N (largest)."
+    if tables.precision == "float":
+        rounding = max(map(_rounding_error, tables.surfaces))
         text += f"\nIts rounding adds up to {rounding:.1g} N."
     return text
 
 
-def _rounding_error(surface: UnitSurface) -> float:
+def _bundle_error(tables: BundleTables, muscles: Sequence[Muscle]) -> float:
+    """Largest error of the bundle's force [N]: at one strain of the plates the largest errors of
+    all its muscles, whatever their pressures, add up.
+    """
+    columns = tables.surfaces[0].coefficients.shape[1]
+    strain = np.linspace(*tables.strains, 4 * columns + 1)
+    errors = np.zeros_like(strain)
+    for kind, count, ratio in zip(tables.kinds, tables.counts, tables.ratios, strict=True):
+        unit_strain = 1 - ratio * (1 - strain)
+        errors += count * force_error_by_strain(tables.surfaces[kind], muscles[kind], unit_strain)
+    return float(np.max(errors))
+
+
+def _rounding_error(surface: MuscleTable) -> float:
     """Error of single precision in a force [N]: the co-energy's last digit over a cell."""
     table = nodes(surface)
     low, high = (float(x) for x in surface.strains)

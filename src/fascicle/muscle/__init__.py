@@ -3,9 +3,6 @@
 Laws stand in the folders of their kinds; `LAWS` has them all.
 """
 
-from typing import TYPE_CHECKING
-
-from ..core.lazy import attach_lazy
 from ..core.parameters import Constant as Constant
 from ..core.parameters import Switch as Switch
 from . import buckling as buckling
@@ -19,11 +16,6 @@ from .materials import MooneyRivlin as MooneyRivlin
 from .muscle import AtPressure as AtPressure
 from .muscle import Muscle as Muscle
 from .piecewise import Response as Response
+from .table import MuscleState as MuscleState
+from .table import MuscleTable as MuscleTable
 from .tuning import Tuning as Tuning
-
-
-if TYPE_CHECKING:
-    from .surface import Surface as Surface
-    from .surface import UnitSurface as UnitSurface
-
-__getattr__, __dir__ = attach_lazy(__name__, {"Surface": "surface", "UnitSurface": "surface"})

@@ -17,11 +17,19 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, map_in_chunks
+from ..core.array_namespace import map_in_chunks
+from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
 from ..core.module import Module, evaluate, record, replace_checked
 from ..core.types import Batch, Values
-from ..core.validation import check_size, check_whole_number, warn_user
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    check_interval,
+    check_size,
+    check_whole_number,
+    is_concrete,
+    warn_user,
+)
 from ..repr_table import with_table_repr
 from .bladder import Bladder
 from .braid import Braid
@@ -34,6 +42,7 @@ from .materials import LATEX, AbstractMaterial
 from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 from .printing import muscle_line, muscle_table
+from .table import MuscleTable, tabulate
 from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
 from .validation import (
@@ -260,8 +269,37 @@ class Muscle(Module):
         """
         arrays = validate_point(self, pressure, strain)
         check_broadcast(*arrays, batch=batch_shape(self))
-        volume = conjugate_volume(self, *arrays)
-        return np.asarray(volume)[()] if self.is_numpy and is_numpy(*arrays) else volume
+        return conjugate_volume(self, *arrays)
+
+    def table(
+        self,
+        supply_pressure: Values = HIGHEST_PRESSURE,
+        strains: tuple[float, float] | None = None,
+        shape: tuple[int, int] = (161, 201),
+    ) -> MuscleTable:
+        """Table of force, conjugate volume and deflection over pressure and strain, (V3), by NumPy.
+
+        **Arguments:**
+
+        - `supply_pressure`: the table's highest pressure [Pa], up to 1 MPa.
+        - `strains`: its ends [-]; default: from 0.75 of the strain that straightens the fibers
+          to 0.08 past the one at which no pressure pulls. The lower one is lowered by less than
+          a step, so that zero strain is a node.
+        - `shape`: numbers of nodes in pressure and in strain, at least 3 each.
+
+        **Returns:** the table, which states its error; the muscle keeps it for the next call.
+
+        **Raises:** `ValueError` for impossible ends and shapes, and for rows of muscles.
+        """
+        if not (self.is_single and is_concrete(self)):
+            raise InvalidInputError("muscle", "must be one muscle of numbers", None, shown="arrays")
+        top = check_interval(
+            supply_pressure, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", closed=(False, True)
+        )
+        key = "table", float(top), strains, tuple(shape)
+        if key not in self.cache:
+            self.cache[key] = tabulate(self, float(top), strains, shape)
+        return self.cache[key]
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius $r$ [m] of the straight muscle at `strain` [-]."""

@@ -12,7 +12,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.types import Numbers
 from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
-from ..muscle.surface import Surface
+from ..muscle.table import MuscleState
 
 
 class TableWarning(UserWarning):
@@ -54,8 +54,8 @@ class SoftEnds(MuscleWrapper):
         slopes = np.asarray(muscles.at(pressures, low + 0.0 * pressures).force_by_strain)
         return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
 
-    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """Energy, force, volume and slopes (`Surface`) of one muscle of each unit at its `pressure`
+    def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
+        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
         [Pa] and `strain` [-].
         """
         low, K = self.muscles.strains[0], self.edge_stiffness

@@ -2,6 +2,7 @@ import math
 import warnings
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -101,7 +102,9 @@ def test_the_volume_of_the_work_is_the_swollen_braid_s(tuned):
     P_e = np.maximum(P - (3e4 if tuned else 0.0), 0.0)
     radius = muscle.tension.radius(muscle.bladder, P_e, eps)
     fluid = math.pi * radius**2 * 0.127 * (1 - eps) - muscle.bladder.volume
-    assert_allclose(muscle.conjugate_volume(P, eps), fluid, rtol=1e-9)
+    assert_allclose(muscle.conjugate_volume(jnp.asarray(P), eps), fluid, rtol=1e-9)
+    # NumPy's is a difference of co-energies of up to 20 J over 0.5 Pa
+    assert_allclose(muscle.conjugate_volume(P, eps), fluid, rtol=0, atol=1e-13)
     assert np.all(fluid[1:] > muscle.volume(eps)[1:])
 
 
@@ -120,7 +123,7 @@ def test_no_cycle_makes_energy():
 @pytest.mark.slow
 def test_the_table_for_simulations_knows_it():
     muscle = elastic(5e7)
-    table = fs.UnitSurface.tabulate(muscle, 4e5)
+    table = muscle.table(4e5)
     P, eps = np.array([0.0, 1e5, 3e5])[:, None], np.array([0.0, 0.1])
     # the table's own error, as for other muscles
     assert_allclose(table.conjugate_volume(P, eps), muscle.conjugate_volume(P, eps), rtol=1e-4)

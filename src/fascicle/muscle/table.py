@@ -1,6 +1,6 @@
 r"""A muscle as a table of its co-energy, from which force and volume both follow.
 
-A simulation evaluates a muscle thousands of times a second. A `UnitSurface` holds its co-energy
+A simulation evaluates a muscle thousands of times a second. A `MuscleTable` holds its co-energy
 $\Pi^*$, (V2), on a grid, and between the grid's nodes as a bicubic polynomial whose value and
 slopes are continuous,
 
@@ -15,25 +15,30 @@ first of them the polynomial is one of $P$. Below $P = 0$ and above the table's 
 linearly, $F(P) = F(0) + P\,\partial V^*/\partial x$ with $x = L_0 \varepsilon$, as of a fluid that
 sucks; beyond the ends in strain, too.
 
+Free strain, onset and collapse are those of the lines, linear in between. A deflection grows as a
+root of the strain past the onset, or as a hinge past the free strain. So the table holds the
+deflection's square over that strain, which is smooth, for both shapes.
+
 **Source:** derived here; Hermite's bicubic: de Boor (1962).
 """
 
 import math
-from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, to_numpy
+from ..core.module import Module, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
-from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
-from .coenergy import coenergy_at_rest, integrate_force
-from .muscle import Muscle
+from ..core.validation import LARGEST_STRAIN, check_interval
+from .coenergy import coenergy_at_rest, integrate_force, pressure_derivative
 from .piecewise import PressurizedMuscle
 from .validation import lowest_strain
 
+
+if TYPE_CHECKING:
+    from .muscle import Muscle
 
 # share of the strain of straight fibers, near which the bladder stiffens beyond any grid
 _LOWEST_SHARE = 0.75
@@ -41,15 +46,13 @@ _PUSH_STRAIN = 0.08  # past the strain at which no braid pulls: how far a load m
 # Pa: a pressure is solved for to some 1e-9 Pa, so that a vented unit may be that far below zero.
 # Its volume keeps the slope at zero there, or the first step of filling would go without one
 PRESSURE_ROUNDING = 1e-6
+_BESIDE = 1e-9  # of strain, from a kink: on its side of a jump, and no distance for a slope
 _POINTS = 5  # of Gauss's rule, in short cells: 1e-12
-# slope by values at five pressures from a node on, 3 Pa apart: rounding and order leave 1e-9 of it
-_PRESSURE_STEP = 3.0
-_FORWARD = np.array([-25, 48, -36, 16, -3]) / (12 * _PRESSURE_STEP)
 # cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
 _HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
 
 
-class Surface(NamedTuple):
+class MuscleState(NamedTuple):
     """One muscle at a pressure and strain: co-energy [J], force [N], conjugate volume [m³], and
     their slopes: of the force in strain [N] and pressure [m²], of the volume in pressure [m³/Pa].
     """
@@ -62,12 +65,16 @@ class Surface(NamedTuple):
     volume_by_pressure: Batch
 
 
-class UnitSurface(Module):
-    """A muscle's co-energy on a grid, (V3), from `UnitSurface.tabulate(muscle)`.
+class MuscleTable(Module):
+    """A muscle's co-energy on a grid, (V3), from `muscle.table(supply_pressure)`.
 
     `coefficients`: of the powers of both cell coordinates [J], cells first; `root_step`: between
-    lines of pressure [√Pa]; `strains`: the table's ends [-]; `rest_length` [m]; `errors`: of its
-    force against the law's, at the middles of all cells: median, 99 % and largest [N].
+    lines of pressure [√Pa]; `strains`: the table's ends [-]; `rest_length` [m]; `errors`: median,
+    99 % and largest difference of its force from the law's [N], at points between its nodes and at
+    the kinks. `kinks`: free strain, onset and collapse strain [-] of each line, infinite where
+    there is none. `bows`: of the bowed and of the hinged shape, the square of the deflection over
+    the strain past the onset, or past the free strain, at the nodes [m²]. A stack of tables has
+    neither.
     """
 
     coefficients: Numbers
@@ -75,45 +82,15 @@ class UnitSurface(Module):
     strains: tuple[Batch, Batch]
     rest_length: Batch
     errors: tuple[float, float, float]
-
-    @classmethod
-    def tabulate(
-        cls,
-        muscle: Muscle,
-        highest_pressure: Values = HIGHEST_PRESSURE,
-        strains: tuple[float, float] | None = None,
-        shape: tuple[int, int] = (161, 201),
-    ) -> "UnitSurface":
-        """Tabulate a muscle's co-energy.
-
-        **Arguments:**
-
-        - `muscle`: one muscle, of numbers.
-        - `highest_pressure`: the table's end [Pa], up to 1 MPa.
-        - `strains`: its ends [-]; default: from 0.75 of the strain that straightens the fibers
-          to 0.08 past the one at which no pressure pulls. The lower one is lowered by less than
-          a step, so that zero strain is a node.
-        - `shape`: numbers of nodes in pressure and in strain [-], at least 3 each.
-
-        **Returns:** the table.
-
-        **Raises:** `ValueError` for impossible ends and shapes.
-        """
-        top = check_interval(
-            highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", closed=(False, True)
-        )
-        if len(shape) != 2 or min(shape) < 3:
-            raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
-        strain = _strain_nodes(muscle, strains, int(shape[1]))
-        roots = np.linspace(0.0, math.sqrt(float(top)), int(shape[0]))
-        return _build_surface(to_numpy(muscle), tuple(roots.tolist()), tuple(strain.tolist()))
+    kinks: Numbers | None = None
+    bows: Numbers | None = None
 
     @property
     def highest_pressure(self) -> Batch:
         """The table's end [Pa]."""
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
-    def lookup_at(self, pressure: Batch, strain: Batch, index: Any = None) -> Surface:
+    def lookup_at(self, pressure: Batch, strain: Batch, index: Any = None) -> MuscleState:
         """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
         elementwise, without checks; `index`: of the muscle in a table of several.
         """
@@ -148,7 +125,7 @@ class UnitSurface(Module):
         inside_P = absolute(P_past) <= PRESSURE_ROUNDING
         V, V_w = p_u * u_P, p_wu * u_P
         L0 = self.rest_length
-        return Surface(
+        return MuscleState(
             coenergy=p + V * P_past + (p_w + V_w * P_past) * eps_past / step,
             force=(p_w + V_w * P_past) / (step * L0),
             volume=V + V_w * eps_past / step,
@@ -167,6 +144,55 @@ class UnitSurface(Module):
         """Volume $V^*$ [m³], (V3), at `pressure` [Pa] and `strain` [-], as `force`."""
         return self.lookup_at(*self.validate_point(pressure, strain)).volume
 
+    def free_strain(self, pressure: Values) -> Batch:
+        """Strain [-] of no force at `pressure` [Pa], between the table's lines."""
+        return self._kink(0, pressure)
+
+    def onset(self, pressure: Values) -> Batch:
+        """Strain [-] at which the muscle buckles at `pressure` [Pa]; inf where it never does."""
+        return self._kink(1, pressure)
+
+    def collapse_strain(self, pressure: Values) -> Batch:
+        """Strain [-] at which the muscle folds at `pressure` [Pa]; inf where it never does."""
+        return self._kink(2, pressure)
+
+    def deflection(self, pressure: Values, strain: Values) -> np.ndarray:
+        """Deflection of the axis [m] at `pressure` [Pa], from 0, and `strain` [-] of the table."""
+        pressure, strain = np.broadcast_arrays(*self.validate_point(pressure, strain))
+        free, onset, collapse = (self._kink(k, pressure) for k in range(3))
+        (low, high), bows = self.strains, np.asarray(self.bows)
+        columns = bows.shape[-1] - 1
+        eps = (strain - low) / (high - low) * columns
+        j = np.minimum(eps.astype(int), columns - 1)
+        i, u = self._line(pressure)
+
+        def bilinear(rows: np.ndarray) -> np.ndarray:
+            """Value of the `rows` of a grid [m²] at the points."""
+            left, right = ((1 - u) * rows[i, k] + u * rows[i + 1, k] for k in (j, j + 1))
+            return left + (eps - j) * (right - left)
+
+        collapsed = strain > collapse
+        start = np.where(collapsed, free, onset)
+        past = np.where(strain > start, strain - start, 0.0)
+        return np.sqrt(np.where(collapsed, bilinear(bows[1]), bilinear(bows[0])) * past)
+
+    def _kink(self, kind: int, pressure: Values) -> np.ndarray:
+        """Strain [-] of a `kind` of kink at `pressure` [Pa], linear between lines."""
+        i, u = self._line(np.asarray(pressure, float))
+        rows = np.asarray(self.kinks)[kind]
+        low, high = rows[i], rows[i + 1]
+        # infinite beside a line that has none
+        both = np.isfinite(low) & np.isfinite(high)
+        inside = np.where(both, low, 0.0) + u * np.where(both, high - low, 0.0)
+        return np.where(both, inside, np.where(u < 1, low, high))[()]
+
+    def _line(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Line below a `pressure` [Pa], and the share of the cell above it [-]."""
+        lines = self.coefficients.shape[-4]
+        s = np.sqrt(np.clip(pressure, 0.0, self.highest_pressure)) / self.root_step
+        i = np.minimum(s.astype(int), lines - 1)
+        return i, s - i
+
     def validate_point(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
         """Return `pressure` [Pa] and `strain` [-] as floats if they lie in the table."""
         low, high = (float(x) for x in self.strains)
@@ -184,39 +210,63 @@ def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     return value, (3 * c3 * x + 2 * c2) * x + c1, 6 * c3 * x + 2 * c2
 
 
-@lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have equal muscles
-def _build_surface(
-    muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
-) -> UnitSurface:
-    """The table of a `muscle` at roots of pressure [√Pa] and strains [-]."""
-    roots, strain = np.array(root_pressures), np.array(strains)
-    ends = (np.float64(strain[0]), np.float64(strain[-1]))
+def tabulate(
+    muscle: "Muscle",
+    highest_pressure: float,
+    strains: tuple[float, float] | None,
+    shape: tuple[int, int],
+) -> MuscleTable:
+    """Table of a `muscle` up to `highest_pressure` [Pa]; arguments as of `muscle.table`."""
+    if len(shape) != 2 or min(shape) < 3:
+        raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
+    muscle, strain = to_numpy(muscle), _strain_nodes(muscle, strains, int(shape[1]))
+    roots = np.linspace(0.0, math.sqrt(highest_pressure), int(shape[0]))
     with np.errstate(all="ignore"):  # of branches that aren't taken
         ends_of_spline = [0, 1, -1]
         nodes = _evaluate_nodes(muscle, roots**2, strain, ends_of_spline)
-        coefficients = _coefficients(nodes, roots, strain)
-        table = partial(UnitSurface, coefficients, np.float64(roots[1]), ends, muscle.length)
-        P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
-        eps = (strain[1:] + strain[:-1])[None] / 2
-        force = table((0.0, 0.0, 0.0)).lookup_at(P, eps).force
-        errors = np.abs(force - muscle.law.at(P).force(eps)[0])
-    return table(tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
+        table = MuscleTable(
+            _coefficients(nodes, roots, strain),
+            np.float64(roots[1]),
+            (np.float64(strain[0]), np.float64(strain[-1])),
+            muscle.length,
+            (0.0, 0.0, 0.0),
+            *_kinks_and_bows(muscle, roots**2, strain),
+        )
+        errors = np.concatenate([error.ravel() for error in _force_errors(table, muscle)])
+    return with_fields(table, errors=tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
 
 
 def _evaluate_nodes(
-    muscle: Muscle, pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
+    muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
 ) -> list[np.ndarray]:
     """Co-energy and its slope by strain [J] at the grid's nodes, rows by pressure, and slopes of
     both by pressure [m³] in some `rows`.
     """
     values = _coenergy_and_slope(muscle, pressure, strain)
-    # at a kink, slopes are those of higher pressures, as a law's are
-    ahead = pressure[rows] + _PRESSURE_STEP * np.arange(len(_FORWARD))[:, None]
-    slopes = np.tensordot(_FORWARD, [_coenergy_and_slope(muscle, P, strain) for P in ahead], 1)
+    slopes = pressure_derivative(lambda P: _coenergy_and_slope(muscle, P, strain), pressure[rows])
     return [*values, *slopes]
 
 
-def _coenergy_and_slope(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
+def _kinks_and_bows(
+    muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fields `kinks` and `bows` of a table with these nodes of `pressure` [Pa] and `strain` [-]."""
+    at: PressurizedMuscle = muscle.law.at(pressure[:, None])
+    free, onset, collapse = (np.broadcast_to(k, (len(pressure), 1)) for k in at.kinks)
+    step, bows = strain[1] - strain[0], []
+    for start, deflect in (
+        (onset, lambda eps: at.law.buckling.bow(at.column, eps)[0]),
+        (free, lambda eps: at.law.post_collapse.deflection(at.column, eps)),
+    ):
+        # within a cell of the start the quotient of two small numbers is that of a cell further on
+        eps = np.maximum(strain, np.where(np.isfinite(start), start, strain) + step)
+        eps = np.minimum(eps, LARGEST_STRAIN)
+        square = np.broadcast_to(deflect(eps), eps.shape) ** 2 / (eps - start)
+        bows.append(np.where(np.isfinite(start) & (square > 0), square, 0.0))
+    return np.stack([free, onset, collapse])[..., 0], np.stack(bows)
+
+
+def _coenergy_and_slope(muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Co-energy [J] and its slope by strain [J], rows by pressure, by the force's integral."""
     at: PressurizedMuscle = muscle.law.at(pressure)
     grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
@@ -261,31 +311,56 @@ def _pressure_slopes(root_pressure: np.ndarray, value: np.ndarray, slope: np.nda
     return np.concatenate([slope[:1], spline(root_pressure[1:], 1) / per])
 
 
-def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
-    """Errors of a `table` against its `muscle`'s law, force [N] and volume [m³], a quarter of
-    each cell from its sides: in the middle slopes are better than anywhere else.
+def _check_points(table: MuscleTable) -> tuple[np.ndarray, np.ndarray]:
+    """Pressures [Pa] and strains [-] a quarter of each cell from its sides, in whose middle slopes
+    are better than anywhere else.
     """
     lines, columns = table.coefficients.shape[-4:-2]
     low, high = (float(end) for end in table.strains)
     P = (float(table.root_step) * (np.arange(2 * lines) / 2 + 0.25)) ** 2
-    # nodes as well, among which is no strain, where volumes are counted from
-    eps = np.linspace(low, high, 4 * columns + 1)
-    between = slice(1, None, 2)
+    return P, low + (high - low) * (np.arange(2 * columns) / 2 + 0.25) / columns
+
+
+def _force_errors(table: MuscleTable, muscle: "Muscle") -> list[np.ndarray]:
+    """Errors of the force of a `table` against its `muscle`'s law [N]: between its nodes, and on
+    both sides of the kinks, where a polynomial is farthest from a law.
+    """
+    P, eps = _check_points(table)
+    P, (low, high) = P[:, None], table.strains
+    at: PressurizedMuscle = muscle.law.at(P)
+    kinks = [np.broadcast_to(k, P.shape) for k in (*at.kinks, *at.law.buckling.folds(at.column))]
+    beside = np.concatenate(kinks, axis=1)[..., None] + _BESIDE * np.array([-1.0, 1.0])
+    beside = np.clip(beside.reshape(len(P), -1), low, high)
+    return [np.abs(table.lookup_at(P, x).force - at.force(x)[0]) for x in (eps, beside)]
+
+
+def volume_errors(table: MuscleTable, muscle: "Muscle") -> np.ndarray:
+    """Errors of the volume of a `table` against its `muscle`'s law [m³], between its nodes."""
+    P, eps = _check_points(table)
+    # zero as well, from which volumes are counted
+    eps = np.sort(np.append(eps, 0.0))
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        _, by_strain, by_pressure, _ = _evaluate_nodes(muscle, P, eps)
-        surface = table.lookup_at(P[:, None], eps[between])
-    force = by_strain[:, between] / float(muscle.length)
-    return np.abs(surface.force - force), np.abs(surface.volume - by_pressure[:, between])
+        _, _, by_pressure, _ = _evaluate_nodes(muscle, P, eps)
+        volume = table.lookup_at(P[:, None], eps).volume
+    return np.abs(volume - by_pressure)
 
 
-def default_strains(muscle: Muscle) -> tuple[float, float]:
+def force_error_by_strain(table: MuscleTable, muscle: "Muscle", strain: np.ndarray) -> np.ndarray:
+    """Largest error of the force of a `table` [N] at each `strain` [-], of any pressure."""
+    P = _check_points(table)[0][:, None]
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        law = muscle.law.at(P).force(strain)[0]
+    return np.max(np.abs(table.lookup_at(P, strain).force - law), axis=0)
+
+
+def default_strains(muscle: "Muscle") -> tuple[float, float]:
     """Ends of a `muscle`'s table [-], if none are given."""
     straight = float(lowest_strain(muscle.law))
     high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
     return _LOWEST_SHARE * straight, high
 
 
-def _strain_nodes(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
+def _strain_nodes(muscle: "Muscle", ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Evenly spaced strains [-] from end to end, zero among them."""
     straight = float(lowest_strain(muscle.law))
     if ends is None:
