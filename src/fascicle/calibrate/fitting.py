@@ -17,7 +17,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
 from ..core.validation import RANGES, check_choice, check_finite, check_positive
 from ..muscle import Muscle
-from ..muscle.fitted_length import END_PARAMETERS, with_fitted_length
+from ..muscle.fitted_length import END_PARAMETERS, FittedLength
 from ..muscle.tuning import Tuning
 from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
@@ -296,7 +296,7 @@ def _calibration(data: FitData, options: FitOptions, solution: Solution) -> Cali
         curves = SmoothCurves(muscle, P, top_pressure(grid))
         free_strain = curves.free_strain(readings.coefficients)
     fits_ends = not END_PARAMETERS.isdisjoint(parameter.name for parameter in problem.parameters)
-    muscle = with_fitted_length(muscle, float(muscle.length), fits_ends)
+    muscle = with_fields(muscle, fitted_length=FittedLength(float(muscle.length), fits_ends))
     problem = replace(problem, noise=minimum.noise)
     return Calibration(
         muscle, solution.problem.muscle, data, problem, point, readings, minimum, free_strain,

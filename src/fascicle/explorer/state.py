@@ -17,7 +17,6 @@ from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..files import dumps
 from ..muscle import Muscle
-from ..muscle.fitted_length import copy_fit_info
 from .scenario_setup import Setup
 
 
@@ -112,7 +111,7 @@ def scaled_muscle(muscle: Muscle, size: float) -> Muscle:
     if size == 1:
         return muscle
     radius, wall = muscle.outer_radius * size, muscle.wall_thickness * size
-    return copy_fit_info(muscle, with_fields(muscle, outer_radius=radius, wall_thickness=wall))
+    return with_fields(muscle, outer_radius=radius, wall_thickness=wall)
 
 
 def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:

@@ -18,7 +18,7 @@ from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..calibrate.readings import static_force
 from ..core.module import tree_leaves, tree_replace, with_fields
 from ..muscle import Muscle
-from ..muscle.fitted_length import END_PARAMETERS, copy_fit_info
+from ..muscle.fitted_length import END_PARAMETERS
 from ..muscle.laws import LAWS
 from ..units import DIMENSIONS, exact, parse, pretty
 from .muscle_files import calibration_text, dumps, load_muscle, provenance
@@ -170,7 +170,7 @@ def rounded_muscle(calibration: Calibration) -> tuple[Muscle, str]:
         muscle = _round_constants(calibration.muscle, unfitted, digits)
         deviation = _force_deviation(calibration, muscle)
         if deviation is not None:
-            return copy_fit_info(calibration.muscle, muscle), (
+            return with_fields(muscle, fitted_length=calibration.muscle.fitted_length), (
                 f"to {digits} digits: no fitted constant is off by more than {SHARE:.0%} of its"
                 f" interval, no reading's force by more than {pretty(deviation, 'force', 2)}"
             )

@@ -13,6 +13,7 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import serializable_name
 from ..core.errors import InvalidInputError
+from ..core.module import with_fields
 from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
@@ -195,7 +196,8 @@ def from_dict(data: dict[str, Any], source: str) -> Muscle | Bundle:
         for name, section in file.muscle.items()
     }
     if len(muscles) == 1:
-        _set_fitted_length(next(iter(muscles.values())), data.get(_CALIBRATION), root)
+        ((name, muscle),) = muscles.items()
+        muscles = {name: _with_fitted_length(muscle, data.get(_CALIBRATION), root)}
     if file.bundle is not None:
         return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"))
     if len(muscles) > 1:
@@ -218,11 +220,11 @@ def _duplicate_key_message(message: str, text: str) -> str:
     return f"{message[: match.end(1)]}{key} is repeated on line {number}: keep one of them."
 
 
-def _set_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> None:
-    """Give a muscle the length of its file's `[calibration]`, if there is one."""
+def _with_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> Muscle:
+    """The `muscle` with the fitted length of its file's `[calibration]`, if there is one."""
     text = calibration.get("fitted_length") if isinstance(calibration, dict) else None
     if text is None:
-        return
+        return muscle
     try:
         length = parse(text, "length")
     except ValueError:
@@ -231,8 +233,9 @@ def _set_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> 
     names = calibration.get("coordinate_names", ())
     ends = calibration.get("fitted_ends") is True
     ends = ends or not fitted_length.END_PARAMETERS.isdisjoint(names)
-    fitted_length.with_fitted_length(muscle, length, ends)
+    muscle = with_fields(muscle, fitted_length=fitted_length.FittedLength(length, ends))
     warn_user(fitted_length.fitted_length_mismatch(muscle))
+    return muscle
 
 
 def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:

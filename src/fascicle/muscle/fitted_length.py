@@ -1,53 +1,48 @@
-"""Length at which a muscle was fitted, stored beside its fields, and a warning at other lengths.
+"""Length at which a muscle was fitted, and a warning at other lengths.
 
 A calibration holds for one length. At another a law without ends gives the same force at rest, and
 measured muscles differ: one maker's 10 mm muscle holds 304 N at 83 mm and 441 N at 382 mm.
-The length is no part of the muscle: it is compared, compiled and differentiated as any other.
 
 **Source:** both forces were reported by a user; the record is not public. Bolen's law, a fit to
 muscles of that kind, gives 292 N and 434 N (`tension.Bolen`).
 """
 
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..core.module import Module
 from ..core.validation import is_concrete
 from ..units import exact, pretty
 
 
-MuscleType = TypeVar("MuscleType", bound=Module)
-_FIT_INFO = "_fit_info"  # key of a muscle's `vars`, beside its fields
+if TYPE_CHECKING:
+    from .muscle import Muscle
+
 _TOLERANCE = 0.02  # of the length: two people measure it as closely
 END_PARAMETERS = frozenset({"inactive_length", "end_compliance"})
 
 
-def with_fitted_length(muscle: MuscleType, length: float, ends: bool) -> MuscleType:
-    """A `muscle` marked as fitted at a `length` [m]; `ends`: true if its ends were fitted, too."""
-    vars(muscle)[_FIT_INFO] = (length, ends)
-    return muscle
+class FittedLength(NamedTuple):
+    """`length` [m] at which a muscle was fitted; `with_ends`: true if its ends were fitted, too."""
+
+    length: float
+    with_ends: bool = False
 
 
-def copy_fit_info(source: Module, target: MuscleType) -> MuscleType:
-    """The `target` muscle, marked with the fitted length of a `source` muscle, if any."""
-    if _FIT_INFO in vars(source):
-        vars(target)[_FIT_INFO] = vars(source)[_FIT_INFO]
-    return target
-
-
-def fit_info_entries(muscle: Any) -> dict[str, Any]:
+def fit_info_entries(muscle: "Muscle") -> dict[str, Any]:
     """Entries of the `[calibration]` table of a muscle's file; none of a muscle never fitted."""
-    length, ends = _fit_info(muscle)
-    entries = {"fitted_length": exact(length, "length")} if length is not None else {}
-    return entries | ({"fitted_ends": True} if ends else {})
+    fitted = muscle.fitted_length
+    if fitted is None:
+        return {}
+    entries: dict[str, Any] = {"fitted_length": exact(fitted.length, "length")}
+    return entries | ({"fitted_ends": True} if fitted.with_ends else {})
 
 
-def fitted_length_mismatch(muscle: Any) -> str:
+def fitted_length_mismatch(muscle: "Muscle") -> str:
     """Warning of a muscle that was fitted at another length, else an empty text."""
-    length, ends = _fit_info(muscle)
-    if length is None or not is_concrete(muscle.length):
+    if muscle.fitted_length is None or not is_concrete(muscle.length):
         return ""
+    length, ends = muscle.fitted_length
     lengths = np.asarray(muscle.length)
     if not np.any(np.abs(lengths / length - 1) > _TOLERANCE):
         return ""
@@ -58,17 +53,12 @@ def fitted_length_mismatch(muscle: Any) -> str:
     )
 
 
-def fitted_length_note(muscle: Any) -> str:
+def fitted_length_note(muscle: "Muscle") -> str:
     """Note of the length at which a muscle was fitted, else an empty text."""
-    length, ends = _fit_info(muscle)
-    if length is None:
+    if muscle.fitted_length is None:
         return ""
+    length, ends = muscle.fitted_length
     return f"All parameters were fitted at a length of {pretty(length, 'length')}, {_reason(ends)}"
-
-
-def _fit_info(muscle: Any) -> tuple[float | None, bool]:
-    """Length [m] at which a muscle was fitted, or `None`, and whether its ends were fitted, too."""
-    return vars(muscle).get(_FIT_INFO, (None, False))
 
 
 def _reason(ends: bool) -> str:

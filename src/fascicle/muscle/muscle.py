@@ -20,7 +20,7 @@ import numpy as np
 from ..core.array_namespace import map_in_chunks
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, record, replace_checked
+from ..core.module import Module, evaluate, record, replace_checked, static
 from ..core.types import Batch, Values
 from ..core.validation import (
     HIGHEST_PRESSURE,
@@ -37,7 +37,7 @@ from .buckling import BUCKLING_LAWS, AbstractBuckling, Centerline
 from .coenergy import conjugate_volume
 from .collapse import COLLAPSE_LAWS, AbstractCollapse
 from .ends import ENDS_LAWS, AbstractEnds
-from .fitted_length import copy_fit_info, fitted_length_mismatch
+from .fitted_length import FittedLength, fitted_length_mismatch
 from .materials import LATEX, AbstractMaterial
 from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
@@ -128,6 +128,7 @@ class Muscle(Module):
     )
     tuning: Tuning = record(default=None, converter=choose_tuning)
     ends: AbstractEnds = record(default="rigid", converter=ENDS_LAWS.choose)
+    fitted_length: FittedLength | None = static(default=None)  # of a calibrated muscle
 
     def __check_init__(self):
         check_muscle(self)
@@ -178,7 +179,7 @@ class Muscle(Module):
         """A copy with `changes` of arguments, such as `wall_thickness=1e-3` [m]; `ValueError` for
         unknown names and sizes that can't exist.
         """
-        changed = copy_fit_info(self, replace_checked(self, changes))
+        changed = replace_checked(self, changes)
         if "length" in changes:
             warn_user(fitted_length_mismatch(changed))
         return changed

@@ -12,7 +12,7 @@ from fascicle.explorer.link import LONGEST, from_query, pack, parse_splits, to_q
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.files import dumps, loads
 from fascicle.io.sanitize import sanitize_line
-from fascicle.muscle.fitted_length import with_fitted_length
+from fascicle.muscle.fitted_length import FittedLength
 from fascicle.units import parse
 
 
@@ -54,7 +54,7 @@ def test_unequal_muscles_are_in_the_address():
 
 
 def test_the_length_of_a_fit_comes_back():
-    fitted = with_fitted_length(SIX.muscle.replace(), 0.127, ends=True)
+    fitted = SIX.muscle.replace(fitted_length=FittedLength(0.127, with_ends=True))
     result = read(to_query(replace(SIX, muscle=fitted.replace(outer_radius=7e-3), name="tuned")))
     with pytest.warns(UserWarning, match="fitted at a length of 127 mm .*, with its ends"):
         result.muscle.replace(length=0.2)

@@ -17,7 +17,7 @@ from fascicle.explorer.remarks import (
     validity_warnings,
 )
 from fascicle.explorer.state import TABS, Session, Unit, view_of
-from fascicle.muscle.fitted_length import with_fitted_length
+from fascicle.muscle.fitted_length import FittedLength
 from fascicle.plot.theme import LIGHT
 
 
@@ -50,7 +50,7 @@ def test_muscles_that_the_plates_stretch_give_a_warning():
 
 
 def test_a_fit_at_another_length_gives_one_warning():
-    fitted = with_fitted_length(TUNED.muscle.replace(), 0.127, ends=False)
+    fitted = TUNED.muscle.replace(fitted_length=FittedLength(0.127))
     assert validity_warnings(replace(TUNED, muscle=fitted), "muscle") == []
     with pytest.warns(UserWarning, match="fitted at"):
         longer = fitted.replace(length=0.2)

@@ -1,21 +1,24 @@
 """What a muscle remembers of the length at which it was fitted."""
 
 import copy
+import pickle
 import warnings
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import jax
 import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.muscle.fitted_length import fitted_length_mismatch, with_fitted_length
+from fascicle.muscle.fitted_length import FittedLength, fitted_length_mismatch
 
 
 SIZES = (0.15, 6e-3, 1e-3, np.radians(25))
 
 
 def fitted(ends=False):
-    return with_fitted_length(fs.Muscle(*SIZES), 0.15, ends)
+    return fs.Muscle(*SIZES, fitted_length=FittedLength(0.15, ends))
 
 
 def test_another_length_warns_with_both_lengths():
@@ -43,13 +46,18 @@ def test_the_same_length_within_a_rulers_error_says_nothing(length):
         fitted().replace(length=length)
 
 
-def test_it_is_no_part_of_the_muscle():
+def test_it_is_copied_pickled_sent_and_compared():
     plain, other = fs.Muscle(*SIZES), fitted()
-    assert plain == other and repr(plain) == repr(other)
-    assert jax.tree.structure(plain) == jax.tree.structure(other)
-    assert not fitted_length_mismatch(
-        copy.deepcopy(other).replace(length=0.3)
-    )  # as all that is kept beside it
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        sent = pool.submit(copy.copy, other).result()
+    pickled = pickle.loads(pickle.dumps(other))  # noqa: S301 what was just written
+    for again in (copy.deepcopy(other), pickled, sent):
+        assert again == other != plain
+        with pytest.warns(UserWarning, match="150 mm and its length is now 300 mm"):
+            again.replace(length=0.3)
+    assert float(jax.jit(lambda muscle: muscle.force(1e5, 0.1))(other)) == pytest.approx(
+        float(plain.force(1e5, 0.1)), rel=1e-12
+    )
 
 
 def test_the_forces_that_are_quoted_are_like_those_of_a_law_for_such_muscles():
