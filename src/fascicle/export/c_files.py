@@ -88,7 +88,7 @@ def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
     )
     ends = []
     for muscle, ratio in zip(muscles, ratios, strict=True):
-        low, high = default_strains(muscle)
+        low, high = default_strains(muscle.law)
         ends.append((low, max(high, min(muscle_strain(ratio, largest), LARGEST_STRAIN))))
     return ends
 

@@ -262,9 +262,11 @@ def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
     """Errors of one muscle's table, the largest of all kinds, and of the bundle's force, in words;
     `muscles`: of the different tables.
     """
-    pairs = list(zip(tables.surfaces, muscles, strict=True))
     force = np.max([surface.errors for surface in tables.surfaces], axis=0)
-    volumes = [np.quantile(volume_errors(*pair), (0.5, 0.99, 1.0)) for pair in pairs]
+    volumes = [
+        np.quantile(volume_errors(surface, muscle.law), (0.5, 0.99, 1.0))
+        for surface, muscle in zip(tables.surfaces, muscles, strict=True)
+    ]
     volume = 1e6 * np.max(volumes, axis=0)
     text = (
         "Error of the table for one muscle, measured between its nodes and at its kinks:\n"
@@ -289,7 +291,8 @@ def _bundle_error(tables: BundleTables, muscles: Sequence[Muscle]) -> float:
     errors = np.zeros_like(strain)
     for kind, count, ratio in zip(tables.kinds, tables.counts, tables.ratios, strict=True):
         unit_strain = 1 - ratio * (1 - strain)
-        errors += count * force_error_by_strain(tables.surfaces[kind], muscles[kind], unit_strain)
+        law = muscles[kind].law
+        errors += count * force_error_by_strain(tables.surfaces[kind], law, unit_strain)
     return float(np.max(errors))
 
 

@@ -23,18 +23,15 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
 from ..core.types import Batch, BatchLike, Numbers
 from .ends import integrate_pieces
-from .piecewise import PressurizedMuscle
+from .piecewise import Piecewise, PressurizedMuscle
 
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 # Pa, between five pressures: rounding leaves 1e-9 of a slope, and a kink is missed by 2 Pa at most
 _PRESSURE_STEP = 0.5
@@ -89,21 +86,21 @@ def coenergy(muscle: PressurizedMuscle, strain: BatchLike) -> Batch:
     return coenergy_at_rest(muscle) + contraction_work(muscle, strain)
 
 
-def conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
+def conjugate_volume(law: Piecewise, pressure: Batch, strain: Batch) -> Batch:
     """Conjugate volume $V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
-    if is_numpy(pressure, strain, *muscle.leaves):
+    if is_numpy(pressure, strain, *law.leaves):
         with np.errstate(all="ignore"):  # of branches that aren't taken
             return pressure_derivative(
-                lambda P: coenergy(muscle.law.at(P), strain), pressure + 0.0 * strain
+                lambda P: coenergy(law.at(P), strain), pressure + 0.0 * strain
             )
-    return jax_backend().compile_law(_derive_coenergy)(muscle, pressure, strain)
+    return jax_backend().compile_law(_derive_coenergy)(law, pressure, strain)
 
 
-def _derive_coenergy(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
+def _derive_coenergy(law: Piecewise, pressure: Batch, strain: Batch) -> Batch:
     """Conjugate volume [m³] at `pressure` [Pa] and `strain` [-], by JAX."""
-    return jax_backend().derivative(
-        lambda P: coenergy(muscle.law.at(P), strain), pressure + 0.0 * strain
-    )[1]
+    return jax_backend().derivative(lambda P: coenergy(law.at(P), strain), pressure + 0.0 * strain)[
+        1
+    ]
 
 
 def pressure_derivative(function: Callable[[Any], Any], pressure: Batch) -> Batch:

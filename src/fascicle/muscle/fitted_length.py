@@ -7,16 +7,13 @@ measured muscles differ: one maker's 10 mm muscle holds 304 N at 83 mm and 441 N
 muscles of that kind, gives 292 N and 434 N (`tension.Bolen`).
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.validation import is_concrete
 from ..units import exact, pretty
 
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 _TOLERANCE = 0.02  # of the length: two people measure it as closely
 END_PARAMETERS = frozenset({"inactive_length", "end_compliance"})
@@ -29,7 +26,7 @@ class FittedLength(NamedTuple):
     with_ends: bool = False
 
 
-def fit_info_entries(muscle: "Muscle") -> dict[str, Any]:
+def fit_info_entries(muscle: Any) -> dict[str, Any]:
     """Entries of the `[calibration]` table of a muscle's file; none of a muscle never fitted."""
     fitted = muscle.fitted_length
     if fitted is None:
@@ -38,7 +35,7 @@ def fit_info_entries(muscle: "Muscle") -> dict[str, Any]:
     return entries | ({"fitted_ends": True} if fitted.with_ends else {})
 
 
-def fitted_length_mismatch(muscle: "Muscle") -> str:
+def fitted_length_mismatch(muscle: Any) -> str:
     """Warning of a muscle that was fitted at another length, else an empty text."""
     if muscle.fitted_length is None or not is_concrete(muscle.length):
         return ""
@@ -53,7 +50,7 @@ def fitted_length_mismatch(muscle: "Muscle") -> str:
     )
 
 
-def fitted_length_note(muscle: "Muscle") -> str:
+def fitted_length_note(muscle: Any) -> str:
     """Note of the length at which a muscle was fitted, else an empty text."""
     if muscle.fitted_length is None:
         return ""

@@ -270,7 +270,7 @@ class Muscle(Module):
         """
         arrays = validate_point(self, pressure, strain)
         check_broadcast(*arrays, batch=batch_shape(self))
-        return conjugate_volume(self, *arrays)
+        return conjugate_volume(self.law, *arrays)
 
     def table(
         self,
@@ -299,7 +299,7 @@ class Muscle(Module):
         )
         key = "table", float(top), strains, tuple(shape)
         if key not in self.cache:
-            self.cache[key] = tabulate(self, float(top), strains, shape)
+            self.cache[key] = tabulate(self.law, float(top), strains, shape)
         return self.cache[key]
 
     def radius(self, strain: Values) -> Batch:

@@ -23,7 +23,7 @@ deflection's square over that strain, which is smooth, for both shapes.
 """
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,12 +33,9 @@ from ..core.module import Module, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force, pressure_derivative
-from .piecewise import PressurizedMuscle
+from .piecewise import Piecewise, PressurizedMuscle
 from .validation import lowest_strain
 
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 # share of the strain of straight fibers, near which the bladder stiffens beyond any grid
 _LOWEST_SHARE = 0.75
@@ -211,47 +208,47 @@ def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
 
 
 def tabulate(
-    muscle: "Muscle",
+    law: Piecewise,
     highest_pressure: float,
     strains: tuple[float, float] | None,
     shape: tuple[int, int],
 ) -> MuscleTable:
-    """Table of a `muscle` up to `highest_pressure` [Pa]; arguments as of `muscle.table`."""
+    """Table of a muscle's `law` up to `highest_pressure` [Pa]; arguments as of `muscle.table`."""
     if len(shape) != 2 or min(shape) < 3:
         raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
-    muscle, strain = to_numpy(muscle), _strain_nodes(muscle, strains, int(shape[1]))
+    law, strain = to_numpy(law), _strain_nodes(law, strains, int(shape[1]))
     roots = np.linspace(0.0, math.sqrt(highest_pressure), int(shape[0]))
     with np.errstate(all="ignore"):  # of branches that aren't taken
         ends_of_spline = [0, 1, -1]
-        nodes = _evaluate_nodes(muscle, roots**2, strain, ends_of_spline)
+        nodes = _evaluate_nodes(law, roots**2, strain, ends_of_spline)
         table = MuscleTable(
             _coefficients(nodes, roots, strain),
             np.float64(roots[1]),
             (np.float64(strain[0]), np.float64(strain[-1])),
-            muscle.length,
+            law.tension.bladder.braid.length,
             (0.0, 0.0, 0.0),
-            *_kinks_and_bows(muscle, roots**2, strain),
+            *_kinks_and_bows(law, roots**2, strain),
         )
-        errors = np.concatenate([error.ravel() for error in _force_errors(table, muscle)])
+        errors = np.concatenate([error.ravel() for error in _force_errors(table, law)])
     return with_fields(table, errors=tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
 
 
 def _evaluate_nodes(
-    muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
+    law: Piecewise, pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
 ) -> list[np.ndarray]:
     """Co-energy and its slope by strain [J] at the grid's nodes, rows by pressure, and slopes of
     both by pressure [m³] in some `rows`.
     """
-    values = _coenergy_and_slope(muscle, pressure, strain)
-    slopes = pressure_derivative(lambda P: _coenergy_and_slope(muscle, P, strain), pressure[rows])
+    values = _coenergy_and_slope(law, pressure, strain)
+    slopes = pressure_derivative(lambda P: _coenergy_and_slope(law, P, strain), pressure[rows])
     return [*values, *slopes]
 
 
 def _kinks_and_bows(
-    muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray
+    law: Piecewise, pressure: np.ndarray, strain: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fields `kinks` and `bows` of a table with these nodes of `pressure` [Pa] and `strain` [-]."""
-    at: PressurizedMuscle = muscle.law.at(pressure[:, None])
+    at: PressurizedMuscle = law.at(pressure[:, None])
     free, onset, collapse = (np.broadcast_to(k, (len(pressure), 1)) for k in at.kinks)
     step, bows = strain[1] - strain[0], []
     for start, deflect in (
@@ -266,14 +263,14 @@ def _kinks_and_bows(
     return np.stack([free, onset, collapse])[..., 0], np.stack(bows)
 
 
-def _coenergy_and_slope(muscle: "Muscle", pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
+def _coenergy_and_slope(law: Piecewise, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Co-energy [J] and its slope by strain [J], rows by pressure, by the force's integral."""
-    at: PressurizedMuscle = muscle.law.at(pressure)
+    at: PressurizedMuscle = law.at(pressure)
     grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
     work = integrate_force(at, grid, _POINTS)
     work = work - work[np.argmin(np.abs(strain))]
-    coenergy = coenergy_at_rest(at) + muscle.length * work
-    return np.stack([coenergy.T, muscle.length * at.force(grid)[0].T])
+    coenergy = coenergy_at_rest(at) + at.column.rest_length * work
+    return np.stack([coenergy.T, at.column.rest_length * at.force(grid)[0].T])
 
 
 def _coefficients(nodes: list[np.ndarray], roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
@@ -321,50 +318,50 @@ def _check_points(table: MuscleTable) -> tuple[np.ndarray, np.ndarray]:
     return P, low + (high - low) * (np.arange(2 * columns) / 2 + 0.25) / columns
 
 
-def _force_errors(table: MuscleTable, muscle: "Muscle") -> list[np.ndarray]:
-    """Errors of the force of a `table` against its `muscle`'s law [N]: between its nodes, and on
+def _force_errors(table: MuscleTable, law: Piecewise) -> list[np.ndarray]:
+    """Errors of the force of a `table` against its muscle's `law` [N]: between its nodes, and on
     both sides of the kinks, where a polynomial is farthest from a law.
     """
     P, eps = _check_points(table)
     P, (low, high) = P[:, None], table.strains
-    at: PressurizedMuscle = muscle.law.at(P)
+    at: PressurizedMuscle = law.at(P)
     kinks = [np.broadcast_to(k, P.shape) for k in (*at.kinks, *at.law.buckling.folds(at.column))]
     beside = np.concatenate(kinks, axis=1)[..., None] + _BESIDE * np.array([-1.0, 1.0])
     beside = np.clip(beside.reshape(len(P), -1), low, high)
     return [np.abs(table.lookup_at(P, x).force - at.force(x)[0]) for x in (eps, beside)]
 
 
-def volume_errors(table: MuscleTable, muscle: "Muscle") -> np.ndarray:
-    """Errors of the volume of a `table` against its `muscle`'s law [m³], between its nodes."""
+def volume_errors(table: MuscleTable, law: Piecewise) -> np.ndarray:
+    """Errors of the volume of a `table` against its muscle's `law` [m³], between its nodes."""
     P, eps = _check_points(table)
     # zero as well, from which volumes are counted
     eps = np.sort(np.append(eps, 0.0))
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        _, _, by_pressure, _ = _evaluate_nodes(muscle, P, eps)
+        _, _, by_pressure, _ = _evaluate_nodes(law, P, eps)
         volume = table.lookup_at(P[:, None], eps).volume
     return np.abs(volume - by_pressure)
 
 
-def force_error_by_strain(table: MuscleTable, muscle: "Muscle", strain: np.ndarray) -> np.ndarray:
+def force_error_by_strain(table: MuscleTable, law: Piecewise, strain: np.ndarray) -> np.ndarray:
     """Largest error of the force of a `table` [N] at each `strain` [-], of any pressure."""
     P = _check_points(table)[0][:, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        law = muscle.law.at(P).force(strain)[0]
-    return np.max(np.abs(table.lookup_at(P, strain).force - law), axis=0)
+        error = np.abs(table.lookup_at(P, strain).force - law.at(P).force(strain)[0])
+    return np.max(error, axis=0)
 
 
-def default_strains(muscle: "Muscle") -> tuple[float, float]:
-    """Ends of a `muscle`'s table [-], if none are given."""
-    straight = float(lowest_strain(muscle.law))
-    high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSH_STRAIN)
+def default_strains(law: Piecewise) -> tuple[float, float]:
+    """Ends of the table of a muscle's `law` [-], if none are given."""
+    straight = float(lowest_strain(law))
+    high = min(LARGEST_STRAIN, float(law.tension.bladder.braid.ideal_free_strain) + _PUSH_STRAIN)
     return _LOWEST_SHARE * straight, high
 
 
-def _strain_nodes(muscle: "Muscle", ends: tuple[float, float] | None, count: int) -> np.ndarray:
+def _strain_nodes(law: Piecewise, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Evenly spaced strains [-] from end to end, zero among them."""
-    straight = float(lowest_strain(muscle.law))
+    straight = float(lowest_strain(law))
     if ends is None:
-        low, high = default_strains(muscle)
+        low, high = default_strains(law)
     else:
         low, high = (
             check_interval(end, straight, LARGEST_STRAIN, "strains", "-", closed=(False, True))
