@@ -4,7 +4,7 @@ import pytest
 from measured import measured
 
 from fascicle.records import load, runs
-from fascicle.records.columns import MissingMetadataError
+from fascicle.records.headers import MissingMetadataError
 
 
 LENGTH = {"rest_length": 0.18}
@@ -71,3 +71,19 @@ def test_hanging_masses_are_weights(name, column, unit):
 def test_what_is_not_read_is_refused_with_a_remedy(name, words):
     with pytest.raises(ValueError, match=words):
         load(measured(f"field-cases/{name}"), constants={"force": "2.55 kgf"}, **LENGTH)
+
+
+def test_channels_with_a_clock_each_are_refused_with_the_choice():
+    path = measured("field-cases/23_three_clocks.csv")
+    with pytest.raises(MissingMetadataError, match="resample") as error:
+        load(path, **LENGTH)
+    assert {choice[:2] for choice in error.value.choices} == {("columns", "time")}
+
+
+def test_cells_that_nothing_reads_are_refused():
+    with pytest.raises(MissingMetadataError) as error:
+        load(
+            measured("field-cases/28_wide.csv"), columns="contraction[mm]",
+            constants={"force": "2.55 kgf"}, rest_length="70 mm",
+        )  # fmt: skip
+    assert error.value.argument == "columns"

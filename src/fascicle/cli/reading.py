@@ -3,7 +3,6 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..units import pretty
 from .errors import UserError, user_errors
 from .options import argument, flag, option
 
@@ -120,10 +119,8 @@ def read_options(
     }
 
 
-def read_record(
-    paths: list[str], options: dict[str, Any], length: float | None = None
-) -> tuple["Record", tuple[str, ...]]:
-    """Read one record from files; also remarks on what was assumed.
+def read_record(paths: list[str], options: dict[str, Any], length: float | None = None) -> "Record":
+    """Read one record from files.
 
     **Arguments:**
 
@@ -132,39 +129,18 @@ def read_record(
     - `length`: of the muscle at rest [m], for files that name no rest length; left out, they are
       refused.
     """
-    from ..records import join, load
-    from ..records.columns import MissingMetadataError
-    from ..records.reading import find_files
+    from ..records import load
+    from ..records.headers import MissingMetadataError
 
-    records, assumed = [], False
     with user_errors():
         try:
-            files = find_files(paths)
-            for path in files:
-                try:
-                    records.append(load(path, **options))
-                except MissingMetadataError as error:
-                    if error.argument != "rest_length" or length is None:
-                        raise
-                    # a length or displacement in a file that names no rest length
-                    records.append(load(path, **{**options, "rest_length": length}))
-                    assumed = True
-            record = join(records)
+            record = load(paths, **options, default_length=length)
         except MissingMetadataError as error:
             raise ValueError(error.message(_record_option)) from None
-    notes = tuple(
-        note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
-        for note in record.notes
-    )
-    record = replace(record, notes=notes)
-    if length is None:
-        return record, ()
-    if record.rest_length is None:
-        record, assumed = replace(record, rest_length=length), True
-    remark = (
-        f"no rest length given: strains refer to the muscle's length, {pretty(length, 'length')}"
-    )
-    return record, (remark,) if assumed else ()
+    python, option = "give clipped_at_zero = true", "give --clipped-at-zero"
+    notes = tuple(note.replace(python, option) for note in record.notes)
+    doubts = tuple(note.replace(python, option) for note in record.doubts)
+    return replace(record, notes=notes, doubts=doubts)
 
 
 def _record_option(argument: str, role: str, value: str) -> str:

@@ -1,7 +1,6 @@
 """Records of a visitor: reading within limits, a muscle's curves at their pressures, the fit."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,8 +11,8 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
 from ..records import loads
-from ..records.columns import MissingMetadataError
 from ..records.formats import table_texts
+from ..records.headers import MissingMetadataError
 from ..records.record import Record
 from ..records.tables import open_table
 from ..units import pretty
@@ -63,37 +62,19 @@ def read_record(
             f"{name}: a record may have {MOST_ROWS} rows here, got {rows}:"
             " thin it out, or use `fascicle calibrate`."
         )
-    arguments: dict[str, Any] = dict(options or {})
-    length = float(muscle.length)
     try:
-        record = loads(text, source=name, **arguments)
+        record = loads(text, name, default_length=float(muscle.length), **dict(options or {}))
     except MissingMetadataError as error:
-        if error.argument != "rest_length" and not (error.role and error.argument in _FIELDS):
+        if not (error.role and error.argument in _FIELDS):
             problem = error.before.rpartition(": ")[0]
             raise ValueError(
                 f"{problem}: add that to the file, or use `fascicle calibrate`."
             ) from None
-        if error.argument != "rest_length":
-            # in the words of the fields on the page
-            what = "" if error.argument == "columns" else "its unit in "
-            fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
-            then = f",{error.after}" if error.after.startswith(" ") else error.after
-            raise ValueError(f"{error.before}{fields}{then}.") from None
-        # lengths or displacements in a file that names no rest length
-        try:
-            record = loads(text, source=name, **{**arguments, "rest_length": length})
-        except ValueError as other:
-            raise ValueError(
-                f"{other} Contractions were taken over the muscle's length,"
-                f" {pretty(length, 'length')}: enter the record's Rest length if it differs."
-            ) from None
-        record = replace(record, rest_length=None)
-    if record.rest_length is None:
-        note = (
-            "rest length not given: strains are taken over the muscle's,"
-            f" {pretty(length, 'length')}"
-        )
-        record = replace(record, rest_length=length, notes=(*record.notes, note))
+        # in the words of the fields on the page
+        what = "" if error.argument == "columns" else "its unit in "
+        fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
+        then = f",{error.after}" if error.after.startswith(" ") else error.after
+        raise ValueError(f"{error.before}{fields}{then}.") from None
     try:
         curves_at_levels(muscle, record)
     except ValueError as error:

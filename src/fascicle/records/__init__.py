@@ -9,12 +9,12 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .columns import MissingMetadataError
     from .dynamometer import (
         Scatter,
         Sweeps,
         VirtualDynamometer,
     )
+    from .headers import MissingMetadataError
     from .hysteresis import Averaged, Loop, averaged, loop_of
     from .published import json_schema, write
     from .reading import load, loads
@@ -36,7 +36,7 @@ _HOMES = {
         ("Scatter", "Sweeps", "VirtualDynamometer", "fabricated_pairs"),
         "dynamometer",
     ),
-    "MissingMetadataError": "columns",
+    "MissingMetadataError": "headers",
     **dict.fromkeys(("json_schema", "write"), "published"),
 }
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -11,6 +11,7 @@ import json
 import sys
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 
@@ -23,9 +24,8 @@ _MAX_ROWS = 2**20  # of a sheet, Excel's own limit: a cell far below makes as ma
 def read_sheets(raw: bytes) -> dict[str, str]:
     """Tables of an .xlsx file by sheet."""
     from openpyxl import load_workbook
-    from openpyxl.cell.read_only import ReadOnlyCell
 
-    def texts(cells: tuple[ReadOnlyCell, ...], has_percent: set[int]) -> Iterator[str]:
+    def texts(cells: tuple[Any, ...], has_percent: set[int]) -> Iterator[str]:
         """Texts of a row; below a text with %, numbers that Excel shows in % as they are shown."""
         for column, cell in enumerate(cells):
             value = cell.value

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from typing import Any
 
 from ..core.errors import require
 from .headers import MissingMetadataError
@@ -85,7 +86,8 @@ def _read_apart(kind: str, raw: bytes, source: str) -> dict[str, bytes]:
             command, input=raw, capture_output=True, timeout=_TIME, env=environment, check=False
         )
         reason = "its reader crashed"
-        answer = json.loads(done.stdout) if done.returncode == 0 else {"error": reason}
+        answer: dict[str, Any] = {"error": reason}
+        answer = json.loads(done.stdout) if done.returncode == 0 else answer
     except subprocess.TimeoutExpired:
         answer = {"error": f"it takes longer than {_TIME} s"}
     if "error" in answer:

@@ -102,6 +102,7 @@ def to_json(record: Record) -> str:
     length = None if record.rest_length is None else float(record.rest_length)
     fields |= {"schema": SCHEMA, "synthetic": bool(record.synthetic), "rest_length": length}
     fields |= {"sources": list(map(vars, record.sources)), "notes": list(record.notes)}
+    fields = {key: value for key, value in fields.items() if key not in ("doubts", "zeroed")}
     table = _validate(fields, "the record").model_dump(by_alias=True, exclude_defaults=True)
     lines = (
         f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"

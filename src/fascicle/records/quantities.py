@@ -12,11 +12,11 @@ import numpy as np
 
 from ..core.validation import HIGHEST_PRESSURE
 from ..units import pretty
-from .columns import Column
 from .headers import (
     DEFLATING,
     INFLATING,
     POSITIONS,
+    Column,
     MissingMetadataError,
     is_gauge_unit,
     unit_factor,
@@ -485,22 +485,24 @@ def read_branch(readings: Readings) -> np.ndarray:
     return _meanings(readings, "branch", BRANCHES, "up or down").astype(np.int8)
 
 
-def read_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:
-    """Time [s], if there is a column, and notes."""
+def read_time(
+    readings: Readings,
+) -> tuple[np.ndarray | None, tuple[str, ...], tuple[str, ...]]:
+    """Time [s], if there is a column, notes and doubts."""
     if (time := readings.si("time")) is None:
-        return _sampled_time(readings)
-    notes, steps = (), np.diff(time)
+        return *_sampled_time(readings), ()
+    doubts, steps = (), np.diff(time)
     # counted in s they would be dates in 5000 years, or steps below 0.1 ms
     units = {unit: 1 / per_s for unit, per_s in _PER_SECOND if time[0] > _DATE * per_s}
     if _DAYS[0] < time[0] < _DAYS[1] and time.size > 1 and np.median(np.abs(steps)) < 1e-4:
         units = {"days": 86_400.0}
     if units and readings.columns["time"].unit == "s":
         unit = next(iter(units))
-        time, notes = (time - time[0]) * units[unit], (f"time is a date in {unit}, not in s",)
+        time, doubts = (time - time[0]) * units[unit], (f"time is a date in {unit}, not in s",)
     back = np.flatnonzero(steps < 0)
     if back.size:
-        notes += (f"time goes back in line {readings.lines[back[0] + 1]}",)
-    return time, notes
+        doubts += (f"time goes back in line {readings.lines[back[0] + 1]}",)
+    return time, (), doubts
 
 
 def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...]]:

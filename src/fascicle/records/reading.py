@@ -15,22 +15,20 @@ from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
-from .cells import read_seconds
-from .columns import (
-    Column,
-    check_roles,
-    check_stated,
-    choose_columns,
-    read_name,
-    split_names,
-)
 from .formats import table_texts
 from .headers import (
     CONSTANTS,
     ROLES,
+    Column,
     MissingMetadataError,
+    check_roles,
+    check_stated,
+    choose_columns,
     dimension_of,
+    read_name,
+    score,
     si_unit,
+    split_names,
 )
 from .joint import read_arm_table
 from .published import from_json
@@ -49,7 +47,7 @@ from .quantities import (
 )
 from .record import Record, Source, join
 from .sidecar import ZEROS, Sidecar, Signs, read_sidecar, sidecar_beside
-from .tables import MAX_ROWS, Table, TableColumns, open_table
+from .tables import MAX_ROWS, Table, TableColumns, open_table, read_seconds
 
 
 LARGEST_FILE = 1_000_000_000  # bytes
@@ -75,6 +73,7 @@ def load(
     rows: str | None = None,
     table: str | None = None,
     decimal: str | None = None,
+    default_length: float | None = None,
 ) -> Record:
     """Read a dynamometer's file, or several of one muscle as one record.
 
@@ -108,6 +107,8 @@ def load(
       tables that fit it are one record.
     - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
       inferred.
+    - `default_length`: rest length where no file names one [m], such as the muscle's; a doubt says
+      so. Default: lengths and displacements are refused then.
 
     **Returns:** the record.
 
@@ -120,24 +121,31 @@ def load(
         "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "moment_arm": moment_arm,
         "rows": rows, "table": table, "decimal": decimal,
     }  # fmt: skip
-    records, files = [], find_files(path)
-    for file in files:
+    records = []
+    for file in find_files(path):
         raw = read_bytes(file, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
         if sidecar is None:
             info, notes = sidecar_beside(file)
         else:
             info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
-        records += _read_tables(raw, file, info, options, notes, name_pattern)
-    return records[0] if len(records) == 1 else join(records)
+        records += _read_tables(raw, file, info, options, notes, name_pattern, default_length)
+    return _with_length(records[0] if len(records) == 1 else join(records), default_length)
 
 
-def loads(text: str | bytes, source: str = "<text>", **options: Any) -> Record:
+def loads(
+    text: str | bytes,
+    source: str = "<text>",
+    *,
+    default_length: float | None = None,
+    **options: Any,
+) -> Record:
     """Read a dynamometer's table from text, or from the bytes of a file.
 
     **Arguments:**
 
     - `text`: the table.
     - `source`: its name in errors.
+    - `default_length`: as of `load` [m].
     - `options`: of `load`, but for `sidecar` and `name_pattern`.
 
     **Returns:** the record.
@@ -145,8 +153,18 @@ def loads(text: str | bytes, source: str = "<text>", **options: Any) -> Record:
     **Raises:** `ValueError` as `load`.
     """
     raw = text.encode() if isinstance(text, str) else text
-    records = _read_tables(raw, Path(source), Sidecar(), options, ())
-    return records[0] if len(records) == 1 else join(records)
+    length = default_length
+    records = _read_tables(raw, Path(source), Sidecar(), options, (), default_length=length)
+    return _with_length(records[0] if len(records) == 1 else join(records), length)
+
+
+def _with_length(record: Record, length: float | None) -> Record:
+    """A record with the rest `length` [m] where no file named one, and a doubt of it."""
+    if length is None or record.rest_length is not None:
+        return record
+    note = f"no rest length given: strains refer to the muscle's length, {pretty(length, 'length')}"
+    return replace(record, rest_length=length, notes=(*record.notes, note),
+                   doubts=(note, *record.doubts))  # fmt: skip
 
 
 def find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[Path]:
@@ -232,9 +250,10 @@ def _read_tables(
     options: Mapping[str, Any],
     notes: tuple[str, ...],
     name_pattern: str | None = None,
+    default_length: float | None = None,
 ) -> list[Record]:
     """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
-    `name_pattern` and the `options`.
+    `name_pattern` and the `options`; `default_length` [m] of lengths without a rest length.
     """
     is_published = re.match(rb"\s*(\{|\[\s*[\[{])", raw) is not None
     selected = options.get("table") or info.table
@@ -254,24 +273,31 @@ def _read_tables(
         if is_published:
             records.append(_read_published(raw, source, table_info))
             continue
-        record = _read_record(text, source, path, table_info)
+        record = _read_record(text, source, path, table_info, default_length)
+        notes_of_record = (*table_notes, *record.notes)
         records.append(replace(
             record,
             sources=(Source(f"{name}{label}", hashlib.sha256(raw).hexdigest()),),
-            notes=tuple(f"{name}{label}: {note}" for note in (*table_notes, *record.notes)),
+            notes=tuple(f"{name}{label}: {note}" for note in notes_of_record),
+            doubts=tuple(f"{name}{label}: {note}" for note in record.doubts),
         ))  # fmt: skip
     return records
 
 
-def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
-    """Record of a table's text; `source`: its name in errors, `path`: of its file."""
+def _read_record(
+    text: bytes, source: str, path: Path, info: Sidecar, default_length: float | None
+) -> Record:
+    """Record of a table's text; `source`: its name in errors, `path`: of its file;
+    `default_length` [m]: of lengths without a rest length.
+    """
     table = open_table(text, source, info.header, info.names, decimal=info.decimal)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
-    rest_length, rest_notes = _rest_length(table, info, dict(remarks))
-    readings, column_notes = _read_numbers(table, info)
+    rest_length, doubts = _rest_length(table, info, dict(remarks))
+    readings, column_notes, column_doubts = _read_numbers(table, info)
     position = readings.position
-    if rest_length is None and position.role != "strain":
+    needs_length = rest_length is None and position.role != "strain"
+    if needs_length and default_length is None:
         before = (
             f"{table.where}, column `{position.header}`: a {position.role} needs the rest length:"
             " give "
@@ -281,20 +307,29 @@ def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
         raise MissingMetadataError(before, ("rest_length", "", "", after))
     joint = read_joint(readings, info)
     if joint is not None:
-        readings, rest_notes = readings.only(joint.used), (*rest_notes, *joint.notes)
+        readings, doubts = readings.only(joint.used), (*doubts, *joint.notes)
     force = read_force(readings, joint, info)
     pressure, warnings = read_pressure(readings, force, info)
-    strain, strain_notes = read_strain(
-        readings, joint, rest_length or np.nan, pressure, force, info
-    )
+    length = rest_length or default_length or np.nan
+    try:
+        strain, strain_notes = read_strain(readings, joint, length, pressure, force, info)
+    except MissingMetadataError:
+        raise
+    except ValueError as error:
+        if not needs_length:
+            raise
+        raise ValueError(
+            f"{error} Contractions were taken over the muscle's length, {pretty(length, 'length')}:"
+            " give the record's rest length if it differs."
+        ) from None
     check_pull(readings, strain, pressure, force, info)
     warnings += check_atmosphere(readings, strain, pressure, force)
     censored, clip_notes = read_censored(readings, force, info)
-    time, time_notes = read_time(readings)
+    time, time_notes, time_doubts = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]
-    all_notes = (
-        *_title_note(table), *column_notes, *rest_notes,
-        *strain_notes, *clip_notes, *warnings, *time_notes,
+    doubts = (*column_doubts, *doubts, *strain_notes, *clip_notes, *warnings, *time_doubts)
+    notes = (
+        *_title_note(table), *column_notes, *time_notes, *doubts,
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
@@ -302,7 +337,7 @@ def _read_record(text: bytes, source: str, path: Path, info: Sidecar) -> Record:
         pressure, strain, force, censored, read_branch(readings), time, rest_length,
         joint.arm if joint else readings.si("moment_arm"),
         synthetic=info.synthetic or _is_synthetic(header_lines),
-        notes=all_notes, zeroed=_zeroed_channels(info),
+        notes=notes, doubts=doubts, zeroed=_zeroed_channels(info),
     )  # fmt: skip
 
 
@@ -331,30 +366,35 @@ def _read_published(raw: bytes, source: str, info: Sidecar) -> Record:
     return replace(record, rest_length=info.rest_length)
 
 
-def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...]]:
-    """Numbers of the columns and constants of a `table`, and notes."""
+def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...], tuple[str, ...]]:
+    """Numbers of the columns and constants of a `table`, notes and doubts."""
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     if info.rows is None:
         check_stated(table, constants)
-    columns, notes = choose_columns(
+    columns, unread = choose_columns(
         table, info.columns, info.units, constant_roles,
         names=info.names, atmosphere=info.atmosphere is not None,
     )  # fmt: skip
     columns = {role: column for role, column in columns.items() if role not in constant_roles}
+    doubts = [f"unit {info.units[role]!r} of {role} not used: there is no such column"
+              for role in info.units.keys() - columns.keys()]  # fmt: skip
     cells, misread = _read_cells(table, columns, info)
     for column in misread:
         del columns[column.role]
-        note = f"column `{column.header}` not read as {column.role}: it holds something else"
-        notes = (*(text for text in notes if text != column.note()), note)
+        doubts.append(
+            f"column `{column.header}` not read as {column.role}: it holds something else"
+        )
     texts = {role: np.array(cells.texts[columns[role].index], dtype=object)
              for role in _TEXT_ROLES if role in columns}  # fmt: skip
     raws = {role: cells.numbers[c.index] for role, c in columns.items() if role not in texts}
+    notes = [*(column.note() for column in columns.values()), *unread]
     if constants:
         raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
         columns |= {role: Column(role, -1, role, si_unit(role)) for role in constants}
-        notes += (f"all readings at {_list_values(constants)}",)
-    return Readings(table, columns, raws, texts, cells.lines), notes + cells.notes
+        notes.append(f"all readings at {_list_values(constants)}")
+    readings = Readings(table, columns, raws, texts, cells.lines)
+    return readings, tuple(notes), (*doubts, *cells.notes)
 
 
 def _read_cells(
@@ -367,20 +407,13 @@ def _read_cells(
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
     rows, misread = None if info.rows is None else _row_range(info.rows), []
-    time = columns.get("time")
-    further = [] if time is None else _further_times(table, time.index, numbers)
-    pressure, block = columns.get("pressure"), None
+    time, pressure = columns.get("time"), columns.get("pressure")
+    if time is None or "time" not in named:
+        _check_clocks(table, _clocks(table, numbers), rows)
     # beside times, blanks may be those of a slower transducer
-    if pressure is not None and time is None and table.names_blocks(pressure.index):
-        block = pressure.index
-    clock = None if time is None else time.index
-    cells = table.read(numbers, [*texts, *further], clock, rows, block)
-    if block is not None:
-        note = f"column `{table.header[block]}`: blank cells take the pressure above them"
-        cells = cells._replace(notes=(*cells.notes, note))
-    if time is not None and time.index in cells.numbers:
-        _check_times(table, time, cells.numbers[time.index], [cells.texts[i] for i in further])
-    elif time is not None:
+    block = pressure.index if pressure is not None and time is None else None
+    cells = table.read(numbers, texts, None if time is None else time.index, rows, block)
+    if time is not None and time.index not in cells.numbers:
         if "time" in named:  # the error of its first bad cell
             cells = table.read([*numbers, time.index], texts, None, rows)
         else:
@@ -391,28 +424,44 @@ def _read_cells(
     return cells, misread
 
 
-def _further_times(table: Table, time: int, columns: Sequence[int]) -> list[int]:
-    """Indices of further columns with the name of the `time`: for each of the `columns`, the last
-    one before it.
-    """
-    times = [i for i, name in enumerate(table.header) if name == table.header[time]]
-    return sorted({max([time, *(i for i in times if i < column)]) for column in columns} - {time})
+def _clocks(table: Table, columns: Sequence[int]) -> list[int]:
+    """Indices of the columns of time that stand before each of the `columns` of numbers."""
+    times = [i for i, name in enumerate(table.header)
+             if name and score(name, table.units[i], "time") > 1 and i not in columns]  # fmt: skip
+    if len(times) < 2:
+        return []
+    return sorted({max([times[0], *(i for i in times if i < column)]) for column in columns})
 
 
-def _check_times(
-    table: Table, column: Column, time: np.ndarray, clocks: Sequence[Sequence[str]]
-) -> None:
-    """Refuse channels at different rates: rows whose times differ by more than half a step."""
-    step = float(np.median(np.abs(np.diff(time)))) if time.size > 1 else 0.0
-    for clock in clocks:
-        if (seconds := read_seconds(clock)) is None:
+def _check_clocks(table: Table, clocks: Sequence[int], rows: tuple[int, int] | None) -> None:
+    """Refuse channels that were read at different times: by more than half a step in a row."""
+    if len(clocks) < 2:
+        return
+    texts = table.read([], clocks, None, rows).texts
+    whole = [cells for cells in zip(*(texts[i] for i in clocks), strict=True) if all(cells)]
+    columns = zip(clocks, zip(*whole, strict=True), strict=False)
+    times = {i: read_seconds(cells, table.numbers) for i, cells in columns}
+    times = {i: seconds for i, seconds in times.items() if seconds is not None}
+    if len(times) < 2:
+        return
+    names = [table.header[i] for i in times]
+    first = next(iter(times.values()))
+    step = float(np.median(np.abs(np.diff(first)))) if first.size > 1 else 0.0
+    for index, seconds in list(times.items())[1:]:
+        # clocks of one name count from one time
+        is_same = table.header[index] == names[0]
+        shift = 0.0 if is_same else seconds[0] - first[0]
+        difference = float(np.max(np.abs(seconds - first - shift)))
+        if difference <= step / 2:
             continue
-        difference = float(np.max(np.abs(seconds - time)))
-        if difference > step / 2:
-            raise ValueError(
-                f"{table.where}: the columns `{column.header}` hold different times, up to"
-                f" {difference:.3g} {column.unit} apart: resample the channels to one rate."
-            )
+        before = (
+            f"{table.where}: the channels have clocks of their own, in one row up to"
+            f" {difference:.3g} apart: resample them onto one clock"
+        )
+        if len(set(names)) < len(names):
+            raise ValueError(f"{before}.")
+        choices = [("columns", "time", name, "") for name in names]
+        raise MissingMetadataError(f"{before}; if a row was read at one time, give ", *choices)
 
 
 def _row_range(text: str) -> tuple[int, int]:

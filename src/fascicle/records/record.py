@@ -45,7 +45,8 @@ class Record:
     - `moment_arm`: of the muscle on the joint whose torque was measured [m], or `None`.
     - `synthetic`: true for readings of a model.
     - `sources`: the files it was read from.
-    - `notes`: guesses and changes made while reading, a line each.
+    - `notes`: what was assumed and changed while reading, a line each; `doubts`: those of them to
+      check.
     - `zeroed`: channels whose reading at zero, or at rest, was given: "force", "pressure" or
       "displacement".
     """
@@ -61,6 +62,7 @@ class Record:
     synthetic: bool = False
     sources: tuple[Source, ...] = ()
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     zeroed: tuple[str, ...] = ()
 
     @classmethod
@@ -122,7 +124,7 @@ class Record:
         **Arguments:**
 
         - `selection`: a mask or indices.
-        - `notes`: added to the record's notes.
+        - `notes`: added to the record's notes and doubts.
 
         **Returns:** the selected readings.
         """
@@ -130,7 +132,7 @@ class Record:
         for name in OPTIONAL_COLUMNS:
             values = getattr(self, name)
             arrays[name] = None if values is None else values[selection]
-        return replace(self, **arrays, notes=(*self.notes, *notes))
+        return replace(self, **arrays, notes=(*self.notes, *notes), doubts=(*self.doubts, *notes))
 
 
 def join(records: Sequence[Record]) -> Record:
@@ -152,6 +154,7 @@ def join(records: Sequence[Record]) -> Record:
         warnings.warn(f"{message}.", stacklevel=2)
     optional = {name: [getattr(r, name) for r in records] for name in OPTIONAL_COLUMNS}
     notes = [note for record in records for note in record.notes]
+    doubts = [note for record in records for note in record.doubts]
     return replace(
         records[0],
         **{name: np.concatenate([getattr(r, name) for r in records]) for name in COLUMNS},
@@ -164,6 +167,7 @@ def join(records: Sequence[Record]) -> Record:
         synthetic=any(record.synthetic for record in records),
         sources=tuple(source for record in records for source in record.sources),
         notes=tuple(dict.fromkeys([*notes, *duplicates])),
+        doubts=tuple(dict.fromkeys([*doubts, *duplicates])),
         zeroed=tuple(x for x in records[0].zeroed if all(x in r.zeroed for r in records)),
     )
 

@@ -54,8 +54,7 @@ from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
 from ..table_model import Quantity, TableModel, validation_message
 from ..units import parse
-from .columns import check_roles, split_names
-from .headers import CONSTANTS
+from .headers import CONSTANTS, check_roles, split_names
 from .joint import ArmTable, read_arm_table
 
 

@@ -1,37 +1,30 @@
-"""Text tables as instruments write them: header, units, remarks, and columns as numbers.
+"""Text tables as instruments write them: the layout first, then the readings by pandas.
 
-Cells between tabs, semicolons, bars, commas or blanks; any encoding and line ends; decimal commas;
-remarks after `#` or `%`; titles above the header, units beside it; headers that are repeated
-between blocks of readings.
+The layout is that of the longest block of rows of numbers: the sign between its cells, the header
+above it, a row of units beside that, and how its numbers are written. Any encoding and line ends;
+remarks after `#` or `%`; titles above the header; headers that are repeated between blocks.
 """
 
 import csv
+import datetime as dt
+import io
+import math
 import re
-from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import islice
-from typing import NamedTuple, cast
+from itertools import compress, zip_longest
+from typing import NamedTuple
 
 import numpy as np
 
-from .cells import (
-    LONGEST_LINE,
-    NumberFormat,
-    decode,
-    detect_format,
-    is_number,
-    is_remark,
-    is_split_clock,
-    printable,
-    read_seconds,
-    split_cells,
-)
+from ..core.errors import InvalidInputError, require
 from .headers import (
     LONGEST_NAME,
+    NUMBER,
     ROLES,
     SIGNALS,
     MissingMetadataError,
+    TableHeader,
     differ,
     is_known,
     is_unit,
@@ -41,19 +34,121 @@ from .headers import (
 )
 
 
-MAX_ROWS = 20_000_000  # five hours at a kilohertz
+MAX_ROWS = 5_000_000  # an hour at a kilohertz
+_LONGEST_LINE = 100_000  # characters: what is longer is no header
 _SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of its sizes in them
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
-_MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MAX_COLUMNS = 1000  # more take long to search, and no bench has them
+_MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
+_MAX_LOSS = 0.5  # of the rows: a record of less than half of them is another one
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
+_REMARK = ("#", "%", "//")
 _HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
+_LEFT_OUT = {"holes": "with holes", "words": "of words", "doubles": "of two lines in one"}
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
+# words between blanks, a unit in brackets with the word before it
+_BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\S+)')
+_FORTRAN = str.maketrans("dD", "ee", " ")  # exponents of double precision
+_COMMA = re.compile(r"(?:[+-] *)?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+_POINT = re.compile(r"(?:[+-] *)?\d*\.\d+", re.ASCII)
+_WITH_UNIT = re.compile(rf"{NUMBER.pattern}\s*[^\W\d_]+", re.ASCII)
+# with signs between thousands, and a tail of decimals
+_GROUPED = re.compile(
+    r"[+-]?\d{1,3}(?P<sign>[.,' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
+)
+_CLOCK = re.compile(
+    r"(?:(\S*\d)[\sT]+)?"
+    r"(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
+)
+_DATE = re.compile(r"(\d+)([-./])(\d+)\2(\d+)")
+
+
+@dataclass(frozen=True)
+class NumberFormat:
+    """How a table writes numbers.
+
+    - `decimal`: the sign before decimals, a point or a comma.
+    - `grouped`: the other sign stands between thousands.
+    - `unclear`: signs of which that isn't known: `2.000` beside decimal commas, or beside 950, is
+      2 or 2000.
+    """
+
+    decimal: str = "."
+    grouped: bool = False
+    unclear: str = ""
+
+    def values(self, cells: Sequence[str]) -> np.ndarray:
+        """Finite value of each cell, NaN for other texts."""
+        import pandas as pd
+
+        texts = pd.Series(cells, dtype=str)
+        if self.decimal == ",":
+            texts = texts.str.replace(",", ".", regex=False)
+        values = np.array(pd.to_numeric(texts, errors="coerce"), dtype=float)
+        # these, and cells with a point that may be of thousands, are read one by one
+        doubtful = ~np.isfinite(values)
+        if self.decimal == "," or "." in self.unclear:
+            doubtful |= np.array(["." in cell for cell in cells], dtype=bool)
+        for row in np.flatnonzero(doubtful).tolist():
+            value = self.value(cells[row])
+            values[row] = math.nan if value is None else value
+        return values
+
+    def plain(self, cell: str) -> str:
+        """A number without signs between thousands, and other cells as they are."""
+        match = _GROUPED.fullmatch(cell)
+        if match is None or match["sign"] == self.decimal:
+            return cell
+        if match["tail"]:
+            is_grouped = match["tail"][0] == self.decimal
+        else:
+            is_grouped = self.grouped or match["sign"] not in ".,"
+        return cell.replace(match["sign"], "") if is_grouped else cell
+
+    def value(self, cell: str) -> float | None:
+        """Finite value of a `cell`, or `None`."""
+        if not cell or self._unclear_sign(cell):
+            return None
+        plain = self.plain(cell)
+        plain = plain.replace(",", ".") if self.decimal == "," else plain
+        # Python's own numbers, such as 1_000 and nan, are none here
+        if not NUMBER.fullmatch(plain) or "," in plain:
+            return None
+        value = float(plain.translate(_FORTRAN))
+        return value if math.isfinite(value) else None
+
+    def meanings(self, cell: str) -> list[tuple[str, str]]:
+        """Decimal sign and condition of each way to read an unclear `cell`; empty for others."""
+        if not (sign := self._unclear_sign(cell)):
+            return []
+        opposite = "," if sign == "." else "."
+        decimals, thousands = cell.replace(sign, "."), cell.replace(sign, "")
+        if self.decimal not in self.unclear:  # clear decimals have the other sign
+            after = f" if it is {thousands}, else write {decimals} with {opposite!r}"
+            return [(opposite, after)]
+        return [(sign, f" if it is {decimals}"), (opposite, f" if it is {thousands}")]
+
+    def rule(self, cell: str) -> str:
+        """Reason why a `cell` has no value, with what to do."""
+        excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
+        hint = ": correct it, or empty the cell to leave out its row"
+        if _COMMA.fullmatch(cell):
+            hint = ": write the decimals after a point"
+        if _GROUPED.fullmatch(cell):
+            hint = ": write it without signs between thousands"
+        elif _WITH_UNIT.fullmatch(cell):
+            hint = ": write the number alone, in the unit of its column"
+        return f"{excerpt!r} is no finite number{hint}"
+
+    def _unclear_sign(self, cell: str) -> str:
+        """The sign in a `cell` of which the meaning isn't known; empty without one."""
+        signs = [sign for sign in self.unclear if sign in cell]
+        return signs[0] if signs and _may_be_thousands(cell) else ""
 
 
 class TableColumns(NamedTuple):
@@ -84,35 +179,33 @@ class _Layout(NamedTuple):
     width: int
 
 
+class _Rows(NamedTuple):
+    """Rows of a table that are neither blank, remarks nor its header.
+
+    - `columns`: cells of each column, blank where a row is shorter; `extra`: of further cells.
+    - `lines`: the file's line of each row.
+    - `short`: mask of rows between blanks with a cell too few.
+    """
+
+    columns: list[list[str]]
+    extra: list[list[str]]
+    lines: np.ndarray
+    short: np.ndarray
+
+
 @dataclass(frozen=True)
-class Table:
+class Table(TableHeader):
     """A file with its header read, and its cells still as text.
 
-    - `source`: the file's name in errors.
-    - `header`: the columns' names; `line`: their line.
-    - `units`: from a row of units, or empty.
-    - `remarks`: lines after `#` above the header; `titles`: other lines above it.
     - `delimiter`: the sign between cells; `numbers`: the format of numbers.
-    - `body`: the lines of the rows; `first`: the number of the first one.
+    - `first`: the number of the body's first line.
     - `row_width`: cells of a row between blanks, where a missing cell leaves no sign; else 0.
     """
 
-    source: str
-    header: tuple[str, ...]
-    line: int
-    units: tuple[str, ...]
-    remarks: tuple[str, ...]
-    titles: tuple[str, ...]
     delimiter: str
     numbers: NumberFormat
-    body: list[str]
     first: int
     row_width: int
-
-    @property
-    def where(self) -> str:
-        """File and line of the header, for messages."""
-        return f"{self.source}, line {self.line}"
 
     def cell_error(self, line: int, column: int, rule: str) -> ValueError:
         """The error for a cell that breaks a `rule`."""
@@ -131,112 +224,144 @@ class Table:
         Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
         missing in the result if it holds something else. `rows`: first and last row, from 1;
         default: all rows, unless they are of several specimens. Blank cells of the column `block`
-        take the number above them. Raises a `ValueError` with line and
-        column for the first bad cell.
+        take the number above them if its numbers stand in the first row of each of several blocks.
+        Raises a `ValueError` with line and column for the first bad cell, and for a loss of more
+        than half of the rows.
         """
+        notes = []
+        found = self._rows(time)
+        if block is not None and _begins_blocks(found.columns[block]):
+            found.columns[block] = _fill_down(found.columns[block])
+            notes.append(f"column `{self.header[block]}`: blank cells take the pressure above them")
         first, last = rows or (1, MAX_ROWS)
-        width, count, is_led = len(self.header), 0, False
-        values, lines = array("d"), array("q")  # row by row
-        texts = [*texts, *([] if time is None else [time])]
-        columns: dict[int, list[str]] = {i: [] for i in texts}
-        left_out: dict[str, list[tuple[int, list[str]]]] = {
-            "with holes": [], "of words": [], "of two lines in one": []
-        }  # fmt: skip
-        holes, text_rows, doubles = left_out.values()
-        ends: list[int] = []  # rows above the names of further specimens
-        for line, row in self._rows(block):
-            count += 1
-            if not first <= count <= last:
-                continue
-            is_short = len(row) < self.row_width
-            row.extend([""] * (width - len(row)))
-            # 10:11:12,100 in two cells
-            if time is not None and len(row) == width + 1 and is_split_clock(*row[time : time + 2]):
-                row[time : time + 2] = [f"{row[time]}.{row[time + 1]}"]
-            needed = [row[i] for i in numbers]
-            readings = list(map(self.numbers.value, needed))
-            is_whole = None not in readings
-            has_hole = is_short or (not is_whole and any(map(_is_hole, needed)))
-            begins_with_word = row[0][:1].isalpha() and not _is_hole(row[0])
-            # below rows that begin otherwise, a word begins those of a mean and the like
-            is_text = is_led and begins_with_word
-            if is_text or not (is_whole or has_hole or any(map(is_number, needed))):
-                self._check_header(row, line, count)
-                text_rows.append((line, row))
-                ends += [count - 1] if _SPECIMEN.fullmatch(row[0]) else []
-            elif any(row[width:]):
-                doubles.append((line, row))
-            elif has_hole:
-                holes.append((line, row))
-            elif not is_whole:
-                raise self._number_error(line, row, numbers[readings.index(None)])
-            else:
-                is_led = is_led or not row[0] or is_number(row[0])
-                values.extend(cast("list[float]", readings))
-                lines.append(line)
-                for i, column in columns.items():
-                    column.append(self.numbers.plain(row[i]))
+        total = len(found.lines)
+        chosen = np.arange(first - 1, min(last, total))
+        values = {i: self.numbers.values(found.columns[i][first - 1 : last]) for i in numbers}
+        finite = np.array([np.isfinite(values[i]) for i in numbers], dtype=bool).reshape(
+            len(numbers), chosen.size
+        )
+        kept, left_out, ends = self._select_rows(found, chosen, finite, numbers)
         if ends and rows is None:
             before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
             raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
-        self._check_doubles(doubles, len(lines))
-        if not lines:
-            raise self._empty_error(numbers, holes, text_rows, count)
-        data = np.reshape(values, (len(lines), len(numbers))).T
-        numbers_by_index = dict(zip(numbers, data, strict=True))
-        if time is not None and (seconds := read_seconds(columns.pop(time))) is not None:
-            numbers_by_index[time] = seconds
-        notes = tuple(
-            f"{len(rows)} {'row' if len(rows) == 1 else 'rows'} {kind} left out, the first in line"
-            f" {rows[0][0]}"
+        count = int(kept.sum())
+        self._check_doubles(left_out["doubles"], count)
+        if not count:
+            raise self._empty_error(numbers, left_out, chosen.size)
+        self._check_loss(left_out, count)
+        notes = [
+            f"{len(rows)} {'row' if len(rows) == 1 else 'rows'} {_LEFT_OUT[kind]} left out, the"
+            f" first in line {rows[0][0]}"
             for kind, rows in left_out.items()
             if rows
-        )
-        return TableColumns(numbers_by_index, columns, np.array(lines), notes)
+        ] + notes  # fmt: skip
+        chosen = chosen[kept]
+        texts_by_index = {i: [found.columns[i][row] for row in chosen] for i in texts}
+        numbers_by_index = {i: x[kept] for i, x in values.items()}
+        if time is not None:
+            clock = [found.columns[time][row] for row in chosen]
+            if (seconds := read_seconds(clock, self.numbers)) is not None:
+                numbers_by_index[time] = seconds
+        return TableColumns(numbers_by_index, texts_by_index, found.lines[chosen], tuple(notes))
 
-    def names_blocks(self, column: int) -> bool:
-        """True for a column with a number in the first row of each of several blocks, and with
-        blanks in their other rows, two or more.
+    def _select_rows(
+        self, found: _Rows, chosen: np.ndarray, finite: np.ndarray, numbers: Sequence[int]
+    ) -> tuple[np.ndarray, dict[str, list[tuple[int, list[str]]]], list[int]]:
+        """Mask of the `chosen` rows with a reading, the others by kind with their lines, and rows
+        above the names of further specimens; `finite`: mask of the needed cells.
         """
-        cells = (row[column] if column < len(row) else "" for _, row in self._rows())
-        signs = (("1" if is_number(cell) else "x") if cell else "0" for cell in cells)
-        head = "".join(islice(signs, 3))
-        return head == "100" and bool(re.fullmatch("(?:1000*){2,}", head + "".join(signs)))
+        total = len(found.lines)
+        has_extra = np.zeros(total, dtype=bool)
+        for column in found.extra:
+            has_extra |= np.array([cell != "" for cell in column], dtype=bool)
+        firsts = found.columns[0]
+        words = np.array([cell[:1].isalpha() and not _is_hole(cell) for cell in firsts], dtype=bool)
+        odd = ~finite.all(axis=0) | (has_extra | words | found.short)[chosen]
+        kept, left_out, ends = ~odd, {kind: [] for kind in _LEFT_OUT}, []
+        # below rows that begin otherwise, a word begins those of a mean and the like
+        starts = (k for k in np.flatnonzero(~odd).tolist() if is_number(firsts[chosen[k]] or "0"))
+        led = next(starts, chosen.size)
+        for k in np.flatnonzero(odd):
+            row, line = int(chosen[k]), int(found.lines[chosen[k]])
+            cells = [column[row] for column in found.columns]
+            needed, is_whole = [cells[i] for i in numbers], bool(finite[:, k].all())
+            has_hole = found.short[row] or (not is_whole and any(map(_is_hole, needed)))
+            is_text = words[row] and k > led
+            if is_text or not (is_whole or has_hole or any(map(is_number, needed))):
+                self._check_header(cells, line, row + 1)
+                left_out["words"].append((line, cells))
+                ends += [row] if _SPECIMEN.fullmatch(cells[0]) else []
+            elif has_extra[row]:
+                further = [column[row] for column in found.extra]
+                left_out["doubles"].append((line, _trim([*cells, *further])))
+            elif has_hole:
+                left_out["holes"].append((line, cells))
+            elif is_whole:
+                kept[k] = True
+            else:
+                raise self._number_error(line, cells, numbers[int(np.argmin(finite[:, k]))])
+        return kept, left_out, ends
 
-    def _rows(self, block: int | None = None) -> Iterator[tuple[int, list[str]]]:
-        """Line and stripped cells of each row that is neither blank, a remark nor a header; blank
-        cells of the column `block` are those above them.
-        """
-        lines = ("" if is_remark(line) else line for line in self.body)
-        delimiter = self.delimiter
+    def _rows(self, time: int | None) -> _Rows:
+        """Cells of the rows, read by pandas."""
+        require("pandas")
+        import pandas as pd
+
+        width, delimiter = len(self.header), self.delimiter
+        lines = ["" if is_remark(line) else line for line in self.body]
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
-            lines, delimiter = (blanks.sub("\t", line.strip()) for line in lines), "\t"
-        rows = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
-        repeats, level, first = [list(self.header), list(self.units)], "", 0
+            lines, delimiter = [blanks.sub("\t", line.strip()) for line in lines], "\t"
+        lines = self._join_quotes(lines, delimiter)
+        most = 1 + max((line.count(delimiter) for line in lines), default=0)
+        if most > _MAX_COLUMNS:
+            line = next(i for i, line in enumerate(lines) if line.count(delimiter) + 1 == most)
+            rule = f"more than {_MAX_COLUMNS} cells, where the header has {width}"
+            raise ValueError(f"{self.source}, line {self.first + line}: {rule}.")
+        text = "\n".join(lines)
+        if not text.strip():
+            empty = np.zeros(0, dtype=int)
+            return _Rows([[] for _ in self.header], [], empty, empty.astype(bool))
         try:
-            for cells in rows:
-                inner_lines, first = self.body[first + 1 : rows.line_num], rows.line_num
-                if inner_lines and self._swallows_readings(inner_lines):
-                    line = self.first + rows.line_num - 1 - len(inner_lines)
-                    raise ValueError(
-                        f"{self.source}, line {line}: its quote has no end: close or drop it."
-                    )
-                row = [cell.strip() for cell in cells]
-                if any(row) and row not in repeats:
-                    if block is not None:
-                        row += [""] * (block + 1 - len(row))
-                        level = row[block] = row[block] or level
-                    yield self.first + rows.line_num - 1, row
-        except csv.Error as error:
-            line = self.first + rows.line_num - 1
-            raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
+            frame = pd.read_csv(
+                io.StringIO(text), sep=delimiter, header=None, names=range(max(most, width)),
+                dtype=str, keep_default_na=False, skip_blank_lines=False, skipinitialspace=True,
+            )  # fmt: skip
+        except (pd.errors.ParserError, csv.Error) as error:
+            raise ValueError(f"{self.source}: no rows of a table: {error}.") from None
+        columns = [list(map(str.strip, frame[i].tolist())) for i in frame]
+        if time is not None and len(columns) > width:
+            _join_split_clocks(columns, width, time)
+        used = np.ones(len(columns[0]), dtype=bool)
+        for row in range(len(used)):
+            if columns[0][row] in ("", self.header[0], self.units[0]):
+                cells = tuple(column[row] for column in columns)
+                used[row] = any(cells) and cells[:width] not in (self.header, self.units)
+        kept = np.flatnonzero(used)
+        columns = [list(compress(column, used)) for column in columns]
+        short = np.array([lines[row].count("\t") + 1 < self.row_width for row in kept], dtype=bool)
+        return _Rows(columns[:width], columns[width:], self.first + kept, short)
 
-    def _swallows_readings(self, lines: Sequence[str]) -> bool:
-        """True for further `lines` of a cell in quotes that are rows of numbers themselves."""
-        inner = lines[:-1] if '"' in lines[-1] else lines
-        rows = (split_cells(line, self.delimiter) for line in inner)
-        return any(sum(map(is_number, row)) > 1 for row in rows)
+    def _join_quotes(self, lines: list[str], delimiter: str) -> list[str]:
+        """Lines with cells in quotes that go on in the next ones joined; blank lines take their
+        places.
+        """
+        if not any('"' in line for line in lines):
+            return lines
+        sign = re.escape(delimiter)
+        begin = re.compile(rf'(?:^|{sign})\s*"')
+        joined, start = lines.copy(), None
+        for i, line in enumerate(lines):
+            if start is not None:
+                joined[start], joined[i] = f"{joined[start]} {line}", ""
+                start = None if '"' in line else start
+            elif line.count('"') % 2 and begin.search(line):
+                start = i
+            is_row = sum(map(is_number, split_cells(line, delimiter))) > 1
+            if start is not None and i > start and is_row:
+                rule = "its quote has no end: close or drop it"
+                raise ValueError(f"{self.source}, line {self.first + start}: {rule}.")
+        return joined
 
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
         """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
@@ -256,23 +381,29 @@ class Table:
             choice = ("rows", "", f"1:{count - 1}", ", for those above it")
             raise MissingMetadataError(f"{before} file there, or give ", choice)
 
+    def _check_loss(self, left_out: dict[str, list[tuple[int, list[str]]]], count: int) -> None:
+        """Refuse a record of `count` readings with more rows of numbers that can't be read."""
+        lost = [*left_out["holes"], *left_out["doubles"]]
+        if len(lost) > _MAX_LOSS * (count + len(lost)):
+            first = min(line for line, _ in lost)
+            raise ValueError(
+                f"{self.source}, line {first}: {len(lost)} of {count + len(lost)} rows have holes:"
+                " fill or delete them, resample channels to one rate, or choose other columns."
+            )
+
     def _empty_error(
-        self,
-        numbers: Sequence[int],
-        holes: Sequence[tuple[int, list[str]]],
-        text_rows: Sequence[tuple[int, list[str]]],
-        count: int,
+        self, numbers: Sequence[int], left_out: dict[str, list[tuple[int, list[str]]]], count: int
     ) -> ValueError:
         """The error for a table of which none of its `count` rows could be read."""
-        for line, row in text_rows[:1]:
+        for line, row in left_out["words"][:1]:
             for column in numbers:
                 if self.numbers.value(row[column]) is None:
                     return self._number_error(line, row, column)
         rule = f"no readings below the header in line {self.line}"
-        if holes:
+        if holes := left_out["holes"]:
             rule = f"no row has a number in each column, the first hole is in line {holes[0][0]}"
-        elif count:
-            rule = f"no readings in those rows: it has {count}"
+        elif count or self.body:
+            rule = f"no readings in those rows: it has {len(self._rows(None).lines)}"
         return ValueError(f"{self.source}: {rule}.")
 
     def _check_doubles(self, doubles: Sequence[tuple[int, list[str]]], count: int) -> None:
@@ -364,7 +495,7 @@ def open_table(
     units = (*_unit_row(cells, layout), *[""] * len(header))[: len(header)]
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
-        layout.delimiter, numbers, body, first,
+        body, layout.delimiter, numbers, first,
         layout.width if layout.delimiter.isspace() and layout.delimiter != "\t" else 0,
     )  # fmt: skip
 
@@ -415,7 +546,7 @@ def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str
     for number, text in enumerate(lines, 1):
         if len(head) == _HEAD_LINES:
             break
-        if len(text) > LONGEST_LINE:
+        if len(text) > _LONGEST_LINE:
             if head:
                 break  # a long line below doesn't concern the header
             raise ValueError(f"{source}, line {number}: too long for a table's header.")
@@ -530,3 +661,192 @@ def _are_units(cells: Sequence[str]) -> bool:
     units = sum(is_unit(cell) or strip_brackets(cell).lower() in SIGNALS for cell in written)
     # 1 is a unit of strain, and a reading
     return 2 * units >= max(len(written), 1) and not any(map(is_number, written))
+
+
+def _begins_blocks(cells: Sequence[str]) -> bool:
+    """True for a number in the first row of each of several blocks, and blanks in their other rows,
+    two or more.
+    """
+    signs = "".join(("1" if is_number(cell) else "x") if cell else "0" for cell in cells)
+    return bool(re.fullmatch("(?:1000*){2,}", signs))
+
+
+def _fill_down(cells: Sequence[str]) -> list[str]:
+    """Cells of which blank ones take the one above them."""
+    filled: list[str] = []
+    for cell in cells:
+        filled.append(cell or (filled[-1] if filled else ""))
+    return filled
+
+
+def _join_split_clocks(columns: list[list[str]], width: int, time: int) -> None:
+    """Join clock times whose decimals stand after a comma, `10:11:12,100`, in rows of `width` + 1
+    cells.
+    """
+    for row, cells in enumerate(zip(*columns, strict=True)):
+        clock, fraction = cells[time : time + 2]
+        is_split = re.fullmatch(r".*\d:\d\d:\d\d", clock) is not None and fraction.isdecimal()
+        if is_split and cells[width] and not any(cells[width + 1 :]):
+            joined = (*cells[:time], f"{clock}.{fraction}", *cells[time + 2 :], "")
+            for column, cell in zip(columns, joined, strict=True):
+                column[row] = cell
+
+
+def decode(raw: bytes, source: str) -> str:
+    """Text of a file in any encoding of instruments."""
+    if raw[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        return raw.decode("utf-16", errors="replace")
+    for first, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if raw[first:8:2] == b"\0\0\0\0":
+            return raw.decode(encoding, errors="replace")
+    raw = raw.rstrip(b"\0")  # of a logger that reserves its file
+    if b"\0" in raw[:_LONGEST_LINE]:
+        raise ValueError(f"{source}: not a text file; a record is a CSV, export it as one.")
+    try:
+        return raw.decode("utf-8-sig").replace("\u2212", "-")  # the minus of typesetters
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace")  # of older Windows programs
+
+
+def is_remark(line: str) -> bool:
+    """True for a line after a remark's sign; units in a row may begin with one, too: `%,N`."""
+    return line.lstrip().startswith(_REMARK) and not (
+        len(cells := re.split(r"[\t,;|]", line)) > 1 and all(map(is_unit, cells))
+    )
+
+
+def printable(cell: str) -> str:
+    """A header as messages show it, on one line."""
+    return " ".join("".join(sign if sign.isprintable() else " " for sign in cell).split())
+
+
+def split_cells(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
+    """Stripped cells of a line; `trim`: without blank ones at its end."""
+    if delimiter == " ":
+        cells = [a or b for a, b in _BLANK_CELLS.findall(line)]
+    elif delimiter == "  ":
+        cells = re.split(r"[ \t]{2,}", line.strip())
+    else:
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        except csv.Error:
+            cells = line.split(delimiter)
+    cells = [printable(cell) for cell in cells]
+    return _trim(cells) if trim else cells
+
+
+def _trim(cells: list[str]) -> list[str]:
+    """Cells without blank ones at their end."""
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def is_number(cell: str) -> bool:
+    """True for a number of any format, also with signs between thousands."""
+    return bool(NUMBER.fullmatch(cell) or _GROUPED.fullmatch(cell))
+
+
+def detect_format(
+    rows: Sequence[Sequence[str]], delimiter: str, decimal: str | None = None
+) -> NumberFormat:
+    """Format of the numbers in `rows` of cells of a table with a `delimiter`; `decimal`: the sign
+    before decimals, if it is known.
+    """
+    if decimal is not None:
+        if decimal not in (".", ","):
+            raise InvalidInputError("decimal", 'must be "." or ","', decimal)
+        return NumberFormat(decimal, grouped=True)
+    cells = [cell for row in rows for cell in row]
+    matches = [match for match in map(_GROUPED.fullmatch, cells) if match]
+    tails = {match["tail"][0] for match in matches if match["tail"] and match["sign"] in ".,"}
+    if len(tails) == 1:
+        return NumberFormat(tails.pop(), True)
+
+    any_points, any_commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
+    # decimals that can't be thousands make the meaning of others clear
+    clear = [cell for cell in cells if not _may_be_thousands(cell)]
+    points, commas = (any(map(kind.fullmatch, clear)) for kind in (_POINT, _COMMA))
+    if not points and not commas and _has_integers_beside_thousands(rows):
+        return NumberFormat(unclear=".,")
+    if not any_commas or (delimiter == "," and any_points):
+        return NumberFormat(".")
+    if points and not commas:
+        return NumberFormat(".", unclear=",")
+    unclear = ("" if points else ".") + ("," if delimiter == "," and not commas else "")
+    return NumberFormat(",", unclear=unclear)
+
+
+def _may_be_thousands(cell: str) -> bool:
+    """True for digits with one sign before each three of them: `2.000`, but not `0.500`."""
+    match = _GROUPED.fullmatch(cell)
+    return match is not None and not match["tail"] and cell.lstrip("+-")[0] != "0"
+
+
+def _has_integers_beside_thousands(rows: Sequence[Sequence[str]]) -> bool:
+    """True if `1.010` stands in a column with `950`, or in the only column with signs beside
+    columns of integers: an instrument that writes three decimals writes `950.000`.
+    """
+    columns = [list(filter(is_number, column)) for column in zip_longest(*rows, fillvalue="")]
+    grouped = [list(map(_may_be_thousands, column)) for column in columns if column]
+    mixed = [column for column in grouped if any(column) and not all(column)]
+    return bool(mixed) or (len(grouped) > 1 == sum(map(any, grouped)))
+
+
+def read_seconds(texts: Sequence[str], numbers: NumberFormat) -> np.ndarray | None:
+    """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
+    with their dates if they have them; `None` for other texts.
+    """
+    values = numbers.values(texts)
+    if np.isfinite(values).all():
+        return values
+    matches = [match for match in map(_CLOCK.fullmatch, texts) if match]
+    if len(matches) < len(texts):
+        return None
+    dates, *clocks = zip(*(match.groups() for match in matches), strict=True)
+    if any(hour is None and len(second) == 2 for hour, _, second, _ in zip(*clocks, strict=True)):
+        return None  # 10:11 may be minutes or hours
+    seconds = np.array([
+        3600 * (int(hour or 0) % 12 + 12 * (half in "Pp") if half else int(hour or 0))
+        + 60 * int(minute)
+        + float(re.sub("[,:]", ".", second))
+        for hour, minute, second, half in zip(*clocks, strict=True)
+    ])  # fmt: skip
+    if any(dates):
+        if (days := _read_days(dates)) is None:
+            return None
+    else:
+        days = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43_200)  # half a day back
+    seconds = seconds + 86_400.0 * (days - days[0])
+    return np.round(seconds - seconds[0], 6)  # finer than clocks are
+
+
+def _read_days(texts: Sequence[str | None]) -> np.ndarray | None:
+    """Days of dates since 1970; `None` for other texts, and where day and month may be swapped.
+
+    A year stands first, and dots part day and month in this order; slashes are read by the order
+    that all dates allow, unless both do and give other differences.
+    """
+    parts = [_DATE.fullmatch(text or "") for text in texts]
+    if not all(parts):
+        return None
+    found: list[np.ndarray] = []
+    for order in ("ymd", "dmy", "mdy"):
+        fits = {"ymd": "-./", "dmy": "./-", "mdy": "/-"}[order]
+        try:
+            days = [_day(dict(zip(order, match.group(1, 3, 4), strict=True)))
+                    for match in parts if match and match[2] in fits]  # fmt: skip
+        except ValueError:
+            continue
+        if len(days) == len(parts):
+            found.append(np.array(days))
+    differences = {tuple((days - days[0]).tolist()) for days in found}
+    return found[0] if len(differences) == 1 else None
+
+
+def _day(date: dict[str, str]) -> int:
+    """Days of a date since 1970; a year that stands last may have two digits."""
+    if len(date["y"]) != 4 and (len(date["y"]) != 2 or next(iter(date)) == "y"):
+        raise ValueError(date)
+    year = int(date["y"]) + 2000 * (len(date["y"]) == 2)
+    return (dt.date(year, int(date["m"]), int(date["d"])) - dt.date(1970, 1, 1)).days

@@ -38,7 +38,6 @@ def report(
     posterior: "Posterior | None" = None,
     comparison: "Sequence[Row]" = (),
     muscle_file: str = "muscle.toml",
-    remarks: Sequence[str] = (),
     drawn: Mapping[str, bytes] | None = None,
     choice: Selection | None = None,
 ) -> str:
@@ -53,7 +52,6 @@ def report(
     - `posterior`: its draws, or `None`.
     - `comparison`: laws by rows, or none.
     - `muscle_file`: name of the saved muscle's file.
-    - `remarks`: on assumptions about the record.
     - `drawn`: the figures as SVG by name, if they were drawn before.
     - `choice`: the model selection, or `None`.
     """
@@ -100,7 +98,7 @@ def report(
         length_note=fitted_length_note(fit.muscle), alpha=ALPHA, laws=laws_of(fit),
         correlation=fit.correlation + 0.0,  # no minus before a zero
         draws=[] if posterior is None else _posterior_rows(fit, posterior),
-        record_lines=[origin, f"Strains refer to {reference}.", *remarks, *record.notes],
+        record_lines=[origin, f"Strains refer to {reference}.", *record.notes],
         pictures={name: picture(figure, svg.get(name)) for name, figure in figures.items()},
         pretty=pretty, interval=_interval_text,
         percent=lambda share: f"{100 * share:.3g} %" if np.isfinite(share) else "-",
@@ -131,7 +129,6 @@ class CalibrationResult(NamedTuple):
 
     fit: Calibration
     choice: Selection | None = None
-    remarks: tuple[str, ...] = ()
     profiles: tuple[Profile, ...] = ()
     posterior: "Posterior | None" = None
     comparison: "LawComparison | None" = None
@@ -150,7 +147,7 @@ def output_files(
     page = report(
         fit, date, drawings, result.profiles, result.posterior,
         [] if comparison is None else comparison.rows,
-        remarks=result.remarks, drawn=drawn, choice=result.choice,
+        drawn=drawn, choice=result.choice,
     )  # fmt: skip
     texts = calibrated_files(fit, date, result.choice)
     texts |= {"report.html": page, "curves.csv": curves_csv(fit, result.posterior)}
@@ -249,7 +246,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "method": fit.method,
         "noise": float(fit.problem.noise),
         "warnings": list(fit.warnings),
-        "notes": [*result.remarks, *fit.record.notes],
+        "notes": list(fit.record.notes),
         "starts": fit.starts,
         "readings": fit.fit_data.counts(),
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],

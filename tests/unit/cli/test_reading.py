@@ -15,18 +15,18 @@ def test_options_are_arguments(tmp_path):
         columns="force[N],pressure[kPa],time", zero=["force=8N"], pressure="2bar", rows="2:",
         name_pattern="{length}mm", push_positive=True,
     )  # fmt: skip
-    record, remarks = read_record([str(tmp_path / "*.csv")], options, 0.18)
+    record = read_record([str(tmp_path / "*.csv")], options, 0.18)
     assert record.pressure.tolist() == [2e5, 2e5]
     assert record.force == pytest.approx([8 - 95.2, 8 - 70.8])
     assert record.strain == pytest.approx(0.05)
-    assert record.rest_length == 0.18 and len(remarks) == 1
+    assert record.rest_length == 0.18 and "no rest length given" in record.doubts[0]
 
 
 @pytest.mark.parametrize(
     ("arguments", "option"),
     [
         ({}, "--columns 'force[N]"),
-        ({"columns": "force[N],pressure[kPa]"}, "--constant length='167 mm'"),
+        ({"columns": "force[N],pressure[kPa],-"}, "--constant length='167 mm'"),
         ({"columns": "force[N],-,length[mm]"}, "--pressure '200 kPa'"),
         ({"columns": "force,pressure[kPa],length[mm]"}, "--unit force='N'"),
         ({"columns": "force[N],pressure[kPa abs],length[mm]"}, "--atmosphere '1.013 bar'"),
@@ -57,7 +57,7 @@ def test_a_joint_is_read_by_options(tmp_path):
             read_record([str(knee)], read_options(**arguments), 0.18)
         assert option in str(error.value)
     options = read_options(moment_arm="25mm", zero=["angle=10deg"])
-    record, _ = read_record([str(knee)], options, 0.18)
+    record = read_record([str(knee)], options, 0.18)
     assert record.force == pytest.approx([80, 40])
 
 
@@ -66,5 +66,5 @@ def test_a_decimal_sign_is_offered_as_an_option(tmp_path):
     path.write_text("p [kPa];L [mm];F [N]\n200;180;1.180\n200;170;980\n")
     with pytest.raises(UserError, match=r"--decimal '.' if it is 1.180; or give --decimal ','"):
         read_record([str(path)], read_options(), 0.18)
-    record, _ = read_record([str(path)], read_options(decimal=","), 0.18)
+    record = read_record([str(path)], read_options(decimal=","), 0.18)
     assert record.force.tolist() == [1180, 980]

@@ -167,7 +167,7 @@ def test_an_error_names_the_fields_for_missing_information(head, expected):
 def test_readings_are_read_and_have_curves():
     record = read_record(GOOD, "d.csv", MUSCLE)
     assert len(record) == 10
-    assert "rest length not given" in record.notes[-1]
+    assert "no rest length given" in record.notes[-1]
     curves = curves_at_levels(MUSCLE, record)
     assert curves.pressure == pytest.approx([1e5, 2e5])
     force = np.asarray(MUSCLE.force(2e5, curves.strain))
@@ -242,7 +242,7 @@ def test_columns_and_units_can_be_given():
     np.testing.assert_allclose(record.force, [10, 8, 5])
     record = read_record(raw, "w.csv", MUSCLE.replace(length=0.1), options)
     np.testing.assert_allclose(record.strain, [0, 0.05, 0.1])
-    assert "taken over the muscle's, 100 mm" in record.notes[-1]
+    assert "refer to the muscle's length, 100 mm" in record.notes[-1]
 
 
 def test_a_mismatch_names_the_length_that_was_assumed():

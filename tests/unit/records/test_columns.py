@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fascicle.records.columns import choose_columns
-from fascicle.records.headers import is_unit, unit_factor
+from fascicle.records.headers import choose_columns, is_unit, unit_factor
 from fascicle.records.quantities import to_si_units
 from fascicle.records.tables import open_table
 

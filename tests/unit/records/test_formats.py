@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.core.errors import MissingExtraError
 from fascicle.records import load, loads, runs
-from fascicle.records.columns import MissingMetadataError
+from fascicle.records.headers import MissingMetadataError
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
@@ -222,11 +222,13 @@ def test_a_header_repeated_between_blocks_is_read_once():
 def test_rows_with_holes_are_left_out_and_counted():
     text = (
         "t [s],p [kPa],F [N],L [mm]\n0,100,50,180\n1,,49,179\n2,100,NaN,178\n3,100,40\n"
-        "4,100,30,170\n"
+        "4,100,30,170\n5,100,20,165\n"
     )
     record = loads(text, rest_length=REST)
-    assert record.force.tolist() == [50, 30]
+    assert record.force.tolist() == [50, 30, 20]
     assert any("3 rows with holes left out, the first in line 3" in note for note in record.notes)
+    with pytest.raises(ValueError, match=r"line 3: 4 of 6 rows"):
+        loads(text.replace("20,165", ",165").removesuffix("\n"), rest_length=REST)
     with pytest.raises(ValueError, match="no row has a number in each column"):
         loads("p [kPa],F [N],L [mm]\n100,,180\n100,40,\n", rest_length=REST)
 
@@ -314,7 +316,8 @@ def test_columns_by_place():
         ("force[N],voltage,-", "unknown name 'voltage'"),
         ("force[N],force,-", "names force twice"),
         ("force[N],pressure[kPa],-,-,length[mm],time", "6 columns were named, but it has 5"),
-        ("force[N],pressure[kPa]", "no column of length"),
+        ("force[N],pressure[kPa],-", "no column of length"),
+        ("force[N],pressure[kPa]", "3 of its 5 columns are not named"),
     ],
 )
 def test_wrong_columns_by_place(names, message):

@@ -8,7 +8,7 @@ import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.calibrate.verdict import judge, verdict_lines
 from fascicle.records import dumps, join, load, loads
-from fascicle.records.columns import MissingMetadataError
+from fascicle.records.headers import MissingMetadataError
 
 
 ANGLE = [10.0, 40.0, 70.0, 40.0]  # deg

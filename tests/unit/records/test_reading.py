@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 from fascicle.records import Record, load, loads, tables
-from fascicle.records.columns import MissingMetadataError
+from fascicle.records.headers import MissingMetadataError
 
 
 GOOD = """pressure [kPa],length [mm],force [N]

@@ -3,8 +3,7 @@
 import pytest
 
 from fascicle.records import loads
-from fascicle.records.columns import MissingMetadataError
-from fascicle.records.headers import unit_factor
+from fascicle.records.headers import MissingMetadataError, unit_factor
 
 
 def table(pressure="P [kPa]", force="F [N]", position="L [mm]", values="200,50,190"):

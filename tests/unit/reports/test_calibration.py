@@ -89,7 +89,7 @@ def page(fit, profiles, plots):
         fit.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(fit.coordinates, (10, 1)),
         np.zeros((10, 0)), np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
     )  # fmt: skip
-    html = report(fit, DATE, plots, profiles, posterior, rows, remarks=["rest length assumed"])
+    html = report(fit, DATE, plots, profiles, posterior, rows)
     return re.sub(r">\s+<", "><", html)
 
 
@@ -103,9 +103,9 @@ def test_warnings_come_first_then_what_the_data_cant_tell(page):
 
 
 def test_the_page_says_what_was_fitted(page, fit):
+    assert "column <code>F</code> read as force" in page
     assert "Synthetic: a model made these readings" in page
     assert "a &lt;b&gt;.csv" in page and SHA in page
-    assert "column <code>F</code> read as force" in page and "rest length assumed" in page
     assert f"{fit.points} readings at 3 pressures from 100 to 300 kPa" in page
 
 

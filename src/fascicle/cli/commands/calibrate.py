@@ -50,10 +50,6 @@ class CalibrateCommand(Command):
 COMMAND = CalibrateCommand
 
 _LABEL_WIDTH = 35  # characters: a table fits next to it
-# in notes without a doubt
-_CERTAIN = (" read as ", " read with it", ": note: ", ": source: ", "columns not read",
-            "all readings at ", "corrected for ", "its name gives ",
-            "lines above the header", "time from X0")  # fmt: skip
 _DOUBTS = 3  # in a line that is still read
 _LINES = 10  # of a verdict with the constants: more are not read
 _SHARE = "errors over the largest force"
@@ -157,7 +153,7 @@ def run(
         "braid_angle": braid_angle, "material": material, "tension": tension,
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
     })  # fmt: skip
-    record, remarks = reading.read_record(data, options_of_reading, float(start.length))
+    record = reading.read_record(data, options_of_reading, float(start.length))
     _check(names, loss, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
@@ -176,7 +172,7 @@ def run(
             free = None if names == [_TUNING] else names
             calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
         result = _add_analyses(
-            CalibrationResult(uncertainty.with_profiles(calibration), choice, remarks),
+            CalibrationResult(uncertainty.with_profiles(calibration), choice),
             record, start, priors, settings, update, profile=False if folder is None else profile,
             posterior=posterior, compare=compare,
         )  # fmt: skip
@@ -322,10 +318,8 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
 
     fit = result.fit
     first, last = verdict_lines(fit, judge(fit, result.choice))
-    # how columns were read is in the report, unless a choice is doubtful; so are a file's own notes
-    doubts = [n for n in fit.record.notes if not any(text in n for text in _CERTAIN)]
     gauges = [f"{text[0].lower()}{text[1:]}" for text in gauge_errors(fit).values()]
-    doubts = [*gauges, *result.remarks, *doubts]
+    doubts = [*gauges, *fit.record.doubts]
     if doubts:
         remainder = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
         last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{remainder}.")

@@ -44,7 +44,7 @@ def run(
         table=table, decimal=decimal, name_pattern=name_pattern, atmosphere=atmosphere,
         moment_arm=moment_arm,
     )  # fmt: skip
-    record, _ = reading.read_record(data, settings)
+    record = reading.read_record(data, settings)
     from ...records.published import file_text
 
     with user_errors():
