@@ -1,8 +1,5 @@
 """`fascicle export`."""
 
-import fascicle as fs
-from fascicle.files import dumps
-
 
 def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
     code, out, err = fascicle("export", "kim2021_bundle_1_4", "--table", "code", "--name", "knee")
@@ -48,7 +45,3 @@ def test_a_page_is_written_once(fascicle, refused, tmp_path):
     assert fascicle("export", "kim2021_figure_6", "--page", "arm.html", "--overwrite")[0] == 0
     assert "--page" in refused("export kim2021_figure_6 --table code -p 100kPa")
     assert "--page" in refused("export ramp_hand_over --page ramp.html")
-    (tmp_path / "stiff.toml").write_text(
-        dumps(fs.example("kim2021_figure_6").replace(tension="elastic_braid"))
-    )
-    assert "--c" in refused("export stiff.toml --page stiff.html")

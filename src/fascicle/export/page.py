@@ -1,7 +1,8 @@
-"""A page of a muscle or bundle: one HTML file that computes the law itself and needs nothing else.
+"""A page of a muscle or bundle: one HTML file that needs nothing else.
 
-The laws run as WebAssembly (`page_law`), which the page's scripts call; they draw the curves of
-force over contraction, the shape and, of a bundle, the free strain over the second unit's pressure.
+It holds the table of each different muscle, as the C code does, and states its error. Its scripts
+draw force and deflection over contraction and, of a bundle, the free strain over the second unit's
+pressure.
 """
 
 import base64
@@ -16,25 +17,19 @@ import numpy as np
 from .. import __version__
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError, require
-from ..core.module import unique_indices
-from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE, RANGES
+from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
-from ..muscle import Muscle
-from .c_files import as_bundle, length_ratios
-from .page_law import FOLDER, MODULE, POINTS, manifest, muscle_data
+from ..muscle import Muscle, MuscleTable
+from .c_files import as_bundle
+from .c_table import nodes, tabulate
 
 
 CURVES = tuple(1e3 * pressure for pressure in (0.0, 100.0, 200.0, 300.0, 400.0))  # Pa
-_SCRIPTS = ("law.js", "solid.js", "page.js")
+FOLDER = Path(__file__).with_name("page")
+_SCRIPTS = ("table.js", "page.js")
 _MOST_UNITS, _MOST_MUSCLES = 8, 60  # as in the explorer: more can't be told apart
 _MOST_CURVES = 12  # as the page's own field allows
 _START = 1 / 3, 0.1  # pressure at first, over the highest, but of a first of several units; strain
-_SIZES = (
-    ("length", "Length", "mm", 1.0),
-    ("outer_radius", "Bladder radius", "mm", 0.05),
-    ("wall_thickness", "Wall thickness", "mm", 0.05),
-    ("braid_angle", "Braid angle", "deg", 0.5),
-)
 
 
 def page_text(
@@ -50,14 +45,13 @@ def page_text(
 
     **Returns:** HTML.
 
-    **Raises:** `ValueError` for laws that the page's module has not, for more units or muscles than
-    can be told apart, and for pressures off the domain.
+    **Raises:** `ValueError` for more units or muscles than can be told apart, and for pressures off
+    the domain.
     """
     require("matplotlib")  # of its theme, which has the colors; jinja2 is of the same extra
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    from ..plot.shapes import PROJECTION
     from ..plot.theme import DARK, LIGHT, SANS, css
 
     bundle = as_bundle(target)
@@ -70,17 +64,15 @@ def page_text(
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     scripts = [(FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS]
-    script = "\n".join([PROJECTION, *scripts])
+    script = "\n".join(scripts)
     # "<" ends no script in JSON; the scripts are fascicle's own
     text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
-    module = base64.b64encode(MODULE.read_bytes()).decode("ascii")
     return environment.get_template("page.html").render(
         values,
         version=__version__,
         light=Markup(css(LIGHT)),  # noqa: S704 fascicle's own
         dark=Markup(css(DARK)),  # noqa: S704 fascicle's own
         data=Markup(text),  # noqa: S704 escaped above
-        module=module,
         script=Markup(script),  # noqa: S704 fascicle's own
     )
 
@@ -116,27 +108,20 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
         raise InvalidInputError("bundle", rule, count, shown=f"{len(units)} and {count}")
     supply = bundle.supply_pressure
     highest = max(curves, default=0.0) or CURVES[-1] if supply is None else float(supply)
-    muscles, owners = unique_indices([unit.muscle for unit in units])
-    kinds = [units[i].muscle for i in muscles]
-    ratios = length_ratios(bundle)
-    largest = min(1 - (1 - LARGEST_STRAIN) / ratio for ratio in ratios)
-    limits = {name: [RANGES[name].least, RANGES[name].largest] for name, *_ in _SIZES[:3]}
-    distance = bundle.plate_distance
+    tables = tabulate(bundle, highest_pressure=max(highest, *curves))
+    largest = tables.strains[1]
     is_bundle = count > 1
-    first = kinds[0]
+    first = units[0].muscle
     laws = f"{first.tension.name}, {first.buckling.name}"
     return {
         "title": title,
         "lead": f"{f'Bundle of {count} muscles' if is_bundle else 'Muscle'}; laws: {laws}.",
-        "note": f"Made by fascicle {__version__}. The page computes the library's own formulas and"
-        " loads nothing. Gauge pressures; contraction over the length at rest.",
+        "note": f"Made by fascicle {__version__}. The page loads nothing. Gauge pressures;"
+        " contraction over the length at rest.",
         "kind": "bundle" if is_bundle else "muscle",
         "bundle": is_bundle,
         "units": [{"count": int(unit.count)} for unit in units],
-        "muscles": [
-            [i + 1 for i, owner in enumerate(owners) if owner == k] for k in range(len(kinds))
-        ],
-        "sizes": _SIZES,
+        "errors": tables.errors,
         "curves": ", ".join(f"{pressure / 1e3:.6g}" for pressure in curves),
         "highest": f"{highest / 1e3:.9g}",
         "largest_strain": f"{largest:.9g}",
@@ -144,10 +129,10 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
             "title": title,
             "units": [
                 {"muscle": owner, "count": int(unit.count)}
-                for owner, unit in zip(owners, units, strict=True)
+                for owner, unit in zip(tables.kinds, units, strict=True)
             ],
-            "muscles": [muscle_data(kind) for kind in kinds],
-            "distance": None if distance is None else float(distance),
+            "tables": [_table_data(table) for table in tables.surfaces],
+            "ratios": tables.ratios,
             "highest": highest,
             "start": [
                 highest if i == 0 < len(units) - 1 else float(f"{_START[0] * highest:.2g}")
@@ -155,11 +140,23 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
             ],
             "strain": min(_START[1], largest),
             "curves": curves,
-            "limits": limits | {"braid_angle": [np.radians(1.0), NEUTRAL_ANGLE]},
-            "functions": {key: manifest()[key] for key in {muscle_data(m)["law"] for m in kinds}},
-            "points": POINTS,
         },
     }
+
+
+def _table_data(table: MuscleTable) -> dict[str, Any]:
+    """Numbers of a `table` for the page's scripts; arrays are doubles in base64."""
+    lines, columns = table.coefficients.shape[:2]
+    low, high = map(float, table.strains)
+
+    def encode(values: Any) -> str:
+        return base64.b64encode(np.asarray(values, "<f8").tobytes()).decode("ascii")
+
+    return {
+        "lines": lines, "columns": columns, "rootStep": float(table.root_step),
+        "low": low, "high": high, "length": float(table.rest_length),
+        "nodes": encode(nodes(table)), "kinks": encode(table.kinks), "bows": encode(table.bows),
+    }  # fmt: skip
 
 
 def _theme(colors: Any) -> dict[str, Any]:
@@ -168,8 +165,7 @@ def _theme(colors: Any) -> dict[str, Any]:
 
     return {
         **{name: getattr(colors, name) for name in
-           ("ink", "soft", "edge", "line", "paper", "bad", "curves", "fiber", "fitting")},
+           ("ink", "soft", "edge", "line", "paper", "bad", "curves")},
         "mark": VERMILION,
-        "tubes": [colors.tube, *(mix(colors.tube, color, 0.45) for color in colors.curves[1:7])],
         "family": [mix(colors.curves[3], colors.good, i / 7) for i in range(8)],
     }  # fmt: skip

@@ -21,7 +21,7 @@ def run(
         metavar="PATH",
     ),
     page: str | None = option(
-        "Web page (.html) that computes and draws the muscle or bundle offline, in any browser.",
+        "Web page (.html) that draws the muscle or bundle offline, in any browser.",
         metavar="PATH",
     ),
     pressure: str | None = option(
@@ -50,8 +50,8 @@ def run(
     control as FILE it adds one step of the controller. It has the inverse, `NAME_pressures`: the
     pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
     packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
-    platform it holds sources only. `--page` writes one file with sliders for pressure, contraction
-    and sizes, which needs neither fascicle nor a network. Later changes of FILE don't change what
+    platform it holds sources only. `--page` writes one file with sliders for pressure and
+    contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
     if table is None and fmu is None and page is None:

@@ -1,25 +1,15 @@
 // The page: one state, sliders and figures that show it. Quantities are in SI units; those shown
-// are in kPa, mm, deg and N.
+// are in kPa, mm and N.
 const DATA = JSON.parse(document.getElementById("data").textContent);
-const KPA = 1e3, MM = 1e-3, DEG = Math.PI / 180;
-const SIZES = [  // of a muscle, in the order of its constants
-  ["length", "Length at rest", "mm", MM, 0.1],
-  ["outer_radius", "Bladder radius", "mm", MM, 0.01],
-  ["wall_thickness", "Wall thickness", "mm", MM, 0.01],
-  ["braid_angle", "Braid angle", "deg", DEG, 0.1],
-];
+const KPA = 1e3, MM = 1e-3;
 const POINTS = 161;  // of a curve
 const REVERSAL_POINTS = 97;
 const SLICE = 6;  // ms of a frame that a long curve may take
 const $ = id => document.getElementById(id);
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
-let functions = {};  // of the module, by the key of laws
-const original = JSON.stringify(DATA.muscles);
-const view = {
-  muscles: DATA.muscles, pressures: DATA.start, strain: DATA.strain,
-  curves: DATA.curves, azimuth: 30, elevation: 20,
-};
+const tables = DATA.tables.map(table => new MuscleTable(table));
+const view = {pressures: DATA.start, strain: DATA.strain, curves: DATA.curves};
 const isBundle = DATA.units.length > 1 || DATA.units[0].count > 1;
 
 const figures = value => !Number.isFinite(value) ? "never"
@@ -28,21 +18,8 @@ const theme = () => DATA.theme[dark.matches ? "dark" : "light"];
 
 // ---- the muscles
 
-const solved = new Map();  // muscles at pressures, until a size changes
-function find(muscle, pressure) {
-  const key = `${muscle} ${pressure}`;
-  if (!solved.has(key)) {
-    if (solved.size > 2000) solved.clear();
-    const data = view.muscles[muscle];
-    solved.set(key, new PressurizedMuscle(functions[data.law], data, pressure));
-  }
-  return solved.get(key);
-}
-
-const ratios = () => DATA.units.map(({muscle}) =>
-  DATA.distance === null ? 1 : DATA.distance / view.muscles[muscle].constants[0]);
-
-const bundleAt = pressures => new PressurizedBundle(DATA.units, pressures, ratios(), find);
+const bundleAt = pressures => new PressurizedBundle(
+  DATA.units, pressures, DATA.ratios, (table, pressure) => new PressurizedMuscle(tables[table], pressure));
 
 // Largest strain that is drawn, well past the free strain at the highest pressure.
 function strainLimit() {
@@ -61,7 +38,7 @@ function results() {
       force: bundle.unitForce(i, strain), blocked: bundle.unitForce(i, 0),
       free: bundle.plateStrain(i, unit.free), collapse: bundle.plateStrain(i, unit.collapse),
       region: unit.region(bundle.muscleStrain(i, strain)),
-      shape: unit.shape(bundle.muscleStrain(i, strain)),
+      deflection: unit.deflection(bundle.muscleStrain(i, strain)),
     })),
   };
 }
@@ -200,13 +177,14 @@ class Chart {
 const forceChart = new Chart($("force"), "Contraction ε [–]", "Force F [N]");
 const reversalChart = isBundle && DATA.units.length > 1
   ? new Chart($("reversal"), "Pressure of unit 2 [kPa]", "Free strain [–]") : null;
+const deflectionChart = new Chart($("deflection"), "Contraction ε [–]", "Deflection [mm]");
 
 function curveOf(bundle, top, force = strain => bundle.force(strain)) {
   const x = bundle.grid(0, top, POINTS);
   return {x, y: x.map(force)};
 }
 
-let family = null;  // curves at the chosen pressures, until a size or the list changes
+let family = null;  // curves at the chosen pressures, until the list changes
 function familyOf() {
   if (family) return family;
   const top = strainLimit();
@@ -256,8 +234,7 @@ function drawForce(shown) {
 
 let reversal = null;
 function reversalKey() {
-  return JSON.stringify([view.pressures.filter((_, i) => i !== 1),
-                         view.muscles.map(muscle => muscle.constants)]);
+  return JSON.stringify(view.pressures.filter((_, i) => i !== 1));
 }
 
 function* reversalSteps(key) {
@@ -314,55 +291,24 @@ function drawReversal(shown) {
   reversalChart.writeLabels();
 }
 
-// ---- the solid
+// ---- the deflection
 
-const hex = color => [1, 3, 5].map(i => parseInt(color.slice(i, i + 2), 16));
-
-function drawSolid(shown) {
-  const [context, width, height] = canvasContext($("solid")), colors = theme();
-  const count = DATA.units.reduce((sum, unit) => sum + unit.count, 0);
-  // fewer points of each of many muscles, so that a frame stays short
-  const detail = count > 2 ? {rings: 25, around: 12, fibers: count > 6 ? 0 : 3, along: 32}
-    : {rings: 41, around: 18, fibers: 8, along: 48};
-  const solids = [], tubes = [], threads = [];
-  shown.units.forEach((unit, i) => {
-    const {constants} = view.muscles[DATA.units[i].muscle], [, restRadius, wall] = constants;
-    const {radius, angle} = unit.shape;
-    const solid = solidOf(unit.shape, {
-      radius, angle, restRadius, wall, collapsed: unit.region === "collapsed", ...detail,
-    });
-    for (let k = 0; k < DATA.units[i].count; k++) {
-      solids.push(solid); tubes.push(hex(colors.tubes[i % colors.tubes.length]));
-      for (let j = 0; j < 2 * detail.fibers; j++) threads.push(colors.fiber);
-    }
+function drawDeflection(shown) {
+  const {bundle} = shown, colors = theme(), {top} = familyOf();
+  const curves = bundle.units.map((unit, i) => {
+    const x = bundle.grid(0, top, POINTS);
+    return {x, y: x.map(strain => unit.deflection(bundle.muscleStrain(i, strain)) / MM)};
   });
-  const lengths = DATA.units.map(unit => view.muscles[unit.muscle].constants[0]);
-  const radii = DATA.units.map(unit => view.muscles[unit.muscle].constants[1]);
-  const length = Math.max(...lengths), widest = Math.max(...radii);
-  const positions = musclePositions(solids.length, 2.7 * widest);
-  const {points, faces, fibers} = scene(solids, positions, tubes, hex(colors.fitting));
-  const envelope = points.x.reduce((most, x, i) => Math.max(most, Math.hypot(x, points.y[i])), 0);
-  const reach = Math.max(0.58 * length, 1.1 * envelope);
-  const tall = Math.max(1.05 * envelope + 0.05 * length, 3 * widest);
-  let scale = Math.min(width / (2 * reach), height / (2 * tall));
-  const patches = projectSolids({
-    azimuth: view.azimuth, elevation: view.elevation, points, faces, fibers,
-    along: detail.along, colors: threads, thin: 0.9 / scale, lift: 9,
+  const most = Math.max(...curves.flatMap(curve => curve.y), 1);
+  deflectionChart.begin([0, top], [0, 1.1 * most]);
+  curves.forEach((curve, i) => {
+    const color = colors.curves[i % colors.curves.length];
+    deflectionChart.line(curve, color, 2.6, isBundle ? [6, 4] : []);
+    const depth = `${figures(shown.units[i].deflection / MM)} mm`;
+    const label = isBundle ? `unit ${i + 1}: ${depth}` : depth;
+    deflectionChart.mark(shown.strain, shown.units[i].deflection / MM, colors.mark, label, 7);
   });
-  // a view that shows more of the length upright is smaller
-  const extent = axis => patches.reduce(
-    (most, patch) => Math.max(most, Math.abs(patch[axis][0]), Math.abs(patch[axis][2])), 0);
-  scale = Math.min(scale, 0.48 * width / extent(1), 0.48 * height / extent(2));
-  const [x0, y0] = [width / 2, height / 2];
-  context.lineWidth = 0.6;
-  for (const [, xs, ys, color] of patches) {
-    context.fillStyle = context.strokeStyle = color;
-    context.beginPath();
-    context.moveTo(x0 + scale * xs[0], y0 - scale * ys[0]);
-    for (let i = 1; i < 4; i++) context.lineTo(x0 + scale * xs[i], y0 - scale * ys[i]);
-    context.closePath(); context.fill();
-    if (color !== colors.fiber) context.stroke();  // closes the hair between faces
-  }
+  deflectionChart.writeLabels();
 }
 
 // ---- controls and readings
@@ -376,7 +322,7 @@ function showReadings(shown) {
   if (!isBundle) {
     setText("collapse-value", figures(shown.units[0].collapse));
     setText("region-value", shown.units[0].region);
-    setText("deflection-value", `${figures(shown.units[0].shape.deflection / MM)} mm`);
+    setText("deflection-value", `${figures(shown.units[0].deflection / MM)} mm`);
   }
   shown.units.forEach((unit, i) => {
     const values = {force: `${figures(unit.force)} N`, free: figures(unit.free),
@@ -414,11 +360,9 @@ function schedule() {
 
 function render() {
   const shown = results();
-  drawForce(shown); drawSolid(shown); drawReversal(shown);
+  drawForce(shown); drawDeflection(shown); drawReversal(shown);
   showReadings(shown); showControls();
 }
-
-function changeSizes() { solved.clear(); family = null; schedule(); }
 
 // A number that someone types: shown as wrong, with the reason, until it is right.
 function onNumber(input, low, high, unit, set) {
@@ -454,96 +398,16 @@ function prepareControls() {
       figures(DATA.highest / KPA)} kPa, such as 100, 200.`);
     if (good) { view.curves = values.map(x => x * KPA); family = null; schedule(); }
   });
-  prepareSizes();
-  prepareTurning();
-  prepareDragging();
+  prepareDragging($("force"), forceChart);
+  prepareDragging($("deflection"), deflectionChart);
   $("save").addEventListener("click", savePicture);
-  $("reset").addEventListener("click", () => {
-    view.muscles = JSON.parse(original);
-    showSizes(); setText("message", ""); changeSizes();
-  });
 }
 
-// Muscles that a size belongs to: without a distance of plates all have one length.
-const muscleIndices = (muscle, name) =>
-  name === "length" && DATA.distance === null ? view.muscles.map((_, i) => i) : [muscle];
-
-function showSizes() {
-  view.muscles.forEach((muscle, k) => SIZES.forEach(([name, , , scale], i) => {
-    const input = $(`${name}-${k}`);
-    input.value = Number((muscle.constants[i] / scale).toPrecision(7));
-    input.setAttribute("aria-invalid", "false");
-  }));
-}
-
-function prepareSizes() {
-  showSizes();
-  view.muscles.forEach((_, k) => SIZES.forEach(([name, , unit, scale], i) => {
-    const [low, high] = DATA.limits[name].map(limit => limit / scale);
-    onNumber($(`${name}-${k}`), low, high, unit, value => {
-      const before = JSON.stringify(view.muscles);
-      for (const index of muscleIndices(k, name)) view.muscles[index].constants[i] = value * scale;
-      const message = impossible();
-      if (message) { view.muscles = JSON.parse(before); return message; }
-      const active = document.activeElement, text = active.value;
-      showSizes();
-      active.value = text;  // as it is being typed
-      changeSizes();
-    });
-  }));
-}
-
-// Why muscles of these sizes can't exist, as the library says; empty if they can.
-function impossible() {
-  for (const {constants, inactive_length} of view.muscles) {
-    const [length, radius, wall] = constants;
-    if (!(wall < radius)) return "The wall must be thinner than the bladder's radius.";
-    if (length <= 3 * inactive_length) {
-      return `The length must be more than three times the ends' inactive ${
-        figures(inactive_length / MM)} mm.`;
-    }
-  }
-  const lengths = ratios();
-  for (const [i, {muscle}] of DATA.units.entries()) {
-    const straight = 1 - 1 / Math.cos(view.muscles[muscle].constants[3]);
-    if (1 - lengths[i] <= straight) return `The fibers of unit ${i + 1} would be straight.`;
-  }
-  return "";
-}
-
-function prepareTurning() {
-  const canvas = $("solid"), slider = $("turn-view");
-  const turn = (azimuth, elevation) => {
-    view.azimuth = ((azimuth + 180) % 360 + 360) % 360 - 180;
-    view.elevation = Math.max(-89, Math.min(89, elevation));
-    slider.value = Math.round(view.azimuth);
-    schedule();
-  };
-  let grip = null;
-  canvas.addEventListener("pointerdown", event => {
-    grip = [event.clientX, event.clientY, view.azimuth, view.elevation];
-    canvas.setPointerCapture(event.pointerId);
-  });
-  canvas.addEventListener("pointermove", event => {
-    if (!grip) return;
-    const [x, y, azimuth, elevation] = grip;
-    // a finger that moves up or down scrolls the page
-    const up = event.pointerType === "touch" ? 0 : 0.5 * (event.clientY - y);
-    turn(azimuth - 0.5 * (event.clientX - x), elevation + up);
-  });
-  for (const name of ["pointerup", "pointercancel"]) {
-    canvas.addEventListener(name, () => { grip = null; });
-  }
-  canvas.addEventListener("dblclick", () => turn(30, 20));
-  slider.addEventListener("input", () => turn(slider.valueAsNumber, view.elevation));
-}
-
-// The pointer on the force's curves sets the strain; a finger that moves up or down scrolls instead.
-function prepareDragging() {
-  const canvas = $("force");
+// The pointer on the curves sets the strain; a finger that moves up or down scrolls instead.
+function prepareDragging(canvas, chart) {
   let start = null;  // of a drag, which a finger begins by moving to the side
   const set = event => {
-    const strain = forceChart.value(event.clientX - canvas.getBoundingClientRect().left);
+    const strain = chart.value(event.clientX - canvas.getBoundingClientRect().left);
     view.strain = Number(strain.toFixed(4));
     schedule();
   };
@@ -564,7 +428,7 @@ function prepareDragging() {
 
 // All figures, one below the other, with the title and the readings.
 function savePicture() {
-  const pictures = [$("force"), $("solid"), ...(reversalChart ? [$("reversal")] : [])];
+  const pictures = [$("force"), $("deflection"), ...(reversalChart ? [$("reversal")] : [])];
   const scale = window.devicePixelRatio || 1, head = 60 * scale;
   const picture = document.createElement("canvas");
   picture.width = Math.max(...pictures.map(canvas => canvas.width));
@@ -590,17 +454,8 @@ function savePicture() {
   }, "image/png");
 }
 
-const ready = loadModule($("law").textContent).then(module => {
-  for (const [key, entry] of Object.entries(DATA.functions)) {
-    functions[key] = new LawFunctions(module, entry, DATA.points);
-  }
-  prepareControls();
-  dark.addEventListener("change", schedule);
-  new ResizeObserver(schedule).observe($("force"));
-  render();
-  document.body.dataset.state = "ready";
-}).catch(error => {
-  document.body.dataset.state = "failed";
-  setText("message", `This browser can't compute the muscle: ${error.message}. Open the page in a`
-    + " current Firefox, Chrome, Edge or Safari.");
-});
+prepareControls();
+dark.addEventListener("change", schedule);
+new ResizeObserver(schedule).observe($("force"));
+render();
+document.body.dataset.state = "ready";
