@@ -51,6 +51,7 @@ extensions = [
     "sphinx-mathjax-offline",
     "muscle_catalog",  # _ext: sections of the measured muscles, from their files
     "laws",  # _ext: tables of the laws, from what they declare
+    "public",  # _ext: entries of public names, from the packages
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
     "pages",  # _ext: executed in a warm kernel, the long ones first
     "gallery",  # _ext: a grid of pages with the first picture of each

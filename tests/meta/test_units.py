@@ -8,7 +8,7 @@ import ast
 import importlib
 import inspect
 import re
-import types
+import sys
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -86,27 +86,13 @@ def gives_a_result(function: Callable) -> bool:
     return function.__name__ != "__init__" and result is not None and is_quantity(result)
 
 
-API = re.compile(r"\.\. auto(?:function|class|method|exception):: fascicle\.(\S+)")
-MEMBERS = re.compile(r"\.\. automodule:: fascicle\.(\S+)\n   :members: (.*)")
-
-
 def public_objects() -> Iterator[tuple[str, object]]:
-    """What is exported, packages opened, and whatever else the API page shows."""
-    named = {name: getattr(fascicle, name) for name in fascicle.__all__}
-    for name, thing in list(named.items()):
-        if isinstance(thing, types.ModuleType):
-            del named[name]
-            named |= {f"{name}.{inner}": getattr(thing, inner) for inner in public_names(thing)}
-    page = (Path(__file__).parents[2] / "docs/api.md").read_text(encoding="utf-8")
-    shown = API.findall(page)
-    shown += [f"{home}.{one}" for home, many in MEMBERS.findall(page) for one in many.split(", ")]
-    for path in shown:
-        named[path] = resolved(path)
-    seen = []
-    for name, thing in named.items():
-        if callable(thing) and not any(thing is other for other in seen):
-            seen.append(thing)
-            yield name, thing
+    """What is exported, and whatever else the API page shows."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "docs/_ext"))
+    public = importlib.import_module("public")
+    names = [name for names in public.public_names().values() for name in names]
+    for name in [*names, *public.linked_names()]:
+        yield name.removeprefix("fascicle."), resolved(name.removeprefix("fascicle."))
 
 
 def resolved(path: str) -> object:
@@ -117,17 +103,6 @@ def resolved(path: str) -> object:
             importlib.import_module(f"{thing.__name__}.{part}")  # type: ignore[attr-defined]
         thing = getattr(thing, part)
     return thing
-
-
-def public_names(module: types.ModuleType) -> list[str]:
-    """What a module exports; where it says nothing of that, what it or its own parts define."""
-    ours = [
-        name
-        for name, value in vars(module).items()
-        if str(getattr(value, "__module__", "")).startswith(module.__name__)
-        and not name.startswith("_")
-    ]
-    return list(getattr(module, "__all__", ours))
 
 
 def methods(owner: type) -> Iterator[tuple[str, Callable]]:

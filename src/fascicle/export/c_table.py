@@ -203,8 +203,9 @@ def tabulate(
 ) -> BundleTables:
     """Tables of a muscle or bundle.
 
-    **Arguments:** as for `table_code`.
+    **Arguments:**
 
+    - `target`, `precision`, `shape`: as for `table_code`.
     - `highest_pressure`: highest gauge pressure of the table [Pa].
     """
     check_choice(precision, SHAPES, "precision")

@@ -85,7 +85,10 @@ def write_page(
 ) -> Path:
     """Write the page of a muscle or bundle to a file.
 
-    **Arguments:** `path`: of the file; the others are those of `page_text`.
+    **Arguments:**
+
+    - `path`: of the file.
+    - `target`, `title`, `pressures` [Pa]: as for `page_text`.
 
     **Returns:** the path.
 

@@ -33,7 +33,7 @@ _HOMES = {
     **dict.fromkeys(("load", "loads"), "reading"),
     **dict.fromkeys(("Run", "runs"), "segmentation"),
     **dict.fromkeys(
-        ("Scatter", "Sweeps", "VirtualDynamometer", "fabricated_pairs"),
+        ("Scatter", "Sweeps", "VirtualDynamometer"),
         "dynamometer",
     ),
     "MissingMetadataError": "headers",

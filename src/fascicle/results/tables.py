@@ -290,8 +290,8 @@ def simulated(
     - `controller`: of the run, from `control.cascade`, if there is one.
     - `reference`: demand of the controlled output at each step [SI].
 
-    **Returns:** a table: quantities over `time`, the remainder of each `balance`, the `event`s, and
-    the control metrics.
+    **Returns:** a table: quantities over `time`, the remainder of each balance, the events, and the
+    control metrics.
     """
     from ..dynamics import events
     from ..dynamics.energy_ledger import LEDGER, STORES
