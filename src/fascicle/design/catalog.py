@@ -1,18 +1,18 @@
 """Products on sale, prices, and the cheapest of many designs.
 
-**Cheapest**, of the designs that reach the task and keep all limits, is the one with
+**Cheapest**, of the designs on the front, is the one with
 
 1. the lowest price of muscles and valves, where the price of every product and of a valve is known;
    else the fewest valves, one for each motor unit, since a pressure valve costs more than a muscle
    does; then the lowest price of its muscles, where every product has one, else the fewest muscles;
-2. of those of equal price, the largest margin: the least spare force over the demanded force;
-3. the fewest valves, then the fewest muscles;
+2. of those of equal price, the fewest valves, then the fewest muscles;
+3. the smallest muscles: the least volume of all of them at rest;
 4. the least fluid energy, mean over the task.
 
 The first of these that differs between two designs decides. Missing prices are never guessed.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -25,9 +25,8 @@ from .objectives import Values
 from .task import Task
 
 
-_BLOCK = 2**16  # designs compared together, some megabytes
 _ROUNDING = 1e-9  # relative, of a product's limits: 150 mm of 600 mm are a quarter
-_DIGITS = 9  # of a margin: two splits of the same muscles have the same up to rounding
+_DIGITS = 9  # of a size: two splits of the same muscles have the same up to rounding
 
 
 class Product(NamedTuple):
@@ -117,57 +116,26 @@ def cheapest(
     price is unknown; ties as in the module's docstring; `None` without candidates.
 
     `candidates`: indices of the designs to choose from; `values`: objectives of all designs, by
-    name [SI]; with `valves`, `relative_margin` and `mean_energy`; `designs`: gives designs by their
+    name [SI], with `valves` and `mean_energy`; `designs`: gives designs by their
     indices; `catalog`: prices [-].
     """
     if not candidates.size:
         return None
-    return int(next(cheapest_first(candidates, values, designs, catalog))[0])
-
-
-def cheapest_first(
-    candidates: Int[np.ndarray, " candidate"],
-    values: Values,
-    designs: Callable[[Int[np.ndarray, " index"]], Designs],
-    catalog: Catalog,
-) -> Iterator[Int[np.ndarray, " group"]]:
-    """Candidates from the cheapest on, in groups of as many valves unless all prices are known.
-
-    Arguments as of `cheapest`.
-    """
-    groups = [candidates]
-    if not catalog.known_prices(designs(candidates[:1]).drawings)[1]:
-        # no other count matters before this one
-        valves = values["valves"][candidates]
-        groups = (candidates[valves == number] for number in np.unique(valves))
-    for indices in groups:
-        blocks = np.split(indices, range(_BLOCK, len(indices), _BLOCK))
-        keys = [_price_keys(block, values, designs(block), catalog) for block in blocks]
-        yield indices[np.lexsort(np.concatenate(keys, axis=1)[::-1])]
-
-
-def _price_keys(
-    indices: Int[np.ndarray, " index"],
-    values: Values,
-    block: Designs,
-    catalog: Catalog,
-) -> tuple[np.ndarray, ...]:
-    """Keys that rank the designs of a `block`, with these `indices`, from the cheapest on: the
-    first decides.
-    """
-    muscles_known, all_known = catalog.known_prices(block.drawings)
-    valves, muscles = values["valves"][indices], block.counts.sum(axis=1)
-    price = catalog.muscle_price(block) if muscles_known else muscles
-    costs = (catalog.price(block),) if all_known else (valves, price)
-    margin = np.round(values["relative_margin"][indices], _DIGITS)
-    return (*costs, -margin, valves, muscles, values["mean_energy"][indices])
+    chosen = designs(candidates)
+    muscles_known, all_known = catalog.known_prices(chosen.drawings)
+    valves, muscles = values["valves"][candidates], chosen.counts.sum(axis=1)
+    price = catalog.muscle_price(chosen) if muscles_known else muscles
+    costs = (catalog.price(chosen),) if all_known else (valves, price)
+    size = chosen.length * np.sum(chosen.counts * chosen.radius**2, axis=1)
+    keys = (*costs, valves, muscles, np.round(size / size.max(), _DIGITS))
+    return int(candidates[np.lexsort((values["mean_energy"][candidates], *keys[::-1]))[0]])
 
 
 def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
     """Meaning of "cheapest" with the `catalog`'s prices [-] for `drawings`, in words."""
     muscles_known, all_known = catalog.known_prices(drawings)
     if all_known:
-        return "lowest price of muscles and valves, then largest margin"
+        return "lowest price of muscles and valves"
     muscles = "lowest price of muscles" if muscles_known else "fewest muscles"
     missing = "no price of a valve is given" if muscles_known else "no prices are given"
-    return f"fewest valves, then {muscles}, then largest margin; {missing}"
+    return f"fewest valves, then {muscles}, then the smallest; {missing}"

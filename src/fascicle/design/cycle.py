@@ -62,6 +62,7 @@ _SAG = 0.01  # of the stroke, by which the load at rest presses the stop in
 _DAMPER_DEPTH = 1e-3  # m, of (T2)
 _RELEASED = _LEFT / _STEPS  # of the stroke, when the load counts as released: as in the sizing
 _ENLARGEMENTS = 8  # of valves, before a run counts as failed: five do in 28 of 30 random tasks
+LARGEST_OVERSHOOT = 0.1  # of the stroke; a load that swings further isn't where it was to go
 _RESERVE = 0.02  # of the time, by which an enlargement aims lower: one that swings needs fewer
 
 
@@ -326,9 +327,16 @@ class CycleRun(NamedTuple):
     highest: float
     stroke: float
 
+    @property
+    def overshoot(self) -> float:
+        """Largest travel beyond the stroke, over the stroke [-]; negative if it isn't reached."""
+        return self.highest / self.stroke - 1
+
     def passes(self, time: float) -> bool:
-        """True if it was lifted and released within a `time` [s]."""
-        return self.released <= time  # NaN isn't
+        """True if it was lifted and released within a `time` [s] and went no more than
+        `LARGEST_OVERSHOOT` too far.
+        """
+        return self.released <= time and self.overshoot <= LARGEST_OVERSHOOT  # NaN isn't
 
 
 class _LiftAndRelease(Module):
@@ -356,7 +364,7 @@ def fit_valves(
     resize: Callable[[float], ValveSizing | None],
     run: Callable[[ValveSizing], CycleRun],
 ) -> tuple[ValveSizing, CycleRun]:
-    """Enlarge valves until a run in time does the cycle.
+    """Enlarge valves until a run in time ends within the cycle's time.
 
     **Arguments:**
 
@@ -364,19 +372,19 @@ def fit_valves(
     - `resize`: sizing for a time in which valves do the cycle without it [s].
     - `run`: run with a sizing.
 
-    **Returns:** the enlarged sizing and its run; the given sizing and its run if none passes.
+    **Returns:** the enlarged sizing and its run; the given sizing and its run if none is in time.
     """
     first, demanded, larger = run(sizing), sizing.cycle.time, sizing
     result = first
     for _ in range(_ENLARGEMENTS):
-        if result.passes(demanded):
+        if result.released <= demanded:  # larger valves only swing more
             break
         released = _LONGER * demanded if np.isnan(result.released) else result.released
         candidate = resize(larger.time * (1 - _RESERVE) * demanded / released)
         if candidate is None or not candidate.feasible:
             break
         larger, result = candidate, run(candidate)
-    return (larger, result) if result.passes(demanded) else (sizing, first)
+    return (larger, result) if result.released <= demanded else (sizing, first)
 
 
 def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:

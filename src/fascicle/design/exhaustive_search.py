@@ -19,7 +19,7 @@ nearest.
 Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
@@ -27,7 +27,7 @@ from math import sqrt
 import numpy as np
 
 from ..core.types import Bool, Float, Int
-from .catalog import Catalog, cheapest, cheapest_first
+from .catalog import Catalog, cheapest
 from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
@@ -61,9 +61,8 @@ USUAL = {
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares that are compared: equal ones differ by rounding
-_FEWER_DRAWS = (64, 512)  # drop designs that fail in a third, and in a tenth of the draws
-_DEVIATIONS = 4.0  # of the share in few draws, by which it may be too low: 3 of 100 000 more
-_TOGETHER = 64  # designs judged in a few draws at once: some 0.1 s
+_DRAWS = (64, 512)  # are enough for designs that fail in a third, and in a tenth of the draws
+_DEVIATIONS = 4.0  # of the share in few draws, by which it may be off: 3 of 100 000 more
 _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
 _SLOWER = 8  # times as long a draw takes if it has a muscle of its own, as of a calibration
@@ -149,17 +148,10 @@ class SearchResult:
     safety: Safety | None = None
     cycle: Cycle | None = None
 
-    @property
-    def reported(self) -> Int[np.ndarray, " reported"]:
-        """Indices of the reported designs: the front's, then the cheapest if it isn't in it."""
-        if self.cheapest is None or self.cheapest in self.front:
-            return self.front
-        return np.append(self.front, self.cheapest)
-
     @cached_property
     def designs(self) -> Designs:
-        """The reported designs."""
-        return self.all_designs(self.reported)
+        """The designs on the front."""
+        return self.all_designs(self.front)
 
     @property
     def points(self) -> Float[np.ndarray, "front objective"]:
@@ -168,15 +160,15 @@ class SearchResult:
 
     @property
     def recommended(self) -> int | None:
-        """Index of the recommended design among the reported ones; `None` if there is none."""
+        """Index of the recommended design on the front; `None` if there is none."""
         if self.cheapest is None:
             return None
-        return int(np.flatnonzero(self.reported == self.cheapest)[0])
+        return int(np.flatnonzero(self.front == self.cheapest)[0])
 
     @property
     def compromise(self) -> int | None:
-        """Index of the best compromise in the front; `None` if the front is empty."""
-        if not self.front.size:
+        """Index of the best compromise in the front; `None` if none there is recommendable."""
+        if self.cheapest is None:
             return None
         points = self.points
         low, high = points.min(axis=0), points.max(axis=0)
@@ -204,8 +196,8 @@ class SearchResult:
     def cheapest_with_margin(self) -> int | None:
         """Index of the cheapest design that has the `least_margin` too [-]; `None` if none has."""
         margin = Limit(least=self.least_margin).holds(self.values["relative_margin"])
-        candidates = np.flatnonzero(self.allowed & margin)
-        return cheapest(candidates, self.values, self.all_designs, self.catalog)
+        front = pareto_front(self.values, self.senses, np.flatnonzero(self.allowed & margin))
+        return cheapest(front, self.values, self.all_designs, self.catalog)
 
 
 def search(
@@ -282,11 +274,11 @@ def conclude(
     kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
     permitted = ~np.isin(space.kind(index), kinds)
     allowed = within_limits(values, limits) & permitted
-    candidates = np.flatnonzero(allowed)
-    best = cheapest(candidates, values, all_designs, catalog)
+    front = pareto_front(values, senses, np.flatnonzero(allowed))
+    best = cheapest(front, values, all_designs, catalog)
     return SearchResult(
         space, task, dict(senses), limits, index, dict(values), allowed,
-        pareto_front(values, senses, candidates), best,
+        front, best,
         nearest(values, limits, permitted) if best is None and len(index) else None,
         all_designs, len(index) if judged is None else judged, tuple(extra), catalog,
         least_margin,
@@ -294,82 +286,68 @@ def conclude(
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
-    """Recommend the cheapest design that holds the task in most draws.
+    """Keep the designs on the front that hold the task in most draws, and recommend one of them.
+
+    A design that is dominated by unsafe ones alone is on the front of the safe ones, so designs are
+    judged front by front, without those found unsafe, until all of a front hold.
 
     **Arguments:**
 
     - `result`: of a search; one without a recommended design is returned as it is.
     - `uncertainty`: what is drawn, and the share of draws in which a design must hold.
 
-    **Returns:** the result with `safety`; without a recommended design if none holds, the surest
-    one is the `nearest` then.
+    **Returns:** the result with `safety`, and the front of the safe designs; without a recommended
+    design, and with the front as it was, if none holds: the surest one is the `nearest` then.
 
     **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
     """
     if result.cheapest is None:
         return result
-    row, probability, judged, complete = _first_that_holds(result, uncertainty)
-    if probability >= uncertainty.share:
-        result = replace(result, cheapest=row)
-    else:
-        result = replace(result, cheapest=None, nearest=row)
-    draws = _budget(uncertainty, _MOST_REPORTED) // len(result.reported)
-    draws = max(_FEWER_DRAWS[0], min(uncertainty.draws, draws))
-    reported = _spread_of_rows(result, result.reported, uncertainty, draws)
-    return replace(result, safety=Safety(uncertainty, probability, judged, complete, reported))
-
-
-def _first_that_holds(
-    result: SearchResult, uncertainty: Uncertainty
-) -> tuple[int, float, int, bool]:
-    """Index of the cheapest design that holds, or of the surest; the share of draws in which it
-    does [-], the number of judged designs, and whether these were enough.
-    """
-    threshold, all_draws = uncertainty.share, uncertainty.draws
-    budget = _budget(uncertainty, _MOST_DRAWN)
-    judged, surest = 0, (0, 0.0, -1)  # draws, share of them that are met, index
-    for block in _blocks(result):
-        if budget <= 0:
+    candidates, budget, complete = result.allowed.copy(), _budget(uncertainty, _MOST_DRAWN), False
+    probability = np.full(len(candidates), np.nan)
+    while budget > 0:
+        front = pareto_front(result.values, result.senses, np.flatnonzero(candidates))
+        new = front[np.isnan(probability[front])]
+        if complete := not new.size:
             break
-        rows, positions = block, judged + 1 + np.arange(len(block))
-        judged += len(rows)
-        for draws in (n for n in _FEWER_DRAWS if n < all_draws):
-            probabilities = _spread_of_rows(result, rows, uncertainty, draws, ()).probability
-            budget -= draws * len(rows)
-            best = int(np.argmax(probabilities))
-            surest = max(surest, (draws, float(probabilities[best]), int(rows[best])))
-            deviation = sqrt(threshold * (1 - threshold) / draws)
-            keep = probabilities >= threshold - _DEVIATIONS * deviation
-            rows, positions = rows[keep], positions[keep]
-            if not rows.size:
-                break
-        for row, position in zip(rows, positions, strict=True):
-            probability = _spread_of_rows(
-                result, row[None], uncertainty, all_draws, ()
-            ).probability.item()
-            budget -= all_draws
-            surest = max(surest, (all_draws, probability, int(row)))
-            if probability >= threshold:
-                return int(row), probability, int(position), True
-    row = surest[2]
-    probability = _spread_of_rows(
-        result, np.array([row]), uncertainty, all_draws, ()
-    ).probability.item()
-    return row, probability, judged, judged == int(result.allowed.sum())
+        new = new[: 1 + budget // _DRAWS[0]]
+        probability[new], drawn = _probabilities(result, new, uncertainty)
+        candidates[new[probability[new] < uncertainty.share]] = False
+        budget -= drawn
+    safe = np.flatnonzero(probability >= uncertainty.share)
+    if safe.size:
+        front = pareto_front(result.values, result.senses, safe)
+        row = cheapest(front, result.values, result.all_designs, result.catalog)
+        assert row is not None
+        result = replace(result, cheapest=row, front=front)
+    else:
+        row = int(np.nanargmax(probability))
+        result = replace(result, cheapest=None, nearest=row)
+    alone = _spread_of_rows(result, np.array([row]), uncertainty, uncertainty.draws, ())
+    draws = _budget(uncertainty, _MOST_REPORTED) // max(1, len(result.front))
+    draws = max(_DRAWS[0], min(uncertainty.draws, draws))
+    return replace(result, safety=Safety(
+        uncertainty, float(alone.probability[0]), int(np.sum(~np.isnan(probability))), safe.size,
+        complete, _spread_of_rows(result, result.front, uncertainty, draws),
+    ))  # fmt: skip
 
 
-def _blocks(result: SearchResult) -> Iterator[Int[np.ndarray, " design"]]:
-    """Blocks of designs that do the task as drawn, from the cheapest on: one design at first, since
-    the cheapest often holds.
+def _probabilities(
+    result: SearchResult, rows: Int[np.ndarray, " design"], uncertainty: Uncertainty
+) -> tuple[Float[np.ndarray, " design"], int]:
+    """Share of draws in which each design with these `rows` holds [-], from as few draws as tell
+    whether it is large enough; and the number of designs in draws that were evaluated.
     """
-    count = 0
-    candidates = np.flatnonzero(result.allowed)
-    for group in cheapest_first(candidates, result.values, result.all_designs, result.catalog):
-        remaining = group
-        while len(remaining):
-            block, remaining = np.split(remaining, [min(_TOGETHER, count + 1)])
-            count += len(block)
-            yield block
+    share, probability, drawn = uncertainty.share, np.empty(len(rows)), 0
+    unclear = np.arange(len(rows))
+    for draws in (*(n for n in _DRAWS if n < uncertainty.draws), uncertainty.draws):
+        spread = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
+        probability[unclear], drawn = spread.probability, drawn + draws * len(unclear)
+        deviation = sqrt(share * (1 - share) / draws)
+        unclear = unclear[np.abs(probability[unclear] - share) < _DEVIATIONS * deviation]
+        if not unclear.size:
+            break
+    return probability, drawn
 
 
 def _budget(uncertainty: Uncertainty, count: int) -> int:

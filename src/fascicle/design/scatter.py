@@ -170,14 +170,15 @@ class Safety:
     - `uncertainty`: what was drawn.
     - `probability`: share of the draws in which the recommended design, or the surest one, meets
       the task and all limits [-].
-    - `judged`: number of designs that were judged; `complete`: true if these are all that do the
-      task, or the recommended design was among them.
-    - `spread`: of the reported designs.
+    - `judged`: number of designs that were judged, `safe`: of those of them that hold; `complete`:
+      true if no other design can be on the front of the safe ones.
+    - `spread`: of the designs on the front.
     """
 
     uncertainty: Uncertainty
     probability: float
     judged: int
+    safe: int
     complete: bool
     spread: Spread
 

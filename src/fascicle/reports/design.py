@@ -82,7 +82,7 @@ def report(
             "warnings": design_warnings(result, summary),
             "facts": [f"{name}: {text}" for name, text in facts.items()],
         }
-    if result.reported.size:
+    if result.front.size:
         values |= {"compromise": compromise(result), **_pictures(result), **_tables(result)}
     return render(
         "design.html", title=f"Design: {objective_label(result.task.name)}", date=date,
@@ -107,7 +107,7 @@ def _plane(result: SearchResult, index: int, summary: Summary) -> Any:
 
 def design_text(result: SearchResult, index: int) -> str:
     """A design in a few lines, by its `index` among the reported ones."""
-    designs, row = result.designs, result.reported[index]
+    designs, row = result.designs, result.front[index]
     number = int(result.index[row])
     return "\n".join([
         f"{design_name(index)}: {designs.labels[index]}"
@@ -121,9 +121,9 @@ def design_text(result: SearchResult, index: int) -> str:
 
 
 def compromise(result: SearchResult) -> list[str]:
-    """Sentences on the best compromise of a front that isn't empty."""
-    index = result.compromise
-    assert index is not None
+    """Sentences on the best compromise; none if no design is safe."""
+    if (index := result.compromise) is None:
+        return []
     row, labels = result.front[index], result.designs.labels
     lines = [
         f"Best compromise of all objectives: {labels[index]},"
@@ -145,13 +145,13 @@ def compromise(result: SearchResult) -> list[str]:
 
 def _pictures(result: SearchResult) -> dict[str, Any]:
     """Pictures of the front: objectives against the first one, and all of them."""
-    texts = [design_text(result, index) for index in range(len(result.reported))]
+    texts = [design_text(result, index) for index in range(len(result.front))]
     marks = result.recommended, result.compromise
 
     def scaled_axis(name: str, rows: Any) -> Any:
         return objective_axis(result.values[name][rows], name, OBJECTIVES[name].unit)
 
-    axes = {name: scaled_axis(name, result.reported) for name in result.reported_objectives}
+    axes = {name: scaled_axis(name, result.front) for name in result.reported_objectives}
     allowed = np.flatnonzero(result.allowed)
     allowed = allowed[:: max(1, len(allowed) // _POINTS)]
     first, *names = result.senses
@@ -183,7 +183,7 @@ def _tables(result: SearchResult) -> dict[str, Any]:
                 _link(index),
                 (bold if index == result.recommended else str)(designs.labels[index]),
                 muscle_sizes(result, designs, index),
-                *(format_objective(name, float(result.values[name][result.reported[index]]))
+                *(format_objective(name, float(result.values[name][result.front[index]]))
                   for name in names),
                 *low_margin(result, index),
             ]
@@ -222,7 +222,7 @@ def _link(index: int) -> Markup:
 
 def _section(result: SearchResult, index: int) -> dict[str, Any]:
     """Section of a reported design: name, composition, facts, load cases, and the bundle's file."""
-    summary = summarize_result(result, int(result.reported[index]))
+    summary = summarize_result(result, int(result.front[index]))
     rows, caption = case_rows(summary, _CASES_OF_EACH)
     facts = design_facts(result, summary)
     return {

@@ -9,7 +9,14 @@ import numpy as np
 
 from ..core.errors import missing_extra
 from ..design.catalog import describe_cheapest
-from ..design.cycle import WIDEST_BORE, CycleRun, ValveSizing, fit_valves, run_cycle
+from ..design.cycle import (
+    LARGEST_OVERSHOOT,
+    WIDEST_BORE,
+    CycleRun,
+    ValveSizing,
+    fit_valves,
+    run_cycle,
+)
 from ..design.designs import Designs
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction, other_limits
@@ -110,7 +117,6 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
     index = result.recommended
     assert index is not None
     allowed, complete = int(result.allowed.sum()), result.judged == len(result.index)
-    passed_over = 0 if result.safety is None else result.safety.judged - 1
     requirement, sizes = task_requirement(result), muscle_sizes(result, result.designs, index)
     if allowed == 1 and complete:
         reason = (
@@ -119,13 +125,16 @@ def headline(result: SearchResult, summary: Summary) -> list[str]:
         )
     else:
         designs = f"the {allowed}" if complete else f"{result.judged} evaluated"
+        meaning = describe_cheapest(result.catalog, result.space.drawings)
         reason = (
-            f"It is the cheapest of {designs} designs that {requirement} and keep all limits;"
-            f" cheapest means {describe_cheapest(result.catalog, result.space.drawings)}."
+            f"It is the cheapest on the front of {designs} designs that {requirement} and keep all"
+            f" limits; cheapest means {meaning}."
         )
-        if passed_over:
-            ending = "one holds" if passed_over == 1 else "ones hold"
-            reason = f"{reason.removesuffix('.')}; {passed_over} cheaper {ending} in too few draws."
+        safety = result.safety
+        if safety is not None and safety.judged > safety.safe:
+            number = safety.judged - safety.safe
+            ending = "design holds" if number == 1 else "designs hold"
+            reason += f" {number} other {ending} in too few draws to be on the front."
     take = f"Take {design_name(index)}: {composition_text(summary)}, {sizes}."
     return [take, f"margin: {_margin_text(summary)}.", *safety_lines(result), reason]
 
@@ -213,6 +222,8 @@ def margin_warning(result: SearchResult, summary: Summary) -> str:
         f" case {i + 1}. That is below {threshold} ([limits] margin). Computed forces can be off by"
         " tens of percent, and by more if the braid angle is a degree off: it may fail the task."
     )
+    if result.safety is not None:  # another one may hold in too few draws
+        return text
     if (index := result.cheapest_with_margin) is None:
         return f"{text} No design of this search has {threshold}: add larger or more muscles."
     better = result.all_designs(np.array([index]))
@@ -373,7 +384,7 @@ def run_cycle_of(result: SearchResult, summary: Summary) -> Summary:
 
 
 def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
-    """Course of a run in words."""
+    """Course of a run in words, with how far it went beyond the stroke."""
     time = sizing.cycle.time
     if np.isnan(run.lifted):
         arrival = f"{pretty(run.highest, 'length', 3)} of {pretty(run.stroke, 'length', 3)}"
@@ -381,7 +392,11 @@ def _run_text(run: CycleRun, sizing: ValveSizing) -> str:
     text = f"contracted after {pretty(run.lifted, 'time', 3)}, "
     if np.isnan(run.released):
         return f"{text}not released within {pretty(2 * time, 'time', 3)}"
-    return f"{text}released after {pretty(run.released, 'time', 3)}"
+    return (
+        f"{text}released after {pretty(run.released, 'time', 3)}; it swings"
+        f" {_percent(max(run.overshoot, 0.0))} of the stroke too far, to"
+        f" {pretty(run.highest, 'length', 3)} ({_percent(LARGEST_OVERSHOOT)} allowed)"
+    )
 
 
 def _price_text(result: SearchResult, summary: Summary) -> str:
@@ -451,7 +466,7 @@ class InfeasibleResult:
 
     def _unsafe_verdict(self, safety: Safety) -> str:
         uncertainty, allowed = safety.uncertainty, int(self.result.allowed.sum())
-        judged = "" if safety.complete else f" of the {safety.judged} cheapest"
+        judged = "" if safety.complete else f" of the {safety.judged} that were judged"
         return (
             f"No design is recommended: {allowed} of {self.result.judged} designs"
             f" {task_requirement(self.result)} and keep all limits at their nominal sizes, but"

@@ -14,21 +14,20 @@ _ON_FRONT = "true if no other design is better in all objectives"
 
 
 def front_variables(result: SearchResult) -> dict[str, Variable]:
-    """Variables of the designs on the front, and of the recommended one if it isn't there.
+    """Variables of the designs on the front.
 
     Objectives come first, then those under scatter if the `result` has any, composition and sizes.
     """
-    indices, spread = result.reported, None if result.safety is None else result.safety.spread
+    indices, spread = result.front, None if result.safety is None else result.safety.spread
     recommended = np.zeros(len(indices), bool)
     if result.recommended is not None:
         recommended[result.recommended] = True
-    on_front = np.arange(len(indices)) < len(result.front)
-    about = "cheapest of the designs that do the task within the limits"
+    about = "cheapest of the designs on the front"
     rows: list[tuple] = [
         ("design", "design", result.index[indices], "-", _INDEX),
         *_objectives({name: values[indices] for name, values in result.values.items()}),
         ("recommended", "design", recommended, "-", about),
-        ("front", "design", on_front, "-", _ON_FRONT),
+        ("front", "design", np.ones(len(indices), bool), "-", _ON_FRONT),
     ]
     prices = result.catalog.price(result.designs)
     if not np.all(np.isnan(prices)):

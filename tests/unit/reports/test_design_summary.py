@@ -79,18 +79,19 @@ def test_valves_and_the_run_are_a_line():
     assert "valves: each needs" in unescape(report(result, "2026-05-04", [], answer=ran))
 
 
-def test_valves_are_enlarged_until_the_run_passes():
+def test_valves_are_enlarged_until_the_run_is_in_time_and_its_overshoot_fails_it():
     result = search(SPACE, Task.of([200.0, 60.0], [0.08, 0.12], 400e3), SENSES)
     result = replace(result, cycle=Cycle(0.25, 30.0))
     summary = summarize_search(result)
     ran = run_cycle_of(result, summary)
-    text = design_facts(result, ran)["valves"]
-    assert "; run over time: passes, " in text and "without inertia, as the load swings" in text
-    assert np.all(ran.sizing.conductance > summary.sizing.conductance) and not ran.run_failure
+    assert "without inertia, as the load swings" in design_facts(result, ran)["valves"]
+    assert np.all(ran.sizing.conductance > summary.sizing.conductance)
     bundle = result.designs.bundle(result.recommended, result.task)
     stroke = float(result.task.stroke_of(ran.cases.length)[1])
-    runs = (run_cycle(bundle, 60.0, stroke, s.sizing) for s in (summary, ran))
-    assert [run.passes(0.25) for run in runs] == [False, True]
+    first, last = (run_cycle(bundle, 60.0, stroke, s.sizing) for s in (summary, ran))
+    assert last.released <= 0.25 < first.released
+    # the load flies on by half of the stroke: it isn't where it was to go
+    assert last.overshoot > 0.5 and not last.passes(0.25) and ran.run_failure
 
 
 def test_a_case_that_does_work_is_run():
@@ -99,7 +100,7 @@ def test_a_case_that_does_work_is_run():
     result = replace(result, cycle=Cycle(0.4, 30.0))
     ran = run_cycle_of(result, summarize_search(result))
     assert (ran.sizing.case, ran.sizing.run_case) == (1, 0)
-    assert ran.run.startswith("run over time: passes at case 1, ")
+    assert "at case 1, " in ran.run
     assert ran.sizing.time == 0.4 and "inertia" not in design_facts(result, ran)["valves"]
 
 

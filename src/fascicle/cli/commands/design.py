@@ -112,7 +112,7 @@ def judge_result(
     from ...reports.design_summary import InfeasibleResult, run_cycle_of, summarize_search
 
     if file.uncertainty is not None:
-        update("judging designs from the cheapest on in draws of scatter")
+        update("judging designs in draws of scatter")
         result = judge_safety(result, file.uncertainty)
     result = replace(result, cycle=file.cycle)
     answer = summarize_search(result)
@@ -143,7 +143,7 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
     rows, caption = design_summary.case_rows(summary, _CASES)
     title = f"Load cases, {design_summary.composition_text(summary)}"
     print_table(title, list(design_summary.HEADS), rows, caption)
-    if result.reported.size:
+    if result.front.size:
         _print_front(result)
     return 0 if is_feasible else INCOMPLETE
 
@@ -160,7 +160,7 @@ def _print_front(result: "SearchResult") -> None:
     """Print the designs of the Pareto front."""
     from ...reports import design_summary
 
-    values, reported = result.values, result.reported
+    values, reported = result.values, result.front
     counts = ""
     if result.judged == len(result.index):
         reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
@@ -183,13 +183,12 @@ def _print_front(result: "SearchResult") -> None:
     ]  # fmt: skip
     objectives = list(map(design_summary.objective_head, result.reported_objectives))
     objectives += design_summary.low_margin_heads(result)
-    caption = f"{result.judged} designs,{counts} {len(result.front)} on the front"
+    safe = " of those that are safe" if result.safety and result.safety.holds else ""
+    caption = f"{result.judged} designs,{counts} {len(result.front)} on the front{safe}"
     caption += "; *: recommended, c: best compromise" if result.cheapest is not None else ""
     if result.safety is not None:
         caption += f"; percentiles of the first {result.safety.spread.met.shape[1]} draws"
-    if result.cheapest is not None and result.cheapest not in result.front:
-        caption += "; the recommended design is the cheapest, not on the front"
-    if omitted := len(result.reported) - len(rows):
+    if omitted := len(result.front) - len(rows):
         caption += f"; {omitted} more are in the files"
     heads = ["design", "muscles by unit", *objectives, "sizes"]
     print_table("Pareto front, and the recommended design", heads, rows, caption)
@@ -213,7 +212,7 @@ def _write(
 
     bundles = {
         f"bundle_{index + 1}.toml": dumps(result.designs.bundle(index, result.task))
-        for index in range(min(len(result.reported), _SAVED))
+        for index in range(min(len(result.front), _SAVED))
     }
     data: dict[str, Any] = {"designs.nc": design_tables.all_design_variables(result)}
     infeasible, summary = _unpack_answer(answer)
