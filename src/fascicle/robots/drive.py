@@ -353,7 +353,8 @@ class Drive(Module):
         **Arguments:**
 
         - `model`, `data`: MJX's.
-        - `fluid`: before the step [SI].
+        - `fluid`: before the step [SI]; that of `start` is best put where MJX's data are, by
+          `jax.device_put(fluid, data.qpos.device)`: else the second step compiles again.
         - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
 
         **Returns:** data and fluid after the step [SI].

@@ -78,9 +78,11 @@ class SoftEnds(MuscleWrapper):
 def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Any:
     """A `TableStatus` of each unit of `muscles` at `pressures` [Pa] and `strains` [-]."""
     xp, (low, high) = array_namespace(pressures, strains), muscles.strains
-    status = xp.where(pressures > muscles.highest_pressure, TableStatus.PRESSURE.value, 0)
-    status = xp.where(strains > high, TableStatus.SHORTENED.value, status)
-    return xp.where(strains < low, TableStatus.STRETCHED.value, status)
+    # NumPy's integers: of a Python's number a compiled step makes another type than its input's
+    inside, stretched, shortened, pressure = map(np.int64, TableStatus)
+    status = xp.where(pressures > muscles.highest_pressure, pressure, inside)
+    status = xp.where(strains > high, shortened, status)
+    return xp.where(strains < low, stretched, status)
 
 
 def status_message(muscles: AbstractMuscles, status: Any, tendons: list[str]) -> str:
