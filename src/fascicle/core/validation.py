@@ -70,7 +70,7 @@ def check_interval(
     good = ((x >= low) if closed[0] else (x > low)) & ((x <= high) if closed[1] else (x < high))
     if not np.all(good):
         bad, low, high = (float(np.broadcast_to(x, good.shape)[~good][0]) for x in (x, low, high))
-        bad_text, low_text, high_text = _distinct_texts(bad, low, high)
+        bad_text, low_text, high_text = distinct_texts(bad, low, high)
         interval = f"{'[' if closed[0] else '('}{low_text}, {high_text}{']' if closed[1] else ')'}"
         rule = f"must lie in {_append_unit(interval, unit)} {why}".rstrip()
         if (low, high) == (0, math.inf) and not any(closed):
@@ -137,7 +137,7 @@ def _number_text(value: float, digits: int = 6) -> str:
     return f"{value:.{digits}g}".replace("e+0", "e")
 
 
-def _distinct_texts(bad: float, *limits: float) -> list[str]:
+def distinct_texts(bad: float, *limits: float) -> list[str]:
     """Texts of a refused value and its limits, with enough digits to tell the value from them."""
     digits = 6
     while digits < 17 and any(  # 17 tell any two floats apart

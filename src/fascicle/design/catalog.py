@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.types import Float, Int
+from ..core.validation import distinct_texts
 from ..muscle import Muscle
 from .designs import Designs
 from .objectives import Values
@@ -48,16 +49,12 @@ class Product(NamedTuple):
         """
         limit, strain = self.largest_pressure, float(task.strain_of(length).max())
         if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
-            return (
-                f"the supply has {task.supply_pressure / 1e3:g} kPa, its maker allows"
-                f" {limit / 1e3:g} kPa"
-            )
+            given, most = distinct_texts(task.supply_pressure / 1e3, limit / 1e3)
+            return f"the supply has {given} kPa, its maker allows {most} kPa"
         limit = self.largest_strain
         if limit is not None and strain > limit * (1 + _ROUNDING):
-            return (
-                f"the task demands a contraction of {100 * strain:.3g} %, its maker allows"
-                f" {100 * limit:g} %"
-            )
+            given, most = distinct_texts(100 * strain, 100 * limit)
+            return f"the task demands a contraction of {given} %, its maker allows {most} %"
         return ""
 
 

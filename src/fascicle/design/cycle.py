@@ -32,7 +32,7 @@ from ..core.array_namespace import maximum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, with_fields
 from ..core.types import Batch, Bool, Float, Numbers
-from ..core.validation import check_interval
+from ..core.validation import check_interval, distinct_texts
 from ..fluid import ConstantSupply, Isothermal
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import REFERENCE_DENSITY, Line, SonicValve
@@ -89,9 +89,10 @@ class Cycle:
         if self.hose_length is not None:
             check_interval(self.hose_length, 0.0, _LONGEST_HOSE, "hose_length", "m")
         if self.time * self.per_minute > 60 * (1 + 1e-9):  # rounding of 60 s
-            largest_rate = 60 / self.time
-            rule = f"must be at most {largest_rate:.4g}: each cycle takes {self.time:g} s"
-            raise InvalidInputError("per_minute", rule, self.per_minute, "take fewer, or less time")
+            given, largest = distinct_texts(self.per_minute, 60 / self.time)
+            rule = f"must be at most {largest}: each cycle takes {self.time:g} s"
+            remedy = "take fewer, or less time"
+            raise InvalidInputError("per_minute", rule, self.per_minute, remedy, shown=given)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from ..bundle.schemes import AbstractScheme
 from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Float, Numbers
-from ..core.validation import check_choice
+from ..core.validation import check_choice, distinct_texts
 from .outcome import FORCE_TOLERANCE, Outcome
 
 
@@ -297,7 +297,8 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
     for name, limit in limits.items():
         if not limit.least <= limit.most:
             unit = OBJECTIVES[name].unit.replace("-", "")
-            rule = f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}"
+            least, most = distinct_texts(limit.least, limit.most)
+            rule = f"is limited to at least {least} and at most {most} {unit}"
             raise InvalidInputError(name, rule.rstrip(), None, "no design can be both")
 
 

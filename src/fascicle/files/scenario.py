@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.validation import check_choice
+from ..core.validation import check_choice, distinct_texts
 from ..dynamics import (
     AntagonisticJoint,
     MaxwellSlip,
@@ -225,7 +225,8 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     if isinstance(data.get("control"), dict):
         highest = 0.0 if run.pressures is None else float(np.max(run.pressures))
         if highest > plant.supply_pressure:
-            rule = f"must be at most the supply's {plant.supply_pressure:g} Pa, got {highest:g} Pa."
+            given, supply = distinct_texts(highest, plant.supply_pressure)
+            rule = f"must be at most the supply's {supply} Pa, got {given} Pa."
             raise root.error(("run", "pressures"), rule)
         model = file.control.model
         model_bundles = bundles if model is None else _model_bundles(model, bundles, root, folder)

@@ -578,10 +578,9 @@ class InfeasibleResult:
         for name, number in remedy.breaks:
             limit = self.result.limits[name]
             end = limit.most if number > limit.most else limit.least
-            broken.append(
-                f"{objective_label(name)} {format_objective(name, number)}, limited to"
-                f" {format_objective(name, end)}"
-            )
+            given, bound = (format_objective(name, x) for x in (number, end))
+            given = "just beyond it" if given == bound else given
+            broken.append(f"{objective_label(name)} {given}, limited to {bound}")
         return f"{text}; it then breaks a limit: {', '.join(broken)}" if broken else text
 
 

@@ -1,5 +1,6 @@
 """Which design is the cheapest, and which products may be used."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -106,4 +107,12 @@ def test_excluded_products(space):
     catalog = Catalog({name: Product(name, largest_strain=0.1) for name in space.drawings})
     result = search(space, task, ONE_VALVE, catalog=catalog)
     assert result.recommended is None and np.all(result.reaches_task)
-    assert "contraction of 15.7 %, its maker allows 10 %" in result.excluded_products["large"]
+    assert "contraction of 15.748 %, its maker allows 10 %" in result.excluded_products["large"]
+
+
+def test_a_limit_is_not_rounded_to_what_exceeds_it():
+    reason = Product("s", largest_pressure=600e3).exclusion_reason(
+        Task.of([40.0], [0.1], 600_000.01), 0.1
+    )
+    given, allowed = re.findall(r"([\d.]+) kPa", reason)
+    assert float(given) > float(allowed) == 600
