@@ -146,11 +146,6 @@ _LEVEL = re.compile(
     r"(?<![\d.,])\d+(?:[.,]\d+)?\s*(?:[kM]?Pa|m?bar|psi|[cm]?m|kg|g|N|%)(?![a-zA-Z])"
 )
 _RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
-# a line above or between readings that states a value: `Pressure: 1,5 bar`
-_LONGEST_STATEMENT = 100  # characters
-_STATED = re.compile(
-    rf"[\s#%/;!\"]*([^\W\d][\w ]*?)\s*[:=]\s*({NUMBER.pattern})\s*([^\W\d_]+)\s*", re.ASCII
-)
 LONGEST_NAME = 100  # characters of a column's name
 
 
@@ -737,10 +732,7 @@ def _missing(table: TableHeader, role: str, used: set[int]) -> ValueError:
                if i not in used and _stated_unit(table, i).lower() in SIGNALS]  # fmt: skip
     if signals and not names:
         before += f"{_list_names(signals)} hold signals, convert one to {USUAL_UNITS[role]}: "
-    # a length above the readings may be the muscle's
-    stated = [] if role == "length" else _stated_values((*table.remarks, *table.titles), role)
-    constant = ("constants", role, [*stated, _EXAMPLES[role]][0], ", if it is one for all readings")
-    check_stated(table, (role,))
+    constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
     unit = _stated_unit(table, table.header.index(names[0]))
@@ -752,31 +744,6 @@ def _missing(table: TableHeader, role: str, used: set[int]) -> ValueError:
     after = f" if it is one of {_list_names(names)}"
     named = ("columns", role, names[0], after)
     return MissingMetadataError(f"{before}name it with ", named, constant)
-
-
-def check_stated(table: TableHeader, roles: Iterable[str]) -> None:
-    """Refuse a constant of `roles` for which lines between the readings state several values."""
-    roles = [role for role in ("pressure", "force") if role in roles]
-    if not roles:
-        return
-    for role in roles:
-        body_values = _stated_values(table.body, role)
-        title_values = _stated_values((*table.remarks, *table.titles), role)
-        values = list(dict.fromkeys((*title_values, *body_values)))
-        if body_values and len(values) > 1:
-            listed = f"its lines state a {role} of {', '.join(values[:4])}"
-            remedy = f"write a column of {role}, or read those of one by --rows"
-            raise ValueError(f"{table.source}: {listed}: {remedy}.")
-
-
-def _stated_values(lines: Iterable[str], role: str) -> list[str]:
-    """Values of a `role`, with units, that `lines` state, such as `Pressure: 100 kPa`."""
-    matches = (_STATED.fullmatch(line) for line in lines if len(line) < _LONGEST_STATEMENT)
-    return [
-        f"{match[2].replace(',', '.')} {match[3]}"
-        for match in matches
-        if match and match[1].lower() in TERMS[role] and is_unit(match[3], (dimension_of(role),))
-    ]
 
 
 def _list_names(names: Sequence[str]) -> str:

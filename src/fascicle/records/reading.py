@@ -22,7 +22,6 @@ from .headers import (
     Column,
     MissingMetadataError,
     check_roles,
-    check_stated,
     choose_columns,
     dimension_of,
     read_name,
@@ -370,8 +369,6 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     """Numbers of the columns and constants of a `table`, notes and doubts."""
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
-    if info.rows is None:
-        check_stated(table, constants)
     columns, unread = choose_columns(
         table, info.columns, info.units, constant_roles,
         names=info.names, atmosphere=info.atmosphere is not None,

@@ -40,7 +40,6 @@ _SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of 
 _HEAD_LINES = 200  # lines in which the header may stand: a data logger writes some sixty above it
 _HEADER_REACH = 6  # lines above the readings in which their header may stand
 _MAX_COLUMNS = 1000  # more take long to search, and no bench has them
-_MAX_DOUBLES = 0.05  # of the readings: more rows of two lines in one are no slip of a logger
 _MAX_LOSS = 0.5  # of the rows: a record of less than half of them is another one
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
@@ -48,7 +47,7 @@ _REMARK = ("#", "%", "//")
 _HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
-_LEFT_OUT = {"holes": "with holes", "words": "of words", "doubles": "of two lines in one"}
+_LEFT_OUT = {"holes": "with holes", "words": "of words"}
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
 _EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 # words between blanks, a unit in brackets with the word before it
@@ -229,7 +228,7 @@ class Table(TableHeader):
         than half of the rows.
         """
         notes = []
-        found = self._rows(time)
+        found = self._rows()
         if block is not None and _begins_blocks(found.columns[block]):
             found.columns[block] = _fill_down(found.columns[block])
             notes.append(f"column `{self.header[block]}`: blank cells take the pressure above them")
@@ -245,7 +244,6 @@ class Table(TableHeader):
             before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
             raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
         count = int(kept.sum())
-        self._check_doubles(left_out["doubles"], count)
         if not count:
             raise self._empty_error(numbers, left_out, chosen.size)
         self._check_loss(left_out, count)
@@ -293,7 +291,7 @@ class Table(TableHeader):
                 ends += [row] if _SPECIMEN.fullmatch(cells[0]) else []
             elif has_extra[row]:
                 further = [column[row] for column in found.extra]
-                left_out["doubles"].append((line, _trim([*cells, *further])))
+                raise self._width_error(line, _trim([*cells, *further]))
             elif has_hole:
                 left_out["holes"].append((line, cells))
             elif is_whole:
@@ -302,7 +300,7 @@ class Table(TableHeader):
                 raise self._number_error(line, cells, numbers[int(np.argmin(finite[:, k]))])
         return kept, left_out, ends
 
-    def _rows(self, time: int | None) -> _Rows:
+    def _rows(self) -> _Rows:
         """Cells of the rows, read by pandas."""
         require("pandas")
         import pandas as pd
@@ -330,8 +328,6 @@ class Table(TableHeader):
         except (pd.errors.ParserError, csv.Error) as error:
             raise ValueError(f"{self.source}: no rows of a table: {error}.") from None
         columns = [list(map(str.strip, frame[i].tolist())) for i in frame]
-        if time is not None and len(columns) > width:
-            _join_split_clocks(columns, width, time)
         used = np.ones(len(columns[0]), dtype=bool)
         for row in range(len(used)):
             if columns[0][row] in ("", self.header[0], self.units[0]):
@@ -383,7 +379,7 @@ class Table(TableHeader):
 
     def _check_loss(self, left_out: dict[str, list[tuple[int, list[str]]]], count: int) -> None:
         """Refuse a record of `count` readings with more rows of numbers that can't be read."""
-        lost = [*left_out["holes"], *left_out["doubles"]]
+        lost = left_out["holes"]
         if len(lost) > _MAX_LOSS * (count + len(lost)):
             first = min(line for line, _ in lost)
             raise ValueError(
@@ -403,22 +399,17 @@ class Table(TableHeader):
         if holes := left_out["holes"]:
             rule = f"no row has a number in each column, the first hole is in line {holes[0][0]}"
         elif count or self.body:
-            rule = f"no readings in those rows: it has {len(self._rows(None).lines)}"
+            rule = f"no readings in those rows: it has {len(self._rows().lines)}"
         return ValueError(f"{self.source}: {rule}.")
 
-    def _check_doubles(self, doubles: Sequence[tuple[int, list[str]]], count: int) -> None:
-        """Refuse rows with more cells than the header, unless a few among `count` readings are
-        `doubles`, two lines in one.
-        """
-        width, remedy = len(self.header), "quote or drop the odd ones"
-        is_many = len(doubles) > _MAX_DOUBLES * count
-        for line, row in doubles:
-            if not is_many and len(row) >= 2 * width - 1:  # a cell of both, without a line's end
-                continue
-            if is_many and self.delimiter == "," and len(row) <= 2 * width:
-                remedy = "if its decimals stand after commas, part the columns by semicolons"
-            message = f"{len(row)} cells, where the header has {width}: {remedy}."
-            raise ValueError(f"{self.source}, line {line}: {message}")
+    def _width_error(self, line: int, row: Sequence[str]) -> ValueError:
+        """The error for a row with more cells than the header."""
+        message = (
+            f"{len(row)} cells, where the header has {len(self.header)}: quote or drop the odd ones"
+        )
+        if self.delimiter == "," and len(row) <= 2 * len(self.header):
+            message += ", or part the columns by semicolons if decimals stand after commas"
+        return ValueError(f"{self.source}, line {line}: {message}.")
 
     def _number_error(self, line: int, row: Sequence[str], column: int) -> ValueError:
         """The error for a cell that holds no number."""
@@ -466,13 +457,6 @@ def open_table(
         last, titles = max(layout.header, layout.units or 0), head[: layout.header]
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
-        if not names and sum(is_known(row[0]) for row in cells[layout.start :] if row) > 1:
-            rule = "the names stand in the first column: transpose the table, a column for each"
-            raise ValueError(f"{source}, line {line}: {rule}.")
-        firsts = [is_number(row[0]) for row in cells[layout.start : layout.start + 2] if row]
-        if not names and firsts == [False, True]:
-            rule = "write above each column what its number means, such as `100 kPa`"
-            raise ValueError(f"{source}, line {line}: numbers for a header: {rule}.")
         where, leading = f"{source}, line {line}", remarks if last < 0 else []
         header = _headless(leading, names, layout, where)
     if header and "->" in header[0]:
@@ -677,19 +661,6 @@ def _fill_down(cells: Sequence[str]) -> list[str]:
     for cell in cells:
         filled.append(cell or (filled[-1] if filled else ""))
     return filled
-
-
-def _join_split_clocks(columns: list[list[str]], width: int, time: int) -> None:
-    """Join clock times whose decimals stand after a comma, `10:11:12,100`, in rows of `width` + 1
-    cells.
-    """
-    for row, cells in enumerate(zip(*columns, strict=True)):
-        clock, fraction = cells[time : time + 2]
-        is_split = re.fullmatch(r".*\d:\d\d:\d\d", clock) is not None and fraction.isdecimal()
-        if is_split and cells[width] and not any(cells[width + 1 :]):
-            joined = (*cells[:time], f"{clock}.{fraction}", *cells[time + 2 :], "")
-            for column, cell in zip(columns, joined, strict=True):
-                column[row] = cell
 
 
 def decode(raw: bytes, source: str) -> str:

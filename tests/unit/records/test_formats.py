@@ -141,10 +141,6 @@ AMERICAN = THOUSANDS.translate(str.maketrans({",": ".", ".": ","}))
 UNIT_ROW = "Time,Strain,Pressure,Force\ns,%,kPa,N\n" + table(
     ",", [TIME, [x / 1.8 for x in CONTRACTION], PRESSURE, FORCE]
 )
-COMMA_CLOCK = "Time,P [kPa],F [N],L [mm]\n" + table(
-    ",", [[f"10:59:59,{900 + 50 * i}" if i < 2 else f"11:00:00,{50 * i - 100:03}"
-           for i in (0, 2, 4, 6)], PRESSURE, FORCE, LENGTH]
-)  # fmt: skip
 COLON_CLOCK = "Time\tP [kPa]\tF [N]\tL [mm]\n" + table(
     "\t", [[f"10:11:12:{i}00" for i in range(4)], PRESSURE, FORCE, LENGTH]
 )
@@ -185,7 +181,6 @@ TEXTS = {
     "points between thousands": (THOUSANDS, {"units": {"force": "mN"}}),
     "commas between thousands": (AMERICAN, {"units": {"force": "mN"}}),
     "units below that begin with %": (UNIT_ROW, {}),
-    "clock with a comma": (COMMA_CLOCK, {}),
     "clock with colons": (COLON_CLOCK, {}),
     "clock of minutes": (MINUTES, {}),
     "clock with a zone": (ZONE, {}),
@@ -254,22 +249,6 @@ def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_
             loads(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
         first = loads(text + segment.replace(old, new), rest_length=REST, rows=error.value.value)
         check(first, time=text is not LVM_NO)
-
-
-@pytest.mark.parametrize("title", ["Pressure: 150 kPa", "# p = 1.5 bar", "Druck: 1,5 bar\nF: 3 N"])
-def test_a_pressure_above_the_readings_is_offered(title):
-    text = f"{title}\nt [s],F [N],L [mm]\n" + table(",", [TIME, FORCE, LENGTH])
-    with pytest.raises(MissingMetadataError, match="no column of pressure") as error:
-        loads(text, rest_length=REST)
-    argument, role, value, _ = error.value.choices[0]
-    assert_allclose(loads(text, rest_length=REST, **{argument: {role: value}}).pressure, 150e3)
-
-
-def test_names_in_the_first_column_are_no_header():
-    rows = zip(("t [s]", "p [kPa]", "F [N]", "L [mm]"), zip(*ROWS, strict=True), strict=True)
-    text = "\n".join(",".join(map(str, (name, *values))) for name, values in rows)
-    with pytest.raises(ValueError, match="transpose the table"):
-        loads(text, rest_length=REST)
 
 
 def test_cells_without_a_value_are_holes():
@@ -792,20 +771,6 @@ def test_an_odd_row_leaves_out_no_others():
         record = loads(text, columns="force[N],pressure[kPa],length[mm]", rest_length=REST)
         assert record.force.tolist() == FORCE[:3] + [FORCE[3]] * 4
         assert any("1 row" in note and "line 4" in note for note in record.notes)
-
-
-@pytest.mark.parametrize("merged", ["90,200,178,88,200,177", "90,200,17888,200,177"])
-def test_a_row_of_two_lines_in_one_is_left_out(merged):
-    rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
-    text = "\n".join(["F [N],P [kPa],L [mm]", *rows * 5, merged, *rows])
-    record = loads(text, rest_length=REST)
-    assert record.force.tolist() == FORCE * 6
-    notes = [note for note in record.notes if "left out" in note]
-    assert notes == ["<text>: 1 row of two lines in one left out, the first in line 22"]
-    # several are no slip of a logger, and one cell too many is none either
-    for odd in ([merged] * 4, ["90,200,178,5"]):
-        with pytest.raises(ValueError, match=r"line 22: \d cells, where the header has 3"):
-            loads("\n".join([*text.splitlines()[:21], *odd, *rows]), rest_length=REST)
 
 
 @pytest.mark.parametrize(

@@ -82,15 +82,6 @@ def test_words_of_errors_are_holes(cell):
     assert len(loads(f"{HEADER}{SWEEP}{cell},50,175\n", rest_length=0.18)) == 50
 
 
-def test_pressures_between_blocks_are_not_one_for_all():
-    blocks = "".join(f"Pressure: {p} kPa\nF [N],L [mm]\n9,180\n1,175\n3,170\n" for p in (100, 200))
-    pressure = {"constants": {"pressure": "100 kPa"}}
-    for given in ({}, pressure):
-        with pytest.raises(ValueError, match="state a pressure of 100 kPa, 200 kPa: write a col"):
-            loads(blocks, rest_length=0.18, **given)
-    assert len(loads(blocks, rest_length=0.18, rows="1:3", **pressure)) == 3
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
