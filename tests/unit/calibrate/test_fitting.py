@@ -332,10 +332,12 @@ def test_unknown_choices_are_refused(names, options, argument):
 def test_records_that_tell_nothing_are_refused():
     record = clipped()
     still = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
+    rounded = replace(still, force=-4.4e-15 * record.strain)
     flipped = replace(record, force=-np.abs(record.force), sources=(Source("d.csv", ""),))
     for bad, rule in (
         (record.only(slice(0, 1)), "holds 1 readings for 2 parameters"),
         (still, "holds no force but 0 N"),
+        (rounded, "holds no force but 0 N"),
         (flipped, "of d.csv holds no force that pulls, the largest is 0 N"),
     ):
         with pytest.raises(fs.InvalidInputError, match=rule) as error:

@@ -1,6 +1,8 @@
 """Files in the manner of instruments and loggers, all with the same four readings."""
 
 import sys
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,166 +37,19 @@ def check(record, *, pressure=True, time=True):
         assert_allclose(record.time, TIME, atol=1e-9)
 
 
-BLUEHILL = (
-    '"Results Table 1"\n"","Maximum Load\n[N]","Extension at Maximum Load\n[mm]"\n'
-    '"1",118.4,0.00\n\n"Specimen 1"\n"Time","Extension","Load"\n"(s)","(mm)","(N)"\n'
-    + table(",", [[f'"{x}"' for x in column] for column in (
-        TIME, [-x for x in CONTRACTION], FORCE)])
-)  # fmt: skip
-BLUEHILL_3 = (
-    "Test Type : Tension\nInstrument Name;5967\nDate;2024-03-05\n\n"
-    "Time (sec);Extension (mm);Load (kN);Air pressure (bar);Tensile stress (MPa)\n"
-    + table(";", [TIME, [-x for x in CONTRACTION], [x / 1e3 for x in FORCE],
-                  [x / 100 for x in PRESSURE], [1, 2, 3, 4]], decimal=",")
-)  # fmt: skip
-TESTXPERT = (
-    '"Prüfer";"K. Müller"\n"Vorkraft";2;"N"\n\n'
-    '"Prüfzeit";"Standardweg";"Standardkraft";"Druck"\n"s";"mm";"N";"bar"\n'
-    + table(";", [TIME, CONTRACTION, FORCE, [x / 100 for x in PRESSURE]], decimal=",")
-)
-MTS = (
-    "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\nData Header:\tTime: 12.3 Sec\nStation Name: 370.02\n\n"
-    "{}\n{}\nEnd of Test\tTime: 14.0 Sec\n"
-)
-MTS_HEAD = "Running Time\tAxial Length\tAxial Force\tAux Pressure\nSec\tmm\tN\tkPa\n"
-LVM = (
-    "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t{}\n"
-    "Multi_Headings\tNo\nX_Columns\t{}\nTime\t10:11:12,5\n***End_of_Header***\t\n\t\n"
-)
-LVM_ONE = (
-    LVM.format(",", "One")
-    + "Channels\t3\t\t\t\nSamples\t4\t4\t4\t\nY_Unit_Label\tbar\tN\tmm\t\nX_Dimension\tTime\tTime\t"
-    "Time\t\nX0\t0,0E+0\t0,0E+0\t0,0E+0\t\nDelta_X\t0,1\t0,1\t0,1\t\n***End_of_Header***\t\t\t\t\n"
-    "X_Value\tPressure\tForce\tLength\tComment\n"
-    + table("\t", [TIME, [x / 100 for x in PRESSURE], FORCE, LENGTH], decimal=",")
-)
-LVM_MULTI = (
-    LVM.format(".", "Multi")
-    + "Channels\t3\t\t\t\t\t\nSamples\t4\t\t4\t\t4\t\nY_Unit_Label\tkPa\t\tN\t\tmm\t\n"
-    "X_Dimension\tTime\t\tTime\t\tTime\t\nX0\t0.0E+0\t\t0.0E+0\t\t0.0E+0\t\n"
-    "***End_of_Header***\t\t\t\t\t\t\n"
-    "X_Value\tPressure\tX_Value\tForce\tX_Value\tLength\tComment\n"
-    + table("\t", [TIME, PRESSURE, TIME, FORCE, TIME, LENGTH])
-)
-CATMAN = (
-    "HBM catman Messdatei\nKanäle: 4\t\nSep: tab\n\n"
-    "Zeit  1 - Standardmessrate [s]\tKraft [N]\tDruck [kPa]\tLänge [mm]\n"
-    "MX840A_0 hardware time\tMX840A_0 CH 1\tMX840A_0 CH 2\tMX840A_0 CH 3\n"
-    + table("\t", [TIME, FORCE, PRESSURE, LENGTH])
-)
-SHIMADZU = '"Name","7_1_1",,\n"Time","Force","Length","Pressure"\n"sec","N","mm","kPa"\n' + table(
-    ",", [TIME, FORCE, LENGTH, PRESSURE]
-)
-UNITS_IN_REMARKS = "% t,P,F,L\n% s,kPa,N,mm\n" + table(",", [TIME, PRESSURE, FORCE, LENGTH])
-NUMPY = "# time_s pressure_kPa force_N length_mm\n" + table(" ", [TIME, PRESSURE, FORCE, LENGTH])
-FIXED = "  t [s]  pressure [kPa]  force [N] length [mm]\n" + "".join(
-    f"{t:7.1f}{p:16.1f}{f:11.1f}{x:12.1f}\n" for t, p, f, x in ROWS
-)
-ORIGIN = "A,B,C,D\nTime,Pressure,Force,Length\ns,kPa,N,mm\n,,,run 3\n" + table(
-    ",", [TIME, PRESSURE, FORCE, LENGTH]
-)
-MATLAB = "t_s_,Pressure_kPa_,Force_N_,Length_mm_,Temperature__C_\n" + table(
-    ",", [TIME, PRESSURE, FORCE, LENGTH, [21.5] * 4]
-)
-EXCEL = "sep=;\nTime [s];Pressure [kPa];Force [N];Length [mm]\n" + table(
-    ";", [TIME, PRESSURE, FORCE, LENGTH], decimal=","
-)
-COMPRESSION = (
-    '"Time","Compressive extension","Load","p_set","p"\n"(s)","(mm)","(N)","kPa","kPa"\n'
-    + (table(",", [TIME, CONTRACTION, FORCE, [200] * 4, PRESSURE]))
-)
-VERNIER = (
-    "Latest: Time (s),Latest: Force (N),Latest: Gas Pressure (kPa),Latest: Length (mm)\n"
-    + table(",", [TIME, FORCE, PRESSURE, LENGTH])
-)
-VOLTS = (
-    "Time (in s),Pressure (in V),Force (in V),Laser (in mm),Pressure (in kPa),Force (in N)\n"
-    + table(",", [TIME, [1, 2, 3, 4], [4, 3, 2, 1], CONTRACTION, PRESSURE, FORCE])
-)
-AM_PM = "Time,P [kPa],F [N],L [mm]\n" + table(
-    ",", [["3/5/2024 11:59:59.900 AM", "3/5/2024 12:00:00.000 PM", "3/5/2024 12:00:00.100 PM",
-           "3/5/2024 12:00:00.200 PM"], PRESSURE, FORCE, LENGTH]
-)  # fmt: skip
-QUOTED = "Time [s],Druck [kPa],Kraft [N],Länge [mm]\n" + table(
-    ",", [[f'"{x}"' for x in column] for column in (TIME, PRESSURE, FORCE, LENGTH)], decimal=","
-)  # fmt: skip
-BARS = "time|pressure|force|length\ns|kPa|N|mm\n----|----|----|----\n" + table(
-    "|", [TIME, PRESSURE, FORCE, LENGTH]
-)
-
-LVM_NO = (
-    LVM.format(".", "No")
-    + "Channels\t3\t\t\t\nSamples\t4\t4\t4\t\nY_Unit_Label\tkPa\tN\tmm\t\nX_Dimension\tTime\tTime\t"
-    "Time\t\nX0\t0.0E+0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.1\t0.1\t0.1\t\n***End_of_Header***\t\t\t\t\n"
-    "X_Value\tPressure\tForce\tLength\tComment\n"
-    + table("\t", [[""] * 4, PRESSURE, FORCE, LENGTH])
-)  # fmt: skip
-EXCEL_TABS = "Time\tPressure (kPa)\tForce (N)\tLänge (mm)\n" + table(
-    "\t", [TIME, PRESSURE, FORCE, LENGTH], decimal=","
-)
-THOUSANDS = "Zeit [s];Druck [mbar];Kraft [mN];Länge [mm]\n" + "".join(
-    f"{t};{p};{f};{x}\n".replace(",", "_").replace(".", ",").replace("_", ".")
-    for t, p, f, x in zip(TIME, [f"{10 * p:,.1f}" for p in PRESSURE],
-                          [f"{1e3 * f:,.0f}" for f in FORCE], LENGTH, strict=True)
-)  # fmt: skip
-AMERICAN = THOUSANDS.translate(str.maketrans({",": ".", ".": ","}))
-UNIT_ROW = "Time,Strain,Pressure,Force\ns,%,kPa,N\n" + table(
-    ",", [TIME, [x / 1.8 for x in CONTRACTION], PRESSURE, FORCE]
-)
-COLON_CLOCK = "Time\tP [kPa]\tF [N]\tL [mm]\n" + table(
-    "\t", [[f"10:11:12:{i}00" for i in range(4)], PRESSURE, FORCE, LENGTH]
-)
-MINUTES = "Time,P [kPa],F [N],L [mm]\n" + table(
-    ",", [[f"11:12.{i}00" for i in range(4)], PRESSURE, FORCE, LENGTH]
-)
-ZONE = "Time,P [kPa],F [N],L [mm]\n" + table(
-    ",", [[f"2024-03-05T10:11:12.{i}00+01:00" for i in range(4)], PRESSURE, FORCE, LENGTH]
-)
-
-TEXTS = {
-    "Bluehill with results above": (BLUEHILL, {"constants": {"pressure": "200 kPa"}}),
-    "Bluehill, semicolons": (BLUEHILL_3, {}),
-    "testXpert": (TESTXPERT, {}),
-    "MTS": (MTS.format(MTS_HEAD, table("\t", [TIME, LENGTH, FORCE, PRESSURE])), {}),
-    "LabVIEW": (LVM_ONE, {}),
-    "LabVIEW, a time for each": (LVM_MULTI, {}),
-    "catman": (CATMAN, {}),
-    "Shimadzu": (SHIMADZU, {}),
-    "units in remarks": (UNITS_IN_REMARKS, {}),
-    "NumPy": (NUMPY, {}),
-    "fixed width": (FIXED, {}),
-    "Origin": (ORIGIN, {}),
-    "MATLAB": (MATLAB, {}),
-    "Excel": (EXCEL, {}),
-    "Vernier": (VERNIER, {}),
-    "compression": (COMPRESSION, {}),
-    "volts beside units": (VOLTS, {}),
-    "noon": (AM_PM, {}),
-    "quoted decimal commas": (QUOTED, {}),
-    "bars": (BARS, {}),
-    "LabVIEW without times": (LVM_NO, {}),
-    "LabVIEW without a column of times": (
-        LVM_NO.replace("X_Value\t", "").replace("\n\t", "\n"),
-        {},
-    ),
-    "tabs of Excel": (EXCEL_TABS, {}),
-    "points between thousands": (THOUSANDS, {"units": {"force": "mN"}}),
-    "commas between thousands": (AMERICAN, {"units": {"force": "mN"}}),
-    "units below that begin with %": (UNIT_ROW, {}),
-    "clock with colons": (COLON_CLOCK, {}),
-    "clock of minutes": (MINUTES, {}),
-    "clock with a zone": (ZONE, {}),
-}
+FORMATS = Path(__file__).parent / "formats"
+OPTIONS = tomllib.loads((FORMATS / "options.toml").read_text())
+FILES = sorted(path.name for path in FORMATS.iterdir() if path.suffix != ".toml")
 
 
-@pytest.mark.parametrize("name", TEXTS)
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
-def test_exports_of_instruments(tmp_path, name, encoding):
-    text, options = TEXTS[name]
-    path = tmp_path / "m.csv"
-    path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
-    record = load(path, rest_length=REST, **options)
-    check(record, pressure="constants" not in options)
+@pytest.mark.parametrize("name", FILES)
+def test_exports_of_instruments(tmp_path, name):
+    options = OPTIONS.get(name, {})
+    text = (FORMATS / name).read_text().replace("\n", "\r\n")
+    for encoding in ("utf-8-sig", "utf-16", "cp1252"):
+        path = tmp_path / name
+        path.write_bytes(text.encode(encoding))
+        check(load(path, rest_length=REST, **options), pressure="constants" not in options)
 
 
 def test_unmarked_encodings_and_a_reserved_end():
@@ -204,12 +59,10 @@ def test_unmarked_encodings_and_a_reserved_end():
 
 
 def test_a_header_repeated_between_blocks_is_read_once():
-    first, second = (
-        table("\t", [column[part] for column in (TIME, LENGTH, FORCE, PRESSURE)])
-        for part in (slice(0, 2), slice(2, 4))
-    )
-    block = "Data Acquisition: Timed\nSamples\t4\t4\t4\n"
-    record = loads(MTS.format(MTS_HEAD + first + block + MTS_HEAD, second), rest_length=REST)
+    lines = (FORMATS / "mts.csv").read_text().splitlines()
+    start = lines.index("Sec\tmm\tN\tkPa")
+    block = ["Data Acquisition: Timed", "Samples\t4\t4\t4", *lines[start - 1 : start + 1]]
+    record = loads("\n".join([*lines[: start + 3], *block, *lines[start + 3 :]]), rest_length=REST)
     check(record)
     assert any("3 rows of words left out" in note for note in record.notes)
 
@@ -238,8 +91,9 @@ def test_a_missing_cell_between_blanks_moves_no_others(blanks):
         assert any("1 row with holes left out" in note for note in record.notes)
 
 
-@pytest.mark.parametrize("text", [LVM_ONE, LVM_MULTI, LVM_NO])
-def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_first(text):
+@pytest.mark.parametrize("name", ["labview", "labview_a_time_for_each", "labview_without_times"])
+def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_first(name):
+    text = (FORMATS / f"{name}.lvm").read_text()
     segment = text[text.index("Channels") :]
     record = loads(f"{text}\n{segment}", rest_length=REST)
     assert_allclose(record.force, FORCE * 2)
@@ -248,7 +102,7 @@ def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_
         with pytest.raises(MissingMetadataError, match="another header than in line") as error:
             loads(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
         first = loads(text + segment.replace(old, new), rest_length=REST, rows=error.value.value)
-        check(first, time=text is not LVM_NO)
+        check(first, time=name != "labview_without_times")
 
 
 def test_cells_without_a_value_are_holes():
@@ -565,8 +419,9 @@ def test_one_of_two_specimens_side_by_side_is_chosen(names):
 
 
 def test_channels_at_two_rates_are_refused(tmp_path):
-    check(loads(LVM_NO.replace("mm\t\nX_D", "mm\tV\t\nX_D"), rest_length=REST))
-    assert_allclose(loads(LVM_NO, rest_length=REST, rows="2:3").time, TIME[1:3])
+    sampled = (FORMATS / "labview_without_times.lvm").read_text()
+    check(loads(sampled.replace("mm\t\nX_D", "mm\tV\t\nX_D"), rest_length=REST))
+    assert_allclose(loads(sampled, rest_length=REST, rows="2:3").time, TIME[1:3])
     half = [2 * t for t in TIME]
     names = "X_Value\tPressure [kPa]\tX_Value\tForce [N]\tX_Value\tLength [mm]\tX_Value\tT [degC]\n"
     columns = [TIME, PRESSURE, TIME, FORCE, TIME, LENGTH, half, FORCE]
@@ -574,7 +429,7 @@ def test_channels_at_two_rates_are_refused(tmp_path):
     late = [t + 0.04 for t in TIME]
     check(loads(names + table("\t", [*columns[:2], late, *columns[3:]]), rest_length=REST))
     for text in (
-        LVM_NO.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2"),
+        sampled.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2"),
         names + table("\t", [*columns[:2], half, *columns[3:]]),
     ):
         with pytest.raises(ValueError, match="resample"):

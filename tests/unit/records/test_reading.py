@@ -493,6 +493,8 @@ def test_a_column_that_nothing_needs_does_not_stop_the_reading(header, cells):
     same(record, loads(GOOD, rest_length=0.3))
     assert record.time is None
     assert any("not read" in note and header.partition(",")[0] in note for note in record.notes)
+    # a column that was taken for it is a doubt
+    assert set(record.doubts) >= {note for note in record.notes if "not read as" in note}
 
 
 def test_a_time_that_was_asked_for_stops_it():
