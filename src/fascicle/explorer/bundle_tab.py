@@ -22,6 +22,8 @@ from .bundle_curves import (
     recruitments,
 )
 from .chart import Chart, cycle_colors, hover_tooltips, screen_height
+from .efficiency_chart import EfficiencyChart
+from .free_strain_chart import FreeStrainChart
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled_muscle
@@ -195,6 +197,8 @@ class BundleView(Tab):
         for demand_field in (self._load, self._load_strain):
             demand_field.message.pane.param.watch(self._hide_solutions, "visible")
         demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
+        self.free_strain = FreeStrainChart(self, colors)
+        self.efficiency = EfficiencyChart(self, session, colors)
         parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
                  self._solution_column)  # fmt: skip
         main = column(
@@ -202,6 +206,8 @@ class BundleView(Tab):
             self._strain.panel,
             self.status,
             row(space, column(*parts, kind="equal")),
+            self.free_strain.panel,
+            self.efficiency.panel,
         )
         self.panel = row(left, main)
 
@@ -215,11 +221,17 @@ class BundleView(Tab):
         self.notes.object = remarks_html(view, "bundle")
         self.status.object = status_line("computing the workspace")
         self._workspace.request(lambda: bundle_workspace(view.bundle, view.resistance))
+        self.free_strain.draw(view)
+        self.efficiency.draw(view)
 
     def follow(self, before: View, after: View) -> None:
         """Update pressures and strain, the state there, and the pressures that carry the load."""
         if changed(before, after, "pressures"):
             self.units.show_pressures(after)
+            if before.pressures[0] != after.pressures[0]:
+                self.free_strain.draw(after)
+        if changed(before, after, "path", "map"):
+            self.efficiency.draw(after)
         if changed(before, after, "strain"):
             self._strain.show(min(after.strain, self._top), "", self._top)
         if changed(before, after, "pressures", "strain"):
@@ -356,6 +368,7 @@ class BundleView(Tab):
             "fill": [self.colors.ink if stable else self.colors.paper for stable in state.stable],
         }  # fmt: skip
         self._point.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
+        self.free_strain.show_point(view, float(state.equilibria[0]))
         demand = f"{force / scale:.4g} {unit} at a contraction of {min(view.strain, self._top):.4g}"
         self.chart.describe(
             f"Force over contraction that {len(self._regions.data['xs'])} recruitment states reach,"

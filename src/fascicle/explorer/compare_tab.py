@@ -302,9 +302,7 @@ def _notes_html(view: View) -> str:
     """Validity warnings of all pins, and a note on those that the link leaves out."""
     lines: list[str] = []
     for pin in view.pins:
-        pinned_view = replace(
-            view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),), alternatives=()
-        )
+        pinned_view = replace(view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),))
         lines += [f"{pin.name}: {text}" for text in validity_warnings(pinned_view, "muscle")]
     warnings = "".join(f'<p class="warning">{text_html(line)}</p>' for line in lines)
     number = linked_pins(view)

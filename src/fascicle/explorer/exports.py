@@ -18,7 +18,6 @@ import numpy as np
 import panel as pn
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from .. import plot
 from ..bundle import Bundle
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
@@ -26,16 +25,12 @@ from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as draw_fit
 from ..plot.curves import force_comparison
-from ..plot.resistance_loss import efficiency_maps
 from ..plot.theme import to_bytes
-from ..plot.workspace import efficiency as draw_efficiency
-from ..plot.workspace import efficiency_loss as draw_loss
 from ..records.record import Record
 from ..results import Table, Variable, tables
 from .measured import AUTOMATIC, STARTS, TUNING
 from .muscle_curves import strain_limit
 from .pins import top_strain
-from .reversal_tab import POINTS, split_curves
 from .state import View
 from .widgets import Message, widget
 from .worker import result_and_error
@@ -99,36 +94,6 @@ def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
     return Export(stem, variables, lambda: target.plot(resistance=view.resistance), script)
 
 
-def reversal_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Downloads of free strain against the second unit's pressure."""
-    stem = output_stem(view.name, "reversal", input_names)
-    curves = split_curves(view.muscle, view.splits, view.supply)
-    P = curves[0].pressure
-    strains = {curve.name: curve.resisted for curve in curves}
-    strains |= {f"{curve.name}, without resistance": curve.free for curve in curves}
-    reversals = {curve.name: curve.turn for curve in curves}
-    variables = Table(pressure=Variable(("pressure",), P, "Pa"))
-    variables |= {name: Variable(("pressure",), values, "-") for name, values in strains.items()}
-    options = {"supply": view.supply, "points": POINTS, "splits": view.splits}
-    script = _script("reversal", stem, view.muscle, **options)
-    return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", reversals), script)
-
-
-def efficiency_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
-    """Downloads of the bundle's efficiency, with resistance and without, and the view's map."""
-    stem = output_stem(view.name, "efficiency", input_names)
-    maps = efficiency_maps(view.bundle, view.path)
-    key, about = "efficiency_without_resistance", "muscles past their free strain don't push back"
-    variables = tables.efficiency([maps.resisted])
-    values = maps.free.efficiency[None]
-    variables[key] = variables["efficiency"]._replace(values=values, about=about)
-    options = {"path": view.path, "map": view.map, "key": key, "about": about}
-    script = _script("efficiency", stem, view.bundle, **options)
-    if view.map == "loss":
-        return Export(stem, variables, lambda: draw_loss(maps.loss, maps.resistance_gaps), script)
-    return Export(stem, variables, lambda: draw_efficiency(getattr(maps, view.map)), script)
-
-
 def comparison_downloads(view: View, input_names: Iterable[str] = ()) -> Export:
     """Downloads of the view's pins; there must be one."""
     stem = output_stem(view.name, "compare", input_names)
@@ -176,8 +141,6 @@ def data(
 EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
     "muscle": muscle,
     "bundle": bundle,
-    "reversal": reversal_downloads,
-    "efficiency": efficiency_downloads,
 }
 _FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Python"}
 

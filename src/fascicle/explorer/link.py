@@ -20,7 +20,6 @@ from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_finite, ch
 from ..files import dumps, example, loads
 from ..files.shipped_files import named_muscles
 from ..units import exact, parse
-from .muscle_curves import check_alternatives
 from .pins import parse_pins, pins_text, shipped_muscle
 from .scenario_setup import open_setup, read_setup, setup_query
 from .state import DISPLAY_UNITS, MAPS, MOST_UNITS, TABS, Unit, View, check_units, view_of
@@ -29,7 +28,6 @@ from .widgets import message_in_units, unit_factor
 
 LONGEST = 16_000  # characters of all packed files: servers and browsers take addresses so long
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
-_MOST_SPLITS = 4  # more can't be told apart
 TOO_LARGE = "left-out"  # instead of a larger file
 # in this order: the muscle's file has the number of units, and the scenario's its fields
 _LABELS = {
@@ -37,8 +35,7 @@ _LABELS = {
     "units": "the motor units", "scheme": "the recruitment", "pressure": "the pressure",
     "strain": "the contraction", "load": "the load", "pressures": "each motor unit's pressure",
     "resistance": "the resistance", "path": "the path", "map": "the map of efficiency",
-    "splits": "the splits",
-    "show": "the units shown", "tab": "the tab", "compare": "the laws to compare with",
+    "show": "the units shown", "tab": "the tab",
     "pins": "the list of pinned curves", "scenario_file": "the scenario's file",
     "scenario": "the scenario", "set": "the scenario's fields", "policies": "the policies",
 }  # fmt: skip
@@ -74,14 +71,11 @@ def to_query(view: View) -> dict[str, str]:
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
         "map": view.map,
-        "splits": ",".join("-".join(map(str, split)) for split in view.splits),
         "show": ",".join(view.display_units[kind] for kind in DISPLAY_UNITS),
         "tab": view.tab,
     }
     if view.load is not None:
         query["load"] = _exact_text(view.load, "force")
-    if view.alternatives:
-        query["compare"] = ",".join(view.alternatives)
     if pins := view.pins[: linked_pins(view)]:
         query["pins"] = pack(pins_text(pins))
     if view.setup.own:
@@ -157,25 +151,6 @@ def unpack(packed: str, key: str = "file") -> str:
     if len(raw) > _LARGEST_TEXT:
         raise InvalidInputError(key, f"must hold at most {_LARGEST_TEXT} bytes", None)
     raise InvalidInputError(key, "is no file that this explorer has packed", None)
-
-
-def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
-    """Splits of muscles to compare, from a text such as `1+4, 2+3`."""
-    splits = []
-    for split in text.replace("-", "+").split(","):
-        try:
-            counts = tuple(int(count) for count in split.split("+"))
-        except ValueError:
-            raise InvalidInputError(
-                "splits", "must be like 1+4, 2+3", text[:40], "whole numbers joined by +"
-            ) from None
-        if len(counts) < 2:
-            raise InvalidInputError("splits", "must have two motor units or more each", split)
-        check_units(tuple(map(Unit, counts)))
-        splits.append(counts)
-    if len(splits) > _MOST_SPLITS:
-        raise InvalidInputError("splits", "must be four at most", len(splits))
-    return tuple(splits)
 
 
 def _exact_text(value: float, dimension: str, unit: str = "") -> str:
@@ -264,8 +239,6 @@ _FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
     "strain": ("strain", _parse_strain),
     "load": ("load", lambda text: float(check_finite(parse(text, "force"), "load", "N"))),
     "resistance": ("resistance", lambda text: text != "off"),
-    "splits": ("splits", parse_splits),
     "show": ("display_units", _parse_display_units),
     "pins": ("pins", lambda text: parse_pins(unpack(text, "pins"))),
-    "compare": ("alternatives", lambda text: check_alternatives(tuple(text.split(",")))),
 }

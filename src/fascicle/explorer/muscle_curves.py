@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle, Tuning
 from ..muscle.laws import LAWS
@@ -21,7 +20,6 @@ POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
 PARTS = ("force", "mesh", "bladder", "bending")
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 UNTUNED = "untuned"
-MOST_ALTERNATIVES = 4  # more colors and dashes can't be told apart
 
 _GAP_ABOVE, _GAP_BESIDE = 6, 7  # pixels from a point to its label
 _LINE = 16  # pixels from a label to one above it
@@ -169,15 +167,3 @@ def with_alternative(muscle: Muscle, key: str) -> Muscle:
 def is_tuned(muscle: Muscle) -> bool:
     """True for a muscle with a tuning."""
     return muscle.tuning != Tuning()
-
-
-def check_alternatives(keys: tuple[str, ...]) -> tuple[str, ...]:
-    """The `keys`, if each names a law or `UNTUNED`; else, or for too many, `InvalidInputError`."""
-    if len(keys) > MOST_ALTERNATIVES:
-        rule = f"must be {MOST_ALTERNATIVES} laws at most, as many as can be told apart"
-        raise InvalidInputError("compare", rule, len(keys))
-    for key in keys:
-        kind, _, name = key.partition(":")
-        if key != UNTUNED and name not in LAWS.get(kind, {}):
-            raise InvalidInputError("compare", "must name laws such as buckling:elastica", key[:40])
-    return keys

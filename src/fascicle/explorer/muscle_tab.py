@@ -1,11 +1,10 @@
-"""Tab of one muscle: its force over strain with its parts, other laws, and the muscle itself."""
+"""Tab of one muscle: its force over strain with its parts, and the muscle itself."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
-import panel as pn
 
 from ..plot.theme import Colors
 from ..units import pretty
@@ -15,20 +14,16 @@ from .muscle_curves import (
     PARTS,
     REGIONS,
     MuscleCurves,
-    alternative_laws,
-    check_alternatives,
     curve_marks,
-    law_label,
     muscle_curves,
     region_strips,
     strain_limit,
-    with_alternative,
 )
 from .muscle_inputs import MuscleInputs
 from .remarks import branches_text, remarks_html, tuning_note, words_html
 from .solid import Scene, muscle_solid
 from .state import Session, View, changed
-from .tab import LatestResult, Tab
+from .tab import Tab
 from .theme import column, pane, row, side_column
 from .widgets import (
     SWEEP_STEPS,
@@ -40,7 +35,6 @@ from .widgets import (
     status_line,
     unit_factor,
     volume_unit,
-    widget,
 )
 
 
@@ -49,9 +43,6 @@ _SCENE_HEIGHT = "clamp(220px, min(100vh - 500px, 90vw), 900px)"
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 _FAR = 1e9  # [shown unit] beyond every picture
-# of `curves` for other laws: none is the force's or a part's, nor are the long dashes
-_ALTERNATIVE_COLORS = (3, 4, 5, 7)
-_ALTERNATIVE_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
 # told apart without color
 _PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
 
@@ -74,17 +65,10 @@ class MuscleView(Tab):
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
         self._numbers = pane(sizing_mode="stretch_width")
         self._sweep = Sweep("the strain", self._advance)
-        self.compare = widget(
-            pn.widgets.MultiSelect, "Compare with", self._choose_alternatives, size=4,
-            css_classes=["several"],
-        )  # fmt: skip
-        self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
         explanations = pane(
             words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse")
         )
-        left = side_column(
-            self.inputs.panel, self.compare, self.message.pane, explanations, width=284
-        )
+        left = side_column(self.inputs.panel, self.message.pane, explanations, width=284)
         curves = column(self.chart.new_pane(), kind="equal")
         scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
         pin = PinButton(session)
@@ -98,8 +82,6 @@ class MuscleView(Tab):
         if strain > self.top:
             self.session.view = view = replace(view, strain=self.top)
         self.inputs.show(view)
-        options = {law_label(key): key for key in alternative_laws(view.muscle)}
-        self.compare.param.update(options=options, value=_chosen_alternatives(view))
         curves = self._compute_curves(view)
         self._show_family(curves)
         self._show_curve_and_regions(view, curves)
@@ -108,29 +90,19 @@ class MuscleView(Tab):
             self._strain.field.show_error(
                 f"Contraction ε is drawn up to {self.top:g} for this muscle, got {strain:g}."
             )
-        self._show_remarks(view)
-        self._request_alternatives(view)
+        note = tuning_note(view.muscle, view.display_units["pressure"])
+        self.notes.object = remarks_html(view, "muscle") + status_line(note)
 
     def follow(self, before: View, after: View) -> None:
-        """Update what depends on pressure, contraction and the laws compared."""
-        self.message.show("")  # on too many laws
+        """Update what depends on pressure and contraction."""
         if changed(before, after, "pressure", "strain"):
             curves = self._compute_curves(after)
             if changed(before, after, "pressure"):
                 self._show_curve_and_regions(after, curves)
-                if self.alternatives.data["xs"]:
-                    self._request_alternatives(after)
             self._show_point(after, curves)
-        if changed(before, after, "alternatives"):
-            self._show_remarks(after)
-            self._request_alternatives(after)
 
     def _compute_curves(self, view: View) -> MuscleCurves:
         return muscle_curves(view.muscle, view.pressure, view.strain, view.supply, self.top)
-
-    def _show_remarks(self, view: View) -> None:
-        note = tuning_note(view.muscle, view.display_units["pressure"])
-        self.notes.object = remarks_html(view, "muscle") + status_line(note)
 
     # the figure
 
@@ -160,10 +132,6 @@ class MuscleView(Tab):
         chart.figure.line("strain", "force", source=self.curve, line_color=colors.ink,
                           line_width=3, legend_label="force")  # fmt: skip
         self._hover = chart.add_force_hover()
-        self.alternatives = chart.add(
-            "multi_line", "xs ys color label dash", "alternatives", line_dash="dash",
-            line_width=2.4, legend_field="label",
-        )  # fmt: skip
         self._marks = chart.add(
             "scatter", "x y label above beside align", "marks", size=9, line_color=colors.ink,
             line_width=2, fill_color=colors.paper,
@@ -264,46 +232,6 @@ class MuscleView(Tab):
             rows["several equilibria"] = branches
         self._numbers.object = heading("At this point") + readout_table(rows)
 
-    # other laws
-
-    def _choose_alternatives(self, keys: list[str]) -> None:
-        chosen = _chosen_alternatives(self.session.view)
-        if keys == chosen:  # set by the page itself
-            return
-        with self.message.errors():
-            try:
-                self.session.change(alternatives=check_alternatives(tuple(keys)))
-            except ValueError:
-                self.compare.value = chosen
-                raise
-
-    def _request_alternatives(self, view: View) -> None:
-        top = self.top
-
-        def compute() -> list[tuple[str, MuscleCurves]]:
-            muscles = {
-                key: with_alternative(view.muscle, key) for key in _chosen_alternatives(view)
-            }
-            return [
-                (key, muscle_curves(muscle, view.pressure, view.strain, view.supply, top))
-                for key, muscle in muscles.items()
-            ]
-
-        if _chosen_alternatives(view):
-            self._alternative_curves.request(compute)
-        else:
-            self._show_alternatives([])
-
-    def _show_alternatives(self, curves_by_law: list[tuple[str, MuscleCurves]]) -> None:
-        _, scale = self.unit("force")
-        self.alternatives.data = {
-            "xs": [curves.strain[-1] for _, curves in curves_by_law],
-            "ys": [curves.force[-1] / scale for _, curves in curves_by_law],
-            "color": [self.colors.curves[i] for i in _ALTERNATIVE_COLORS[: len(curves_by_law)]],
-            "dash": list(_ALTERNATIVE_DASHES[: len(curves_by_law)]),
-            "label": [law_label(key) for key, _ in curves_by_law],
-        }
-
     # a click, and the sweep
 
     def _move_point(self, event: Any) -> None:
@@ -318,12 +246,6 @@ class MuscleView(Tab):
         following = round(view.strain + self.top / SWEEP_STEPS, 4)
         self.session.change(strain=0.0 if following > self.top else following)
         return True
-
-
-def _chosen_alternatives(view: View) -> list[str]:
-    """Keys of laws chosen in the view to compare with, save those that the muscle has."""
-    alternatives = alternative_laws(view.muscle)
-    return [key for key in view.alternatives if key in alternatives]
 
 
 def _bending_moment_text(moment: float, units: Mapping[str, str]) -> str:

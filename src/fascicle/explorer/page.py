@@ -18,12 +18,10 @@ from ..plot.theme import TITLE
 from .bundle_tab import BundleView
 from .compare_tab import CompareView
 from .data_tab import DataView
-from .efficiency_tab import EfficiencyView
 from .exports import EXPORTS, download_buttons, output_stem
 from .link import to_query
 from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
-from .reversal_tab import ReversalView
 from .state import CONTENT_FIELDS, DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .story import Story
 from .tab import Tab, session_document
@@ -54,11 +52,9 @@ navigator.clipboard ? navigator.clipboard.writeText(text).then(copied, show) : s
 _VIEWS: Mapping[str, type[Tab]] = {
     "muscle": MuscleView,
     "bundle": BundleView,
-    "reversal": ReversalView,
-    "efficiency": EfficiencyView,
-    "time": TimeView,
     "compare": CompareView,
     "data": DataView,
+    "time": TimeView,
 }
 
 

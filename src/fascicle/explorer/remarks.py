@@ -7,7 +7,6 @@ import numpy as np
 from ..bundle.pressurized import muscle_strain
 from ..muscle import Muscle
 from ..muscle.fitted_length import fitted_length_mismatch
-from ..muscle.tension import TENSION_LAWS
 from ..muscle.validation import (
     extension_message,
     lowest_strain,
@@ -70,15 +69,7 @@ def notes(view: View, tab: str) -> list[str]:
         if several > 1:
             subject = f"{several} other units have different muscles"
         lines.append(f"This is the muscle of unit 1. {subject}.")
-    if tab == "reversal" and (several or sized):
-        lines.append("This tab takes unit 1's muscle for all units.")
-    if tab == "reversal" and len({sum(split) for split in view.splits}) > 1:
-        lines.append("These splits also differ in their number of muscles.")
-    if tab == "efficiency" and (several or sized):
-        lines.append(
-            "On the right, unit 1's muscle is scaled to the cross-section of the whole bundle."
-        )
-    scaled = (tab == "bundle" and sized) or tab == "efficiency"
+    scaled = tab == "bundle" and sized
     edited = tab == "muscle" and view.name.endswith(", changed")
     if (scaled or edited) and is_tuned(view.muscle):
         lines.append(
@@ -94,7 +85,7 @@ def validity_warnings(view: View, tab: str) -> list[str]:
     Constants of a muscle of another size, a fit at another length, pressures above those that were
     measured, a radius out of proportion to the length, muscles that the plates stretch.
     """
-    single = tab in ("muscle", "reversal")
+    single = tab == "muscle"
     muscles = [view.muscle] if single else [view.muscle_of(unit) for unit in view.units]
     lines = []
     for muscle in muscles:
@@ -108,10 +99,6 @@ def validity_warnings(view: View, tab: str) -> list[str]:
         if not single and view.distance is not None:
             strain = muscle_strain(view.distance / muscle.length, 0.0)
             lines.append(extension_message(strain, lowest_strain(muscle.law)))
-    if tab == "muscle":
-        keys = (key.partition(":") for key in view.alternatives)
-        laws = (TENSION_LAWS.get(name) for kind, _, name in keys if kind == "tension")
-        lines += [published_range_message(view.muscle, law) for law in laws if law]
     return [line[0].upper() + line[1:] for line in dict.fromkeys(lines) if line]
 
 

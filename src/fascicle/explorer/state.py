@@ -20,7 +20,7 @@ from ..muscle import Muscle
 from .scenario_setup import Setup
 
 
-TABS = ("muscle", "bundle", "reversal", "efficiency", "compare", "time", "data")
+TABS = ("muscle", "bundle", "compare", "data", "time")
 DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
@@ -59,9 +59,8 @@ class View:
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
     `load` on the bundle [N], if any; `distance` between the plates [m], where muscles differ;
-    `alternatives` to the muscle's laws, such as `buckling:elastica`; `pins` to compare, the first
-    is the reference; `map` of efficiency that is shown; `display_units` by dimension; the `setup`
-    of a simulation.
+    `pins` to compare, the first is the reference; `map` of efficiency that is shown;
+    `display_units` by dimension; the `setup` of a simulation.
     """
 
     name: str
@@ -75,11 +74,9 @@ class View:
     pressures: tuple[float, ...] = (SUPPLY,)
     load: float | None = None
     resistance: bool = True
-    alternatives: tuple[str, ...] = ()
     pins: tuple[Pin, ...] = ()
     path: str = "isobaric"
     map: str = MAPS[0]
-    splits: tuple[tuple[int, ...], ...] = ((1, 4), (2, 3), (4, 1))
     display_units: Mapping[str, str] = field(
         default_factory=lambda: {kind: units[0] for kind, units in DISPLAY_UNITS.items()}
     )
@@ -119,7 +116,7 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        names = ("display_units", "tab", "resistance", "path", "map", "splits", "pins", "setup")
+        names = ("display_units", "tab", "resistance", "path", "map", "pins", "setup")
         view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
         units = tuple(map(Unit, _COUNTS))

@@ -35,7 +35,7 @@ _LABELS = {
     "wall_thickness": "Wall thickness", "braid_angle": "Braid angle", "radius": "Radius",
     "supply": "Supply pressure", "supply_pressure": "Supply pressure", "units": "Motor units",
     "pressure": "Pressure", "pressures": "Pressures", "strain": "Contraction ε",
-    "rest_length": "Rest length", "splits": "Splits", "compare": "Compare with",
+    "rest_length": "Rest length",
     "fit": "What to fit", "scheme": "Recruitment", "path": "Path", "show": "Units",
     "plate_distance": "Distance between the plates", "load": "Load",
 }  # fmt: skip

@@ -9,8 +9,9 @@ from matplotlib.path import Path
 
 import fascicle as fs
 from fascicle.bundle import reversal
-from fascicle.bundle.reversal import Reversal
-from fascicle.explorer import bundle_curves, efficiency_tab
+from fascicle.explorer import bundle_curves
+from fascicle.explorer.bundle_tab import BundleView
+from fascicle.explorer.free_strain_chart import second_unit_curve
 from fascicle.explorer.muscle_curves import (
     FAMILY,
     alternative_laws,
@@ -21,7 +22,6 @@ from fascicle.explorer.muscle_curves import (
     with_alternative,
 )
 from fascicle.explorer.muscle_tab import MuscleView
-from fascicle.explorer.reversal_tab import POINTS, SplitCurve, split_curves
 from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
 from fascicle.explorer.state import Session, Unit, scaled_muscle, view_of
 from fascicle.muscle import LAWS
@@ -258,32 +258,36 @@ def test_muscles_are_drawn_at_the_largest_strain_if_the_view_has_a_larger_one():
     assert beyond.envelope == largest.envelope
 
 
-def test_split_curves_are_the_reversals_of_the_library():
-    (curve,) = split_curves(SIX, ((1, 2),), 344.7e3)
-    bundle = fs.Bundle([fs.MotorUnit(SIX, 1), fs.MotorUnit(SIX, 2)], 344.7e3)
-    assert curve.turn == reversal.reversal(bundle)
+def bundle_tab(**changes):
+    """Tab of a bundle, drawn."""
+    tab = BundleView(Session(replace(VIEW, tab="bundle", **changes)), LIGHT)
+    tab.refresh()
+    return tab
+
+
+def test_the_free_strain_over_the_second_pressure_is_the_librarys():
+    curve = second_unit_curve(VIEW.bundle, 344.7e3)
+    assert curve.turn == reversal.reversal(VIEW.bundle, 2, 344.7e3)
     assert curve.resisted.min() == pytest.approx(curve.turn.free_strain, abs=2e-3)
     assert (curve.free >= curve.resisted - 1e-9).all()
-
-
-@pytest.mark.parametrize("jump", [False, True])
-@pytest.mark.parametrize("turn", [0.0, 1.0, 41.7, 95.9])
-def test_a_curve_goes_through_its_turning_point_and_breaks_at_a_jump(jump, turn):
-    pressure = np.linspace(0.0, 96.0, POINTS)
-    strain = np.where(pressure < turn, 0.25, 0.2)
-    curve = SplitCurve((1, 4), pressure, strain, strain, Reversal(turn, 0.19, 0.06, 0.25, jump))
-    P, drawn = curve.drawn
-    assert P.size == drawn.size == POINTS + 1 + jump
-    assert np.all(np.diff(P) >= 0)
-    assert np.nanmin(drawn) == 0.19
-    assert np.isnan(drawn).sum() == jump
-    flat = replace(curve, turn=replace(curve.turn, depth=0.0))
-    assert flat.drawn[1] is flat.resisted
+    tab = bundle_tab(pressures=(344.7e3, 69e3))
+    chart = tab.free_strain
+    (drawn,) = chart._lines["resisted"].data["ys"]
+    assert np.nanmin(drawn) == curve.turn.free_strain == chart._turn.data["y"][0]
+    assert chart._point.data["x"] == pytest.approx([69.0])
+    strain = float(VIEW.bundle.free_strain([344.7e3, 69e3]))
+    assert chart._point.data["y"] == pytest.approx([strain])
+    tab.session.change(pressures=(2e5, 1e5))  # of the first unit, too: another curve
+    assert chart._lines["resisted"].data["xs"][0][-1] == pytest.approx(200.0)
+    tab.session.change(pressures=(0.0, 1e5))
+    assert not chart._figure.visible and not chart._point.data["x"]
+    tab.session.change(units=VIEW.units[:1], pressures=(1e5,))
+    assert not chart.panel.visible
 
 
 @pytest.mark.parametrize("name", ["kim2021_bundle_1_4", "kim2021_bundle_five"])
 def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
-    view = replace(view_of(fs.example(name), name), tab="efficiency")
+    view = replace(view_of(fs.example(name), name), tab="bundle")
     maps = efficiency_maps(view.bundle, "isobaric")
     i, j = np.nonzero(maps.changes_state)
     points = np.c_[maps.free.strain[j], maps.free.force[i]]
@@ -291,22 +295,27 @@ def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
         Path(np.c_[strain, force]).contains_points(points) for strain, force in maps.resistance_gaps
     ]
     assert len(points) and np.all(np.any(inside, axis=0))
-    tab = efficiency_tab.EfficiencyView(Session(view), LIGHT)
+    tab = BundleView(Session(view), LIGHT)
     tab.refresh()
-    tab._kind.value = "loss"
-    (image,) = tab._image.data["image"]
+    efficiency = tab.efficiency
+    assert not efficiency._image.data["image"]  # nothing is computed before it is asked for
+    efficiency.toggle.value = True
+    efficiency._kind.value = "loss"
+    (image,) = efficiency._image.data["image"]
     others = maps.difference[~maps.changes_state]
     assert np.nanmax(np.abs(image)) == pytest.approx(np.nanmax(np.abs(others)), rel=1e-6)
-    assert tab._mapper.high < 0.1 < maps.difference[maps.changes_state].max()
-    assert len(tab._strips.data["xs"]) == len(view.units) - 1
-    tab._kind.value = "free"
-    assert not tab._strips.data["xs"]
+    assert efficiency._mapper.high < 0.1 < maps.difference[maps.changes_state].max()
+    assert len(efficiency._strips.data["xs"]) == len(view.units) - 1
+    efficiency._kind.value = "free"
+    assert not efficiency._strips.data["xs"]
 
 
-def test_the_equivalent_muscle_has_the_bundles_cross_section():
-    muscle = efficiency_tab.equivalent_muscle(VIEW)
-    assert float(muscle.outer_radius) == pytest.approx(np.sqrt(5) * float(VIEW.muscle.outer_radius))
-    maps = efficiency_maps(VIEW.bundle, "isotonic")
-    assert maps.difference.shape == maps.resisted.efficiency.shape
-    average = fs.energetics.average_efficiency(VIEW.bundle, path="isotonic")
-    assert maps.resisted.average == pytest.approx(average)
+def test_efficiency_without_a_path_has_no_figure():
+    tab = bundle_tab()
+    tab.efficiency.toggle.value = True
+    assert tab.efficiency._numbers.object and tab.efficiency.figure.visible
+    tab.session.change(scheme="free")
+    assert tab.efficiency.message.text and not tab.efficiency.figure.visible
+    assert not tab.message.text and not any(button.disabled for button in tab.downloads)
+    tab.session.change(path="isotonic")
+    assert not tab.efficiency.message.text and tab.efficiency.figure.visible

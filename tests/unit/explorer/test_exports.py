@@ -19,7 +19,6 @@ from fascicle.explorer.exports import EXPORTS, data, output_stem
 from fascicle.explorer.measured import AUTOMATIC, TUNING, read_record
 from fascicle.explorer.page import Page
 from fascicle.explorer.state import TABS, Pin, Session, view_of
-from fascicle.plot.resistance_loss import efficiency_maps
 from fascicle.results.labelled import read
 
 
@@ -48,26 +47,11 @@ def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
     assert is_svg(tmp_path / f"{export.stem}.svg")
 
 
-@pytest.mark.parametrize("kind", ["resisted", "free", "loss"])
-def test_the_picture_of_efficiency_is_that_of_the_map_shown(kind, tmp_path, monkeypatch):
-    export = EXPORTS["efficiency"](replace(VIEW, map=kind), ())
-    maps = efficiency_maps(VIEW.bundle, VIEW.path)
-    expected = getattr(maps, kind).efficiency
-    image = export.figure().axes[0].collections[0]
-    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), expected)
-    low, high = image.get_clim()
-    assert low <= np.nanmin(expected) and np.nanmax(expected) <= high
-    monkeypatch.chdir(tmp_path)
-    exec(export.script, {})  # noqa: S102 what is tested
-    assert is_svg(f"{export.stem}.svg")
-
-
 @pytest.mark.parametrize(
     ("name", "command"),
     [
         ("muscle", ["force", "kim2021_slenderness_10"]),
         ("bundle", ["space", "kim2021_bundle_1_1"]),
-        ("efficiency", ["efficiency", "kim2021_bundle_1_1", "--path", "isobaric"]),
     ],
 )
 def test_columns_are_the_command_lines(name, command, capsys):
@@ -75,8 +59,7 @@ def test_columns_are_the_command_lines(name, command, capsys):
         main([*command, "--csv"])
     expected = capsys.readouterr().out.splitlines()[0].split(",")
     columns = EXPORTS[name](VIEW, ()).content("csv").decode().splitlines()[0].split(",")
-    extra = [column for column in columns if "without_resistance" in column]
-    assert columns == [*expected, *extra] and (len(extra) == 1) == (name == "efficiency")
+    assert columns == expected
 
 
 @pytest.mark.parametrize("names", [(AUTOMATIC,), (TUNING,), ("c10", "outer_radius")], ids=str)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.link import LONGEST, from_query, pack, parse_splits, to_query, unpack
+from fascicle.explorer.link import LONGEST, from_query, pack, to_query, unpack
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.files import dumps, loads
 from fascicle.io.sanitize import sanitize_line
@@ -32,8 +32,7 @@ def test_a_view_comes_back_from_its_address():
     view = replace(
         SIX, units=(Unit(1), Unit(4, 0.5)), supply=344.7e3, scheme="batch", pressure=69e3,
         strain=0.123, load=12.5, pressures=(3e5, 1e5), resistance=False,
-        alternatives=("buckling:elastica",),
-        path="isotonic", splits=((1, 4), (2, 3)), tab="bundle",
+        path="isotonic", map="loss", tab="bundle",
         display_units={"pressure": "psi", "length": "in", "force": "lbf"},
     )  # fmt: skip
     result = read(to_query(view))
@@ -77,9 +76,6 @@ def test_the_length_of_a_fit_comes_back():
         ({"units": "1,x"}, "must be like"),
         ({"units": "99999"}, "60 in all"),
         ({"scheme": "<script>"}, "must be one of"),
-        ({"compare": "buckling:os.system"}, "must name laws"),
-        ({"compare": ",".join(["buckling:elastica"] * 5)}, "4 laws at most"),
-        ({"splits": "4"}, "two motor units or more"),
         ({"show": "furlong,mm,N"}, "must be units"),
         ({"tab": "x"}, "must be one of"),
         ({"units": "9" * 5000}, "must be like 1,4@0.5"),
@@ -95,8 +91,6 @@ def test_the_length_of_a_fit_comes_back():
         ({"strain": "9e9999"}, "strain"),
         ({"strain": "-0.1"}, "must lie in"),
         ({"supply": "1e-400 Pa"}, "must be positive"),
-        ({"splits": "1+1," * 3000 + "1+1"}, "four at most"),
-        ({"splits": "1+" + "9" * 5000}, "must be like"),
         ({"file": pack("a." * 15_000 + "a = 1")}, "nested too deep"),
         ({"file": pack("format = 1\nx = " + "9" * 5000)}, ""),
         ({"file": pack("x")[:-4]}, "no file that this explorer has packed"),
@@ -147,10 +141,6 @@ def test_pressures_of_a_link_are_limited_by_its_supply():
     assert errors == [text]
     assert (view.pressure, view.pressures) == (1e5, (9e4, 1e5))
     assert read({"supply": "100 kPa"}).pressure == 1e5
-
-
-def test_splits_are_read_with_plus_and_minus():
-    assert parse_splits("1+4, 2+3") == ((1, 4), (2, 3)) == parse_splits("1-4,2-3")
 
 
 @pytest.mark.parametrize(

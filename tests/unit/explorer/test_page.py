@@ -112,22 +112,6 @@ def test_another_theme_changes_all_colors_and_keeps_the_history():
     assert page._views["data"].record is record is not None
 
 
-def test_efficiency_without_a_path_has_no_figures_and_no_downloads():
-    session = Session(view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4"))
-    page = Page(session)
-    session.change(tab="efficiency")
-    tab = page._views["efficiency"]
-    assert len(tab.downloads) == 5 and tab._numbers.object
-    session.change(scheme="free")
-    assert "choose the path isotonic" in tab.message.text and "--" not in tab.message.text
-    assert not any(figure.visible for figure in tab.figures) and not tab._numbers.object
-    assert all(button.disabled for button in tab.downloads)
-    session.change(path="isotonic")
-    assert not tab.message.text and tab._numbers.object
-    assert all(figure.visible and not figure.loading for figure in tab.figures)
-    assert not any(button.disabled for button in tab.downloads)
-
-
 def test_an_empty_file_is_refused(header):
     before = header._session.view
     header.file.param.update(value=None, filename="none.toml")  # Panel's event of one

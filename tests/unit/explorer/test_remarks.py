@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.muscle_curves import MOST_ALTERNATIVES
 from fascicle.explorer.muscle_tab import MuscleView
 from fascicle.explorer.remarks import (
     branches_text,
@@ -24,7 +23,7 @@ from fascicle.plot.theme import LIGHT
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
 TUNED = view_of(fs.example("kim2021_slenderness_10"), "kim2021_slenderness_10")
 OTHER = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28))
-PICTURES = TABS[:4]
+PICTURES = TABS[:2]
 
 
 @pytest.mark.parametrize("tab", TABS)
@@ -65,14 +64,11 @@ def test_a_fit_at_another_length_gives_one_warning():
     assert validity_warnings(view, "muscle") == [] and len(validity_warnings(view, "bundle")) == 1
 
 
-def test_constants_of_another_muscle_give_a_warning_also_as_an_alternative():
+def test_constants_of_another_muscle_give_a_warning():
     festo = replace(SIX, muscle=SIX.muscle.replace(tension="sarosi"))
     for tab in PICTURES:
         (warning,) = validity_warnings(festo, tab)
         assert warning.startswith("`sarosi` was fitted to a Festo DMSP-20-200N")
-    laws = ("tension:sarosi", "tension:ideal", "buckling:elastica")
-    assert validity_warnings(replace(SIX, alternatives=laws), "muscle") == [warning]
-    assert validity_warnings(replace(SIX, alternatives=laws), "bundle") == []
 
 
 def test_pressures_above_those_measured_give_a_warning():
@@ -86,19 +82,15 @@ def test_pressures_above_those_measured_give_a_warning():
 def test_a_note_on_several_muscles_of_a_bundle():
     unequal = replace(SIX, units=(Unit(1), Unit(2, own=OTHER)))
     assert "muscle of unit 1" in notes(unequal, "muscle")[0]
-    assert "unit 1's muscle" in notes(unequal, "reversal")[0]
-    assert "unit 1's muscle" in notes(unequal, "efficiency")[0]
     assert notes(unequal, "bundle") == []
     thinner = replace(SIX, units=(Unit(1), Unit(2, 0.5)))
     assert notes(thinner, "muscle") == []
-    assert "unit 1's muscle" in notes(thinner, "reversal")[0]
 
 
 def test_a_note_on_a_tuning_for_another_size():
     assert notes(TUNED, "muscle") == notes(TUNED, "bundle") == []
-    assert "measured on a muscle of another size" in notes(TUNED, "efficiency")[0]
     thinner = replace(TUNED, units=(Unit(1), Unit(2, 0.5)))
-    assert "another size" in notes(thinner, "bundle")[0]
+    assert "measured on a muscle of another size" in notes(thinner, "bundle")[0]
     changed = replace(TUNED, name="kim2021_slenderness_10, changed")
     assert "another size" in notes(changed, "muscle")[0]
 
@@ -134,25 +126,6 @@ def test_a_tuning_note_is_above_the_muscle(name, tuned):
     tab = MuscleView(Session(view_of(fs.example(name), name)), LIGHT)
     tab.refresh()
     assert ("This muscle is tuned: " in tab.notes.object) == tuned
-
-
-def test_at_most_four_laws_are_compared_and_all_look_different():
-    laws = ("buckling:elastica", "tension:ideal", "collapse:wood1958", "tension:bolen")
-    tab = MuscleView(Session(replace(SIX, alternatives=laws)), LIGHT)
-    tab.refresh()
-    drawn = tab.alternatives.data
-    other = {*LIGHT.curves[:3], LIGHT.ink}
-    assert len(set(drawn["color"]) - other) == len(set(drawn["dash"])) == MOST_ALTERNATIVES
-    tab.compare.value = [*laws, "ends:compliant"]
-    assert "Compare with must be 4 laws at most" in tab.message.text
-    assert tab.session.view.alternatives == laws == tuple(tab.compare.value)
-    tab.compare.value = list(laws[1:])
-    assert not tab.message.text and tab.session.view.alternatives == laws[1:]
-    # a law that the muscle gets itself is no alternative, and is one again with another law
-    tab.inputs.laws["tension"].select.value = "ideal"
-    assert len(tab.alternatives.data["xs"]) == 2 and tab.session.view.alternatives == laws[1:]
-    tab.inputs.laws["tension"].select.value = "bolen"
-    assert "tension: ideal" in tab.alternatives.data["label"]
 
 
 def test_all_equilibria_are_listed():

@@ -81,7 +81,7 @@ def test_sentences_follow_the_view():
 
 
 def test_the_inputs_come_back_at_the_end_and_pins_and_units_stay():
-    before = replace(VIEW, strain=0.07, pressure=9e4, tab="efficiency", pressures=(4e5, 1e5))
+    before = replace(VIEW, strain=0.07, pressure=9e4, tab="compare", pressures=(4e5, 1e5))
     for leave in ("skip", "back", "done"):
         session = Session(before)
         story = Story(session)
