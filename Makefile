@@ -89,7 +89,7 @@ slow: $(STAMP)
 docs: $(STAMP)
 	$(KEEPING) $(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
-# takes some ten minutes on a quiet machine. Studies run alone: `recovery.py`, `real_record.py` and
+# takes some ten minutes on a quiet machine. Studies run alone: `recovery.py` and
 # `hand_over_random_muscles.py`
 bench: $(STAMP)
 	$(BIN)/python benchmarks/run_all.py

@@ -1,10 +1,9 @@
-"""Muscles, points and bundles that the benchmarks share, and floors under their times."""
+"""Muscles, points and bundles that the benchmarks share."""
 
 import math
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 import fascicle as fs
@@ -13,11 +12,6 @@ import fascicle.jax
 
 MAX_PRESSURE, MAX_STRAIN = 413.7e3, 0.33  # Pa, -: Fig. 6's tests
 LENGTH, MATERIAL = 0.127, "silicone_kim2021"
-
-
-# floors: passes over as many float64 values, into a new array
-add_one = jax.jit(lambda x: x + 1)
-exponential = jax.jit(jnp.exp)
 
 
 def wait(value: Any) -> Any:
@@ -34,22 +28,6 @@ def field(pressures: int, strains: int) -> tuple[np.ndarray, np.ndarray]:
     """Column of pressures [Pa], row of strains [-]."""
     column = np.linspace(0.0, MAX_PRESSURE, pressures)[:, None]
     return column, np.linspace(0.0, MAX_STRAIN, strains)
-
-
-def scattered_points(*shape: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points with a pressure [Pa] and strain [-] of their own, uniform over the field."""
-    P, eps = np.random.default_rng(0).uniform(size=(2, *shape))
-    return MAX_PRESSURE * P, MAX_STRAIN * eps
-
-
-def different_muscles(count: int) -> fs.Muscle:
-    """Different muscles as one whose sizes are columns; points go along the rows."""
-    random = np.random.default_rng(1)
-    length, radius, thickness_ratio, angle = random.uniform(
-        [[0.08], [4e-3], [0.15], [25.0]], [[0.2], [10e-3], [0.3], [40.0]], (4, count)
-    )[..., None]
-    wall = thickness_ratio * radius
-    return fs.Muscle.from_dimensions(length, radius, wall, np.radians(angle), MATERIAL)
 
 
 def unlike_bundle(units: int) -> fs.Bundle:

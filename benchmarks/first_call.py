@@ -20,7 +20,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from real_record import SIZES, find_record
 from timing import Quartiles, Row, Times, run
 
 import fascicle
@@ -79,22 +78,6 @@ COMMANDS = {
     "bundle": (("kim2021_bundle_1_4",), 1.5),
     "design": (("task.toml", "--json"), 6.0),
 }
-# what is called, its most calls of Python functions (or none), and files
-COUNTS = {
-    "`muscle.force`": (f"{MUSCLE}; call = lambda: m.force(34.5e3, 0.13)", 300, 15),
-    "`recruit`": ('import fascicle as fs; b = fs.example("kim2021_bundle_1_4"); '
-                  "call = lambda: fs.recruitment.recruit(b, 60.0, 0.1)", None, 20),
-}  # fmt: skip
-COUNT = """
-import sys
-from pathlib import Path
-home, files = str(Path(fs.__file__).parent), []
-def note(frame, event, argument):
-    if event == "call" and frame.f_code.co_filename.startswith(home):
-        files.append(frame.f_code.co_filename)
-sys.setprofile(note); call(); sys.setprofile(None)
-print(len(files), len(set(files)))
-"""
 
 
 class Processes:
@@ -155,7 +138,7 @@ def process_rows(processes: Processes, small: bool) -> list[Row]:
 
 
 def call_rows(processes: Processes, small: bool) -> list[Row]:
-    """CPU seconds of first calls, and how many functions they call."""
+    """CPU seconds of first calls."""
     rows = []
     for name, (setup, call, goal) in list(CALLS.items())[: 1 if small else None]:
         code = (f"{setup}\nimport time\nbegin = time.process_time()\n{call}\n"
@@ -163,16 +146,11 @@ def call_rows(processes: Processes, small: bool) -> list[Row]:
         seconds = [float(processes.run(sys.executable, "-c", code)[2])
                    for _ in range(1 if small else 3)]  # fmt: skip
         rows.append(Row(f"first call: {name}, CPU", Quartiles.of(seconds), "s", at_most=goal))
-    for name, (setup, *goals) in COUNTS.items():
-        counts = processes.run(sys.executable, "-c", f"{setup}\n{COUNT}")[2].split()
-        for unit, count, goal in zip(("calls", "files"), counts, goals, strict=True):
-            figure = Quartiles.of([float(count)])
-            rows.append(Row(f"first call: {name}, Python's {unit}", figure, unit, at_most=goal))
     return rows
 
 
 def calibration_rows(processes: Processes, small: bool) -> list[Row]:
-    """Calibrations of a synthetic and of a measured record; the largest memory of all processes."""
+    """A calibration of a synthetic record; the largest memory of all processes."""
     rows = []
     if not small:
         processes.run(FASCICLE, "record", "kim2021_slenderness_10", "-o", "record.csv", "--samples",
@@ -181,12 +159,6 @@ def calibration_rows(processes: Processes, small: bool) -> list[Row]:
                                   "kim2021_slenderness_10", "--json")  # fmt: skip
         rows.append(Row("`fascicle calibrate`, 500 readings, CPU", Quartiles.of([cpu]), "s",
                         at_most=10))  # fmt: skip
-        record, name = find_record(), "`fascicle calibrate`, the DMSP-20's record, CPU"
-        if record is None:
-            rows.append(Row(name, None, "s", note="the record is not here"))
-        else:
-            _, cpu, _ = processes.run(FASCICLE, "calibrate", str(record), *SIZES, "--json")
-            rows.append(Row(name, Quartiles.of([cpu]), "s", at_most=12))
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024 / 1e9
     name = "memory of the largest of these processes"
     return [*rows, Row(name, Quartiles.of([peak]), "GB", at_most=0.7)]

@@ -23,15 +23,14 @@ from timing import Row, load_rows, parse_options, table
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "RESULTS.md"
 MODULES = (
-    "first_call", "against_scipy", "bundles", "jax_arrays", "simulation",
-    "control_policies", "design_evaluation", "fitting", "exported_c", "robots", "training",
-    "explorer", "gpu",
+    "first_call", "against_scipy", "bundles", "fitting", "design_evaluation", "simulation",
+    "explorer", "exported_c",
 )  # fmt: skip
 
 
 def measure(module: str, small: bool) -> list[Row] | None:
     """Rows of one benchmark; `None` if it failed."""
-    environment = {**os.environ, **({} if module == "gpu" else {"JAX_PLATFORMS": "cpu"})}
+    environment = {**os.environ, "JAX_PLATFORMS": "cpu"}
     if small:
         environment["XLA_FLAGS"] = "--xla_backend_optimization_level=0"  # compiles sooner
     with tempfile.TemporaryDirectory() as folder:

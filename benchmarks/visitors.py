@@ -23,8 +23,7 @@ READY = {
 }
 MAX_MESSAGE = 2**27  # bytes
 # of each tab, the source that has the data of its first picture
-FIRST_SOURCE = {"muscle": "curve", "bundle": "regions", "reversal": "reversal_resisted",
-                "efficiency": "efficiency", "data": "untuned"}  # fmt: skip
+FIRST_SOURCE = {"muscle": "curve", "bundle": "regions", "data": "untuned"}
 
 
 class Visitor:

@@ -60,14 +60,6 @@ def test_goals_are_lower_or_upper_bounds(benchmark):
     assert timing.Row("time", two, "s").met is None
 
 
-def test_a_goal_is_written_in_full(benchmark):
-    timing = benchmark("timing")
-    figure = timing.Quartiles(1.0, 1.0, 1.0)
-    goals = {500: "≤ 500 µs", 0.15: "≤ 0.15 µs", 100_000: "≤ 100,000 µs"}
-    for bound, goal in goals.items():
-        assert timing.Row("time", figure, "µs", at_most=bound).cells()[3] == goal
-
-
 def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
     timing = benchmark("timing")
     seconds = {"a": timing.np.array([2.0, 4.0, 6.0]), "b": timing.np.array([1.0, 2.0, 2.0])}
@@ -77,12 +69,6 @@ def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
     assert (difference.median, difference.low, difference.high) == (2.0, 1.5, 3.0)
 
 
-def test_what_was_not_measured_is_one_sentence(benchmark):
-    timing = benchmark("timing")
-    text = timing.table([timing.Row("a GPU's field", None, "×", note="it needs a GPU")])
-    assert text.endswith("Not measured: a GPU's field (it needs a GPU).")
-
-
 def test_results_name_missed_goals(benchmark):
     timing, run_all = benchmark("timing"), benchmark("run_all")
     two = timing.Quartiles(2.0, 2.0, 2.0)
@@ -90,12 +76,3 @@ def test_results_name_missed_goals(benchmark):
     text = run_all.results_page(rows, "on a machine", 60.0, ["fast"])
     assert "1 of 2 goals are met." in text and "- slow: by a factor of 2" in text
     assert "Left out of this run: fast." in text
-
-
-def test_rows_are_read_as_written(benchmark, tmp_path, monkeypatch):
-    timing, path = benchmark("timing"), tmp_path / "rows.json"
-    rows = [timing.Row("time", timing.Quartiles(2.0, 1.0, 3.0), "s", "a floor", at_most=3.0),
-            timing.Row("rate", None, "×", note="it needs a GPU")]  # fmt: skip
-    monkeypatch.setattr(sys, "argv", ["benchmark", "--json", str(path)])
-    timing.run(lambda _: rows, "a benchmark")
-    assert timing.load_rows(path) == rows

@@ -14,7 +14,7 @@ from fascicle.records import load
 @pytest.fixture(scope="module")
 def choice():
     record = load(measured("martens-boblan-2017/dmsp-20-300.csv"), rest_length=0.3)
-    # Festo's nominal sizes, as in benchmarks/real_record.py
+    # Festo's nominal sizes
     return select_model(record, fs.Muscle.from_dimensions(0.3, 10e-3, 2e-3, math.radians(28.6)))
 
 
