@@ -32,8 +32,6 @@ picture: reproduce browser
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 	$(BIN)/python docs/runs.py docs/_static/runs.json
 	$(BIN)/python docs/walker_leg.py docs/_static/walker_leg.gif
-	$(BIN)/python docs/poster.py --card docs/_static/card.png
-	$(BIN)/python docs/poster.py out/poster.pdf
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint
