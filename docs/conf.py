@@ -128,7 +128,7 @@ def add_open_graph(app: Any, page: str, _: str, context: dict[str, Any], __: Any
     if html_baseurl:
         properties["url"] = html_baseurl + app.builder.get_target_uri(page)
         properties["image"] = f"{html_baseurl}_static/readme.png"
-        properties["image:alt"] = "a muscle that pulls, buckles and folds, beside its force"
+        properties["image:alt"] = "Fig. 9 of the paper, reproduced"
     for name, value in properties.items():
         tag = (
             f'<meta property="og:{name}" content="{html.escape(re.sub("<[^>]+>", "", value))}" />\n'

@@ -18,11 +18,9 @@ from typing import Any
 import panel as pn
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
-from bokeh.server.urls import per_app_patterns
 from bokeh.server.util import bind_sockets
 from panel.io.application import build_applications
 from panel.io.resources import DIST_DIR
-from panel.io.server import WSHandler
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
@@ -34,6 +32,7 @@ from .link import from_query, has_state
 from .page import Page, prepare_document
 from .state import Session, View
 from .theme import column, page_colors, page_css
+from .worker import stop_jobs
 
 
 PORT = 5006  # Bokeh's
@@ -98,23 +97,7 @@ async def _serve(
     # connections of open pages end with the loop, which is no error
     logging.getLogger("tornado.application").setLevel(logging.CRITICAL)
     server.stop()
-
-
-class _Socket(WSHandler):
-    """Panel's socket, which sends each message at once: else the next one waits up to 40 ms for the
-    browser's receipt of the last (Nagle's algorithm and TCP's delayed receipts).
-    """
-
-    def open(self, *args: Any, **kwargs: Any) -> Any:
-        opened = super().open(*args, **kwargs)
-        self.set_nodelay(True)
-        return opened
-
-
-# Bokeh's handlers for each page, where Panel has put its own socket
-per_app_patterns[:] = [
-    (entry[0], _Socket) if entry[1] is WSHandler else entry for entry in per_app_patterns
-]
+    stop_jobs()
 
 
 def start_server(view: View, host: str, port: int | None, allowed: Sequence[str] = ()) -> Any:
@@ -137,15 +120,23 @@ def start_server(view: View, host: str, port: int | None, allowed: Sequence[str]
 
 
 def _bind(host: str, port: int | None) -> list[socket.socket]:
-    """Sockets at the `port`, or at the first free one."""
+    """Sockets at the `port`, or at the first free one.
+
+    Their connections send each message at once: else the next one waits up to 40 ms for the
+    browser's receipt of the last (Nagle's algorithm and TCP's delayed receipts).
+    """
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:
-            return bind_sockets(host, number)[0]
+            sockets = bind_sockets(host, number)[0]
         except OSError as error:
             if error.errno != errno.EADDRINUSE or number == candidates[-1]:
                 reason = error.strerror or str(error)
                 raise OSError(f"can't listen on {host}, port {number}: {reason}.") from None
+            continue
+        for listener in sockets:  # which connections inherit
+            listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return sockets
     raise AssertionError  # the last candidate returns or raises
 
 

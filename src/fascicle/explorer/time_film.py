@@ -5,7 +5,7 @@ no dependency of fascicle.
 """
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,7 +61,6 @@ def charts_figure(time: np.ndarray, charts: Sequence[ChartCurves]) -> Figure:
 
 @styled
 def film(
-    progress: Callable[[str], None],
     title: str,
     time: np.ndarray,
     drawing: Drawing,
@@ -71,7 +70,6 @@ def film(
     """GIF of a run under a `title`, in its real time: `drawing` and `charts` at each `time` [s],
     with the `colors` of units.
     """
-    progress("drawing the film")
     figure, axes = new_figure(len(charts), 2, *_SIZE, width_ratios=[1.0, 1.25])
     figure.set_dpi(_DPI)
     grid = axes[0, 0].get_gridspec()
@@ -129,8 +127,7 @@ def film(
         artist.set_animated(True)
     canvas.draw()  # what stands still; a whole drawing of each frame takes ten times as long
     background, images = canvas.copy_from_bbox(figure.bbox), []
-    for number, row in enumerate(rows.tolist(), start=1):
-        progress(f"drawing frame {number} of {len(rows)}")
+    for row in rows.tolist():
         show(row)
         canvas.restore_region(background)
         for owner, artist in artists:

@@ -1,4 +1,4 @@
-"""Runs of a scenario for the page, in a worker process; the simulator is imported inside of it.
+"""Runs of a scenario for the page, in a worker process, in which the simulator is imported.
 
 A run gives the table of `fascicle simulate`, all steps of it, and the drawing at a number of
 `samples`, at which the page plays it.
@@ -6,7 +6,7 @@ A run gives the table of `fascicle simulate`, all steps of it, and the drawing a
 
 import logging
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 MOST_SAMPLES = 601  # of a run on the page: a chart has as many pixels on a small screen
 MOST_STEPS = 20_000  # of a run: with every policy a visitor's tables take a hundred megabytes
-Progress = Callable[[str], None]
 
 
 class PolicyResult(NamedTuple):
@@ -60,16 +59,14 @@ class SimulationResult(NamedTuple):
     notes: list[str]
 
 
-def run_policies(
-    progress: Progress, text: str, name: str, policies: Sequence[str]
-) -> SimulationResult:
+def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationResult:
     """Run the scenario of a `text` under each of the `policies`, or its own if there are none."""
     from ..control import pareto_front
     from ..reports import simulation as reports
 
-    study, notes = _read_limited_scenario(progress, text, name)
+    study, notes = _read_limited_scenario(text, name)
     results, runs = [], {}
-    for variant, label in _variants(progress, study, policies):
+    for variant, label in _variants(study, policies):
         result, run = _run_policy(variant, label, [] if results else notes)
         results.append(result)
         if run is not None:
@@ -87,18 +84,14 @@ def run_policies(
     return SimulationResult(name, quantity, rotary, results, heads, table_rows, remarks)
 
 
-def _read_limited_scenario(
-    progress: Progress, text: str, name: str
-) -> tuple["Scenario", list[str]]:
+def _read_limited_scenario(text: str, name: str) -> tuple["Scenario", list[str]]:
     """A scenario within the page's limits, and warnings about it."""
-    progress("loading the simulator")
     for library in ("jax", "matplotlib"):
         logging.getLogger(library).setLevel(logging.CRITICAL)
     from ..core.validation import disable_pressure_unit_warning
     from ..files.scenario import loads_scenario
 
     disable_pressure_unit_warning()  # files have units
-    progress("reading the scenario")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
         study = loads_scenario(text, name, name=Path(name).stem)
@@ -116,14 +109,12 @@ def _read_limited_scenario(
     return study, list(dict.fromkeys(notes))
 
 
-def _variants(progress: Progress, study: "Scenario", policies: Sequence[str]) -> Any:
+def _variants(study: "Scenario", policies: Sequence[str]) -> Any:
     """The scenario under each of the `policies`, with a label."""
     if study.control is None or not policies:
-        progress("simulating")
         yield study, "" if study.control is None else study.control.policy
         return
-    for number, policy in enumerate(policies, start=1):
-        progress(f"simulating {policy}, policy {number} of {len(policies)}")
+    for policy in policies:
         variant = study.with_policy(policy)
         assert variant.control is not None
         chosen = variant.control.policy

@@ -8,6 +8,7 @@ import html
 import io
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 from typing import Any, ClassVar
@@ -26,7 +27,7 @@ from .exports import download_button, output_stem
 from .remarks import glossary_html
 from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_policies, open_setup
 from .state import Session, View
-from .tab import LatestResult, Progress, Tab, session_document
+from .tab import LatestResult, Progress, Tab
 from .theme import LAYOUT_CSS, WIDGET_CSS, column, pane, row, side_column
 from .time_drawing import ALPHAS, HATCHED, STATES, rigid_colors
 from .time_film import ChartCurves, Curve, charts_figure, film
@@ -45,7 +46,7 @@ from .widgets import (
     text_html,
     widget,
 )
-from .worker import WAITING, CanceledError, Job
+from .worker import WAITING, run_job
 
 
 _OWN = "(your file)"
@@ -91,15 +92,13 @@ class TimeView(Tab):
         super().__init__(session, colors)
         self.result: SimulationResult | None = None
         self._setup = Setup()  # of the result
-        self._job: Job | None = None
+        self._job = 0  # number of the running or last job
         self._updating = False
         self._inputs: dict[str, Field] = {}
         self._add_widgets()
         self._add_charts()
         self._add_player()
         self._runs = LatestResult(self._show_result, self._fail_job, WAITING)
-        if session_document():
-            pn.state.on_session_destroyed(lambda _: self.cancel_job())
         self._lay_out()
 
     # widgets
@@ -142,13 +141,16 @@ class TimeView(Tab):
         """Button that downloads the film, which a job draws."""
 
         async def make_file() -> io.BytesIO:
-            loop, job = asyncio.get_running_loop(), self._film_job()
-            self._begin_job(job)
+            job = self._begin_job("drawing the film")
+            call = partial(run_job, film, *self._film_arguments())
+            loop = asyncio.get_running_loop()
             try:
-                raw = await loop.run_in_executor(WAITING, job)
+                raw = await loop.run_in_executor(WAITING, call)
             except ValueError as error:
                 self._fail_job(error)
                 raise asyncio.CancelledError from None  # nothing to send
+            if self._job != job:  # canceled meanwhile
+                raise asyncio.CancelledError
             self._end_job()
             result.filename = f"{self._file_stem()}.gif"
             return io.BytesIO(raw)
@@ -347,33 +349,33 @@ class TimeView(Tab):
     def start_run(self) -> None:
         """Run the scenario in a worker process."""
         setup = self.session.view.setup
-        job = Job(run_policies, setup.text(), setup.name, setup.policies)
-        self._begin_job(job)
-        self._runs.request(lambda: (setup, job()))
+        self._begin_job("simulating")
+        arguments = setup.text(), setup.name, setup.policies
+        self._runs.request(lambda: (setup, run_job(run_policies, *arguments)))
 
     def cancel_job(self) -> None:
-        """Stop the running job, if there is one."""
-        if self._job is not None:
-            self._job.cancel()
+        """Drop the result of the running job."""
+        self._runs.drop()
+        self._end_job()
+        self.status.object = status_line("Canceled.")
 
-    def _begin_job(self, job: Job) -> None:
-        self._job = job
+    def _begin_job(self, text: str) -> int:
+        """Show the `text` of a job while it runs; returns its number."""
+        self._job += 1
         self.message.show("")
         self._enable_buttons(False)
-        self._progress.start(lambda seconds: f"{job.stage}: {seconds:.0f} s")
+        self._progress.start(lambda seconds: f"{text}: {seconds:.0f} s")
+        return self._job
 
     def _end_job(self) -> None:
-        self._job = None
+        self._job += 1
         self._progress.stop()
         self._enable_buttons(True)
 
     def _fail_job(self, error: ValueError | str) -> None:
-        """End a job that was canceled or failed, and say so; the last result stays."""
+        """End a job that failed, and say so; the last result stays."""
         self._end_job()
-        if isinstance(error, CanceledError):
-            self.status.object = status_line("Canceled.")
-        else:
-            self.fail(error)
+        self.fail(error)
 
     def _enable_buttons(self, idle: bool) -> None:
         """Enable the buttons of a tab that is `idle`, or that of a running job."""
@@ -583,13 +585,13 @@ class TimeView(Tab):
         figure = charts_figure(self._samples("time"), self._chart_curves(LIGHT))
         return self._file_stem(), to_bytes(figure, kind)
 
-    def _film_job(self) -> Job:
+    def _film_arguments(self) -> tuple[Any, ...]:
         run, (force, contraction, pressures, *_) = self.drawn_run, self._chart_curves(LIGHT)
         assert self.result is not None
         title = ", ".join(filter(None, (self.result.name, run.policy)))
         colors = cycle_colors(LIGHT, run.drawing.states.shape[1])
         charts = [force, contraction, pressures]
-        return Job(film, title, self._samples("time"), run.drawing, charts, colors)
+        return title, self._samples("time"), run.drawing, charts, colors
 
     def _scenario_file(self) -> tuple[str, bytes]:
         """Stem and bytes of the scenario with the changed values, and the policy that is drawn."""

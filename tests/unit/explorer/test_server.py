@@ -3,12 +3,11 @@
 import asyncio
 import gc
 import logging
-import re
 import socket
+import subprocess
+import sys
 
 import pytest
-from tornado.httpclient import AsyncHTTPClient
-from tornado.websocket import WebSocketHandler, websocket_connect
 
 import fascicle as fs
 from fascicle.explorer import server
@@ -38,23 +37,23 @@ def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
     gc.collect()  # sockets
 
 
-def test_a_page_s_socket_sends_each_message_at_once(monkeypatch):
-    calls = []
-    monkeypatch.setattr(WebSocketHandler, "set_nodelay", lambda _, value: calls.append(value))
+def test_connections_send_each_message_at_once():
+    (listener,) = server._bind("127.0.0.1", 0)
+    with listener, socket.create_connection(listener.getsockname()[:2]) as client:
+        listener.setblocking(True)
+        connection, _ = listener.accept()
+        with connection:
+            assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        del client
 
-    async def connect():
-        started = server.start_server(VIEW, "127.0.0.1", 0)
-        started.start()
-        address = f"127.0.0.1:{started.port}/"
-        page = await AsyncHTTPClient().fetch(f"http://{address}")
-        token = re.search(r'"token":\s*"([^"]+)"', page.body.decode())[1]
-        connection = await websocket_connect(f"ws://{address}ws", subprotocols=["bokeh", token])
-        await connection.read_message()
-        connection.close()
-        started.stop()
 
-    asyncio.run(connect())
-    assert calls == [True]
+def test_no_table_of_another_library_is_changed():
+    code = (
+        "import panel.io.server; from bokeh.server.urls import per_app_patterns as patterns;"
+        "before = [*patterns]; import fascicle.explorer.server; print(before == patterns)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "True\n", done.stderr
 
 
 def test_an_error_of_the_web_server_is_one_line_without_hidden_characters():

@@ -2,10 +2,11 @@
 
 import io
 import itertools
+import math
+import os
 import subprocess
 import sys
-import threading
-import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from fascicle.explorer.scenario_setup import POLICIES, Setup, open_setup
 from fascicle.explorer.state import Session, view_of
 from fascicle.explorer.time_run import MOST_SAMPLES, sample_rows
 from fascicle.explorer.time_tab import TimeView
-from fascicle.explorer.worker import CanceledError, Job
+from fascicle.explorer.worker import run_job, stop_jobs
 from fascicle.files import example_text, loads_scenario
 from fascicle.plot.theme import LIGHT
 from fascicle.results.tables import simulated
@@ -33,14 +34,10 @@ START = replace(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"), tab
 CHANGED = Setup(NAME).with_value("load.mass", 5.5).with_value("valve.C.1", 5e-9)
 
 
-def silent(stage):
-    del stage
-
-
 @pytest.fixture(scope="module")
 def result():
     text = CHANGED.text()
-    return time_run.run_policies(silent, text, NAME, ("threshold", "hand_over"))
+    return time_run.run_policies(text, NAME, ("threshold", "hand_over"))
 
 
 @pytest.fixture
@@ -186,9 +183,7 @@ def test_the_drawing_is_the_laws(result):
 
 def test_the_film_lasts_as_long_as_the_run(tab, monkeypatch):
     monkeypatch.setattr(time_film, "MOST_FRAMES", 5)
-    job = tab._film_job()
-    function, arguments = job._call
-    image = Image.open(io.BytesIO(function(silent, *arguments)))
+    image = Image.open(io.BytesIO(time_film.film(*tab._film_arguments())))
     assert image.n_frames == 5
     frames = []
     for number in range(5):
@@ -230,32 +225,30 @@ def test_the_red_line_is_explained_where_there_is_one(tab, result):
 # jobs
 
 
-def test_a_job_can_be_canceled_and_the_next_one_runs():
-    job, errors = Job(time_run.run_policies, example_text("ramp_1_4"), "ramp_1_4", ()), []
+def test_jobs_that_end_together_and_a_process_that_dies_leave_the_next_ones_alone():
+    with ThreadPoolExecutor(2) as threads:
+        roots = threads.map(lambda x: run_job(math.sqrt, x), [float(x) for x in range(40)])
+        assert list(roots) == [math.sqrt(x) for x in range(40)]
+    with pytest.raises(ValueError, match="math domain"):
+        run_job(math.sqrt, -1.0)
+    with pytest.raises(ValueError, match="too little memory"):
+        run_job(os._exit, 1)
+    assert run_job(math.sqrt, 4.0) == 2.0
+    stop_jobs()
 
-    def run():
-        try:
-            job()
-        except CanceledError as error:
-            errors.append(error)
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    while job.stage != "reading the scenario":
-        time.sleep(0.05)
-    job.cancel()
-    thread.join()
-    assert len(errors) == 1
-    with pytest.raises(ValueError, match=r"late\.toml"):
-        Job(time_run.run_policies, "format = 1\n[load]\n", "late.toml", ())()
-    with pytest.raises(CanceledError):
-        job()
+def test_a_canceled_run_is_not_shown(tab):
+    before = tab.result
+    tab._begin_job("simulating")
+    assert tab.run.disabled and not tab.cancel.disabled
+    tab.cancel_job()
+    assert tab.cancel.disabled and not tab.run.disabled and tab.result is before
 
 
 def test_a_long_run_is_refused():
     text = example_text("lift_gas").replace('"6 s"', '"60 s"')
     with pytest.raises(ValueError, match=r"20000 steps here, got 60000"):
-        time_run.run_policies(silent, text, "long.toml", ())
+        time_run.run_policies(text, "long.toml", ())
 
 
 # the page
