@@ -2,8 +2,6 @@
 
 import math
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -142,32 +140,6 @@ def test_efficiency_is_that_of_the_least_fluid():
         fs.energetics.efficiency_map(bundle, SUPPLY, "isobaric")
 
 
-def test_derivatives_are_those_of_differences():
-    bundle = unlike()
-
-    def pressures(x):
-        return fs.recruitment.recruit(bundle, x[0], x[1]).pressures
-
-    at = jnp.array([150.0, 0.05])
-    exact = jax.jacfwd(pressures)(at)
-    h = np.array([1e-3, 1e-7])
-    for i in range(2):
-        step = np.where(np.arange(2) == i, h, 0.0)
-        plain = (pressures(np.asarray(at) + step) - pressures(np.asarray(at) - step)) / (2 * h[i])
-        # differences of what is found to some 1e-9 N
-        assert_allclose(exact[:, i], plain, rtol=1e-5, atol=1e-2)
-
-
-@pytest.mark.slow
-def test_compiled_it_is_the_same():
-    bundle = unlike()
-    force, strain = jnp.array([150.0, 30.0, -4.0, 5e3]), jnp.array([0.05, 0.15, 0.2, 0.1])
-    compiled = jax.jit(lambda F, eps: fs.recruitment.recruit(bundle, F, eps))(force, strain)
-    plain = fs.recruitment.recruit(bundle, np.asarray(force), np.asarray(strain))
-    assert_allclose(compiled.pressures, plain.pressures, rtol=1e-9, atol=1e-3)
-    assert compiled.status.tolist() == plain.status.tolist()
-
-
 @pytest.mark.parametrize("alike", [True, False])
 def test_designs_are_judged_by_the_cheapest_units(alike):
     if alike:
@@ -211,9 +183,3 @@ def test_what_turns_tell_can_not_be_asked():
     many = [fs.MotorUnit(muscle(4e-3 + 1e-4 * i)) for i in range(13)]
     with pytest.raises(ValueError, match="8191 sets of motor units"):
         fs.recruitment.recruit(fs.Bundle(many, SUPPLY, "free"), 50.0, 0.1)
-
-
-def test_few_demands_need_no_compiler(caplog):
-    with jax.log_compiles(), caplog.at_level("WARNING"):
-        fs.recruitment.recruit(unlike(), [50.0, -2.0, 5e3], 0.12)
-    assert not [record for record in caplog.records if "ompil" in record.getMessage()]

@@ -1,10 +1,11 @@
 r"""Equilibria of a bundle: strains at which its force equals a load, stable or not.
 
 A bundle's force at fixed pressures is smooth between the kinks of its units (free strain, onset of
-buckling, collapse). In such a stretch each unit's force lies, with a margin, among the control
-points of the cubic through its values and slopes at the stretch's two ends; if their sums leave
-out the load, nothing crosses it. The other stretches are cut into cells, and each cell once more at
-the extremum of its own cubic. A change of sign between two nodes, within a stretch or from it to
+buckling, jump, collapse). After collapse it changes within a few lengths of its decay: these are
+stretches of their own. In a stretch each unit's force lies, with a margin, among the control points
+of the cubic through its values and slopes at the stretch's two ends; if their sums leave out the
+load, nothing crosses it. The other stretches are cut into cells, and each cell once more at the
+extremum of its own cubic. A change of sign between two nodes, within a stretch or from it to
 the next, brackets an equilibrium, and `find_root` finds all of them at once. A pair that is missed
 lies in a dip shallower than that cubic's error, of fourth order in the cell. If the force jumps
 past the load, the jump is reported.
@@ -18,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import isfinite, slices, where
+from ..core.array_namespace import isfinite, slices, stack, where
 from ..core.module import tree_map
 from ..core.roots import find_root, refine_root
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, PerUnit
@@ -31,6 +32,7 @@ from .printing import equilibria_table
 
 
 _CELLS = 8  # of a stretch that may hold an equilibrium: a dip between two nodes is of fourth order
+_DECAYS = (1, 2, 4, 8)  # lengths 1/β of (26): each stretch has its own cells
 _MARGIN = 0.25  # of a unit's span over a stretch, beyond its control points
 _WIDTH = 1e-13  # strains closer than this are equal: some 100 units in the last place
 _INSET = 1e-7  # of a stretch: its ends are evaluated inside, where kinks have one slope
@@ -96,7 +98,7 @@ def _equilibria_of_block(
     def strains(function: Callable[[PressurizedMuscle], Any]) -> Numbers:
         return pressurized.plate_strains(function)[..., 0, :]
 
-    kinks = np.concatenate([strains(lambda muscle: muscle.kinks), strains(_fold)[None]])
+    kinks = np.concatenate([strains(lambda muscle: muscle.kinks), strains(_smooth_ends)])
     lowest_free, highest_free = (pick(kinks[0], axis=1, keepdims=True) for pick in (np.min, np.max))
     # the domain of all muscles' laws
     end = strains(lambda _: LARGEST_STRAIN).min(axis=1, keepdims=True)
@@ -126,9 +128,13 @@ def _equilibria_of_block(
     return np.bincount(batch, minlength=len(ends)), strain, falls
 
 
-def _fold(muscle: PressurizedMuscle) -> Any:
-    """Strain at which a buckled muscle's force jumps [-], inf if it doesn't."""
-    return next(iter(muscle.law.buckling.folds(muscle.column)), np.inf)
+def _smooth_ends(muscle: PressurizedMuscle) -> Numbers:
+    """Strains [-] of a buckled muscle, on a new first axis, between which cells of a stretch
+    resolve its force: that of a jump, inf without one, and some of the decay after collapse.
+    """
+    fold = next(iter(muscle.law.buckling.folds(muscle.column)), np.inf)
+    decays = [muscle.collapse_strain + count / muscle.law.rate for count in _DECAYS]
+    return stack([fold + 0.0 * decays[0], *decays])
 
 
 def _separating_nodes(

@@ -5,20 +5,21 @@ $j$ among them, and the other units at no or at supply pressure, the state's for
 
 $$F_k(p, \varepsilon) = H_k(\varepsilon) + \sum_j w_{kj} F_j(p, \varepsilon). \tag{B8}$$
 
-Free and collapse strains of each kind of muscle are solved once, on a grid of pressures; forces at
-the grid's nodes are closed forms. A *level* is a pressure over the supply's.
+A *level* is a pressure over the supply's. Free and collapse strains of each kind of muscle are
+solved once, at nodes over level.
 
-**Search for the levels of a force.** Cells of the grid that may hold the demanded force get the
-levels at which a muscle has a kink at the demand's strain (its free strain, onset of buckling, fold
-or collapse strain), then the extrema that may reach the demand. Every change of sign between
-neighbors brackets a root; a force that jumps past the demand (at some pressure collapse ends for
-good) is none. If no state has a root, the nearest force is that of the nearest node or extremum.
+**Search for the levels of a force.** Nodes beside the level at which a muscle has a kink at the
+demand's strain (its free strain, onset of buckling, fold or collapse strain) show the slopes on its
+two sides. They join the nodes of all cells that may hold the demanded force, as do then the extrema
+that may reach it, kinks among them. Every change of sign between neighbors brackets a root; a force
+that jumps past the demand is none. If no state has a root, the nearest force is that of the nearest
+node or extremum.
 """
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from ..core.array_namespace import slices
 from ..core.module import unique_indices
@@ -33,20 +34,20 @@ if TYPE_CHECKING:
 _CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
 # a cell of common muscles changes the free strain by less; steep fibers on a soft bladder by 0.1
 _MAX_STRAIN_STEP, _MAX_PIECES = 0.02, 16
-_COLUMNS = 129  # strains of the force table: a step is some 0.002, as fine as a transition
 _END_INSET = 1e-6  # of the supply: nodes this near to both ends show the slope there
 _NEWTON_STEPS = 8  # at most: from the grid's free strain three are enough
 _NEWTON_TOLERANCE = 1e-9  # of strain: the step after it is within rounding
-FEW_CELLS = 2**12  # below it all cells are searched: selecting them costs as much
-_BATCH = 2**16  # searches at once: their table of forces takes 40 MB
+_BATCH = 2**13  # searches at once: their forces at all nodes take 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
+_ROOT_SHARE = 1e-2  # of the tolerance: where the search for a root ends
+_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level
 TIE = 1e-10  # N: forces this near to each other are equal
-_KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
-_ZOOM_POINTS, _ZOOMS = 9, 5  # to 1e-3 of a bracket, where a parabola is exact to 1e-6
+_SIDE = 1e-9  # of the supply: levels this far apart give forces that differ by more than rounding
+# of a cell: a kink is known to less than that, so nodes this far away are on its two sides
+_KINK_INSET = 1e-2
 
 Array = np.ndarray
-Residual = Callable[[Array, Array], Array]
 
 
 class ForceOverLevel:
@@ -56,12 +57,10 @@ class ForceOverLevel:
     `kinks`: for each kind of kink, by number, the muscle's strain there [-] at the grid's nodes.
     """
 
-    def __init__(
-        self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array, resistance: bool
-    ):
+    def __init__(self, muscle: "Muscle", ratio: float | None, supply: float, levels: Array):
         """`ratio`: $L/L_i$ [-] or `None`; `supply`: $P_s$ [Pa]; `levels`: nodes of the grid [-]."""
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
-        self.resistance, self.nodes = resistance, self.law.at(levels * supply)
+        self.nodes = self.law.at(levels * supply)
         self.free_strain = self.nodes.column.free_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
@@ -74,9 +73,16 @@ class ForceOverLevel:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, node: Array, plates: Array) -> Array:
-        """As `force` at a `node` of the grid, whose free and collapse strains are stored."""
-        return self._between_plates(*self.nodes.take(node).force(self.strain(plates)))
+    def force_at_nodes(self, plates: Array) -> Array:
+        """As `force` at all nodes, by the plates' strain [-] and node."""
+        strain = self.strain(plates)[:, None]
+        pull = self.law.tension.pull(self.levels * self.supply, strain)
+        shape = (len(plates), len(self.levels))
+        force, slope = (np.array(np.broadcast_to(x, shape)) for x in (pull.force, pull.slope))
+        row, node = np.nonzero(strain > self.free_strain)
+        if len(row):
+            force[row, node], slope[row, node] = self.nodes.take(node).force(strain[row, 0])
+        return self._between_plates(force, slope)
 
     def force(self, level: Array, plates: Array) -> Array:
         """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N].
@@ -97,9 +103,8 @@ class ForceOverLevel:
         return self._between_plates(force, slope)
 
     def _between_plates(self, force: Array, slope: Array) -> Array:
-        """Force, which may not push, and its slope in the plates' strain [N]."""
-        forces = np.array([force, slope if self.ratio is None else slope * self.ratio])
-        return forces if self.resistance else np.where(force > 0, forces, 0.0)
+        """Force and its slope in the plates' strain [N]."""
+        return np.array([force, slope if self.ratio is None else slope * self.ratio])
 
     def _free_strain(self, level: Array) -> Array:
         """Free strain [-] by Newton's method from the grid's, or by the law where that fails."""
@@ -112,12 +117,12 @@ class ForceOverLevel:
                 return free
         return self.law.tension.free_strain(level * self.supply)
 
-    def kink_residual(self, kink: int, level: Array, plates: Array) -> Array:
-        """Strain of a `kink`, by number, less that of the muscle [-] at `level` and the plates'."""
+    def kink_strain(self, kink: int, level: Array) -> Array:
+        """Strain of the muscle [-] at a `kink`, by number, at `level` [-]."""
         strain = self._free_strain(level)
         if kink > 0:
             strain = _kink_strains(self.law.at(level * self.supply, strain))[kink]
-        return np.broadcast_to(strain, level.shape) - self.strain(plates)
+        return np.broadcast_to(strain, level.shape)
 
 
 class StateCurves:
@@ -126,15 +131,10 @@ class StateCurves:
     def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
         """`supply`: $P_s$ [Pa]. Each of independent units is a state by itself."""
         units = bundle.motor_units
-        self.supply = supply
+        self.supply, self.resistance = supply, resistance
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        muscles = [units[i].muscle for i in unique]
-        self.levels = pressure_grid(muscles, supply)
-        ratios = [None] * len(units) if bundle.ratios is None else [float(x) for x in bundle.ratios]
-        self.muscles = [
-            ForceOverLevel(units[i].muscle, ratios[i], supply, self.levels, resistance)
-            for i in unique
-        ]
+        self.muscles = _muscle_curves(bundle, unique, supply)
+        self.levels = self.muscles[0].levels
         masks = states.throttled, states.vented, states.full
         self.owns_endpoints = states.owns_endpoints
         if states.independent:
@@ -144,11 +144,10 @@ class StateCurves:
         counts = np.eye(len(unique))[list(self.kind)] * np.reshape(bundle.counts, (-1, 1))
         self.throttled, self.vented, self.full = (x.astype(float) @ counts for x in masks)
         self.states = len(self.throttled)
-        self._table = np.array([np.inf, -np.inf]), np.zeros(0)
 
-    def force_at_nodes(self, strain: Array, node: Array) -> Array:
-        """Force of one muscle of each kind and its slope [N], by `strain` [-], `node` and kind."""
-        forces = [muscle.force_at_nodes(node, strain[:, None]) for muscle in self.muscles]
+    def force_at_nodes(self, strain: Array) -> Array:
+        """Force of one muscle of each kind and its slope [N], by `strain` [-], node and kind."""
+        forces = [self._resisting(muscle.force_at_nodes(strain)) for muscle in self.muscles]
         return np.stack(forces, axis=-1)
 
     def force(self, state: Array, level: Array, strain: Array) -> Array:
@@ -157,26 +156,49 @@ class StateCurves:
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
             if len(i := np.flatnonzero(count)):
-                total[:, i] += count[i] * muscle.force(level[i], strain[i])
+                total[:, i] += count[i] * self._resisting(muscle.force(level[i], strain[i]))
         return total
 
-    def interpolate(self, state: Array, strain: Array) -> tuple[Array, Array]:
-        """Force [N] of the units that each `state` throttles at every node, nodes last, linear
-        between the columns of a table over `strain` [-], and its change between both columns [N].
-        """
-        columns, table = self._table  # read and replaced as one: threads share the curves
-        low, high = min(strain.min(), columns[0]), max(strain.max(), columns[-1])
-        if (low, high) != (columns[0], columns[-1]):
-            columns = np.linspace(low, high, _COLUMNS)
-            forces = self.force_at_nodes(columns, np.arange(len(self.levels)))[0]
-            # nodes last: each state's row is read as one piece
-            table = np.ascontiguousarray(np.moveaxis(forces @ self.throttled.T, -1, 1))
-            self._table = columns, table
-        position = np.interp(strain, columns, np.arange(_COLUMNS))
-        column = np.minimum(position.astype(int), _COLUMNS - 2)
-        weight = (position - column)[:, None]
-        left, right = table[column, state], table[column + 1, state]
-        return (1 - weight) * left + weight * right, np.abs(right - left)
+    def _resisting(self, forces: Array) -> Array:
+        """Force and slope [N] of muscles, which may not push if resistance is neglected."""
+        return forces if self.resistance else np.where(forces[0] > 0, forces, 0.0)
+
+
+def _muscle_curves(bundle: Any, unique: list[int], supply: float) -> list[ForceOverLevel]:
+    """Curves of each kind of muscle, by its first unit; the bundle keeps those of one supply, as
+    their nodes take longer than a demand.
+    """
+    curves = bundle.cache.get("muscle curves")
+    if curves is None or curves[0].supply != supply:
+        muscles = [bundle.motor_units[i].muscle for i in unique]
+        levels = _add_kink_ends(pressure_grid(muscles, supply), muscles, supply)
+        ratios = bundle.ratios
+        curves = [
+            ForceOverLevel(muscle, None if ratios is None else float(ratios[i]), supply, levels)
+            for i, muscle in zip(unique, muscles, strict=True)
+        ]
+        bundle.cache["muscle curves"] = curves  # whole: other threads may look at it
+    return curves
+
+
+def _add_kink_ends(levels: Array, muscles: "list[Muscle]", supply: float) -> Array:
+    """Nodes `levels` [-] with those at whose sides kinks of `muscles` begin or end, as collapse
+    does at some pressure: there the force jumps.
+    """
+    ends = [levels]
+    for law in (muscle.law for muscle in muscles):
+        for number, strains in enumerate(_kink_strains(law.at(levels * supply))):
+            exists = np.broadcast_to(np.isfinite(strains), levels.shape)
+            if len(i := np.flatnonzero(exists[1:] != exists[:-1])):
+
+                def side(level: Array, law: Any = law, number: int = number) -> Array:
+                    strain = _kink_strains(law.at(level * supply))[number]
+                    return np.where(np.isfinite(strain), -1.0, 1.0) + 0.0 * level
+
+                end = elementwise.find_root(side, (levels[i], levels[i + 1])).x
+                ends += [end - _SIDE, end + _SIDE]
+    levels = np.clip(np.sort(np.concatenate(ends)), 0.0, 1.0)
+    return levels[run_starts(levels)]
 
 
 def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
@@ -246,19 +268,17 @@ class Searches(NamedTuple):
 
 class Points(NamedTuple):
     """Points on force curves, in order of `row` and `level` [-]: force beyond the target
-    (`excess` [N]), whether the curve is continuous to the next point (`linked`), and whether the
-    point is a kink.
+    (`excess` [N]), and whether the curve goes on to the next point (`linked`).
     """
 
     row: Array
     level: Array
     excess: Array
     linked: Array
-    kink: Array
 
-    def insert(self, row: Array, level: Array, excess: Array, kink: Any = False) -> "Points":
+    def insert(self, row: Array, level: Array, excess: Array) -> "Points":
         """Points with additional ones, which are linked to their neighbors."""
-        added = (row, level, excess, *(np.full(len(row), x) for x in (True, kink)))
+        added = (row, level, excess, np.ones(len(row), bool))
         columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
         order = np.lexsort((columns[1], columns[0]))
         is_new = [np.diff(x[order], prepend=-1) != 0 for x in columns[:2]]
@@ -272,17 +292,14 @@ def find_roots(
     """All levels of all states, or of one a demand, that give a `force` [N] at a `strain` [-]."""
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
-    nodes = np.arange(len(curves.levels))
     parts = []
     for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
         demand, column = np.indices(states[batch].shape).reshape(2, -1)
         F, eps, state = force[batch], strain[batch], states[batch][demand, column]
-        is_few = len(demand) * len(nodes) <= FEW_CELLS
-        forces = curves.force_at_nodes(eps, nodes if is_few else nodes[[0, -1]])
+        forces = curves.force_at_nodes(eps)
         fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
         target = F[demand] - fixed[0, demand, state]
-        throttled = forces[0] @ curves.throttled.T
-        excess = throttled[demand, :, state] - target[:, None] if is_few else None
+        excess = (forces[0] @ curves.throttled.T)[demand, :, state] - target[:, None]
         searches = Searches(curves, demand, state, eps[demand], target)
         row, level, exact = _search_levels(searches, len(F), excess)
         demand, state = demand[row], state[row]
@@ -291,11 +308,9 @@ def find_roots(
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _search_levels(
-    searches: Searches, count: int, excess: Array | None
-) -> tuple[Array, Array, Array]:
-    """Row, level [-] and exactness of each root; `excess`: at all nodes [N], if it is known."""
-    curves, demand, state, strain, target = searches
+def _search_levels(searches: Searches, count: int, excess: Array) -> tuple[Array, Array, Array]:
+    """Row, level [-] and exactness of each root; `excess`: at all nodes [N]."""
+    curves, demand = searches.curves, searches.demand
 
     def nearest_of(distance: Array, row: Array) -> Array:
         """Least `distance` [N] among the rows of each demand."""
@@ -303,23 +318,14 @@ def _search_levels(
         np.minimum.at(nearest, demand[row], distance)
         return nearest
 
-    if excess is None:  # cells that may hold the target or the nearest force, by the table
-        forces, change = curves.interpolate(state, strain)
-        forces -= target[:, None]
-        nearest = nearest_of((np.abs(forces) + change).min(axis=1), np.arange(len(demand)))
-        # a kink moves through the cells between two columns of the table
-        slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
-        cells = _may_reach_zero(forces, slack + nearest[demand, None] + TIE)
-    else:
-        cells = np.ones((len(demand), len(curves.levels) - 1), bool)
+    slack = nearest_of(np.abs(excess).min(axis=1), np.arange(len(demand)))[demand]
+    cells = _may_reach_zero(excess, slack[:, None] + TIE)
     padded = np.pad(cells, ((0, 0), (1, 1)))
     # neighbors show where a curve turns
     padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
     row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
     level, linked = curves.levels[node], padded[row, node + 1]
-    value = searches.excess(row, level) if excess is None else excess[row, node]
-    points = Points(row, level, value, linked, np.zeros(len(row), bool))
-    slack = nearest_of(np.abs(value), row)[demand]
+    points = Points(row, level, excess[row, node], linked)
     points = _insert_kinks(searches, points, node, slack)
     points = _insert_extrema(searches, points, slack)
     row, level = _collect_roots(searches, points)
@@ -336,34 +342,41 @@ def _search_levels(
 
 
 def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
-    """Points, all at a `node`, with the kinks in cells as near to the target as `slack` [N]."""
+    """Points, all at a `node`, with those at and beside the kinks in cells as near to the target as
+    `slack` [N].
+    """
+    curves, plates = searches.curves, searches.strain[points.row]
     is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
-    plates = searches.strain[points.row]
-    count = searches.curves.throttled[searches.state[points.row]]
-    kinks = []
-    for j, muscle in enumerate(searches.curves.muscles):
-        strain, is_candidate = muscle.strain(plates), is_near & (count[:-1, j] > 0)
+    throttled = curves.throttled[searches.state[points.row]]
+    rows, levels = [], []
+    for j, muscle in enumerate(curves.muscles):
+        strain, is_candidate = muscle.strain(plates), is_near & (throttled[:-1, j] > 0)
         for kink, strains in muscle.kinks.items():
             miss = strains[node] - strain
-            i = np.flatnonzero(is_candidate & ((miss[1:] > 0) != (miss[:-1] > 0)))
-            if not len(i):
-                continue
-            *_, left, right = _bracketed_root(
-                lambda index, level, muscle=muscle, kink=kink, plates=plates[i]: (
-                    muscle.kink_residual(kink, level, plates[index])
-                ),
-                points.level[i], points.level[i + 1], miss[i], miss[i + 1], np.full(len(i), -1.0),
-            )  # fmt: skip
-            kinks.append((i, left, right))
-    if not kinks:
+            finite = np.isfinite(miss)
+            is_cell = is_candidate & finite[1:] & finite[:-1] & (miss[1:] * miss[:-1] < 0)
+            if len(i := np.flatnonzero(is_cell)):
+                left, right = points.level[i], points.level[i + 1]
+                secant = left + (right - left) * miss[i] / (miss[i] - miss[i + 1])
+                middle = muscle.kink_strain(kink, secant) - strain[i]
+                level = _inverse_parabola((left, secant, right), (miss[i], middle, miss[i + 1]))
+                rows.append(np.tile(points.row[i], 3))
+                levels += [level + _KINK_INSET * (end - level) for end in (left, level, right)]
+    if not rows:
         return points
-    i, left, right = map(np.concatenate, zip(*kinks, strict=True))
-    before = left - _KINK_INSET * (left - points.level[i])
-    after = right + _KINK_INSET * (points.level[i + 1] - right)
-    # a force that jumps has two sides
-    rows, levels = np.tile(points.row[i], 4), np.concatenate([left, right, before, after])
-    is_kink = np.repeat([True, True, False, False], len(i))
-    return points.insert(rows, levels, searches.excess(rows, levels), is_kink)
+    row, level = np.concatenate(rows), np.concatenate(levels)
+    return points.insert(row, level, searches.excess(row, level))
+
+
+def _inverse_parabola(x: tuple[Array, ...], y: tuple[Array, ...]) -> Array:
+    """Where a curve through three points vanishes, between the first and the last `x` [any unit]:
+    by a parabola over `y` [any unit]; the middle point where that has none.
+    """
+    total = 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        total = total + x[i] * y[j] * y[k] / ((y[i] - y[j]) * (y[i] - y[k]))
+    return np.where((total > x[0]) & (total < x[2]), total, x[1])
 
 
 def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
@@ -371,7 +384,7 @@ def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     sign = np.where(points.excess[1:-1] > 0, 1.0, -1.0)
     windows = (slice(None, -2), slice(1, -1), slice(2, None))
     before, middle, after = (sign * points.excess[window] for window in windows)
-    is_extremum = points.linked[:-2] & points.linked[1:-1] & ~points.kink[1:-1]
+    is_extremum = points.linked[:-2] & points.linked[1:-1]
     is_extremum &= (middle > 0) & (before >= middle) & (after >= middle)
     span = np.maximum(before, after) - middle
     # a parabola through three nodes turns less than their span below the lowest
@@ -379,11 +392,16 @@ def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     i = np.flatnonzero(is_extremum)
     if not len(i):
         return points
-    row, sign = points.row[1:-1][i], sign[i]
-    level = _bracketed_minimum(
-        lambda index, x: sign[index] * searches.excess(row[index], x),
-        points.level[:-2][i], points.level[2:][i],
-    )  # fmt: skip
+    row = points.row[1:-1][i]
+    level = elementwise.find_minimum(
+        lambda level, row, sign: sign * searches.excess(row, level),
+        tuple(points.level[window][i] for window in windows),
+        args=(row, sign[i]),
+        # a kink is an extremum to the last digit of its level
+        tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
+    ).x
+    exists = np.isfinite(level)  # else, to rounding, a neighbor is lower
+    row, level = row[exists], level[exists]
     return points.insert(row, level, searches.excess(row, level))
 
 
@@ -402,12 +420,13 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
     i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
     row = points.row[i]
-    level, miss, *_ = _bracketed_root(
-        lambda index, x: searches.excess(row[index], x),
-        points.level[i], points.level[i + 1], points.excess[i], points.excess[i + 1],
-        1e-2 * tolerance[i],
-    )  # fmt: skip
-    crosses = np.abs(miss) <= tolerance[i]  # else the force jumps past the target
+    result = elementwise.find_root(
+        lambda level, row, tolerance: searches.excess(row, level) / tolerance,
+        (points.level[i], points.level[i + 1]),
+        args=(row, tolerance[i]),
+        tolerances={"fatol": _ROOT_SHARE},
+    )
+    level, crosses = result.x, np.abs(result.f_x) <= 1  # else the force jumps past the target
     return (
         np.append(points.row[first], row[crosses]),
         np.append(points.level[first], level[crosses]),
@@ -425,61 +444,3 @@ def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) ->
     distance = 0.5 * (np.abs(left + right) - change)
     # strictly: a plateau at the nearest force holds nothing nearer
     return linked & (distance - margin < slack)
-
-
-def _bracketed_root(
-    residual: Residual, low: Array, high: Array, f_low: Array, f_high: Array, tolerance: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Roots by Chandrupatla's method, all at once, to a residual of `tolerance` or to rounding: the
-    best level [-], its residual, and the ends of the last bracket [-].
-    """
-    # SciPy's of the same method takes as long for one root as a whole demand takes here
-    x = np.stack([low, high, high])  # the newest, the other side of the bracket, the one before
-    f = np.stack([f_low, f_high, f_high])
-    index = np.arange(len(low))
-    fraction = f_low / (f_low - f_high)  # the secant, exact on a straight line
-    for _ in range(100):  # bisection alone would need 53
-        width = np.abs(x[1, index] - x[0, index])
-        # rounding of x as a share of the bracket; never zero, for a root at 0
-        smallest = (2e-16 * np.abs(x[0, index]) + 1e-300) / np.where(width > 0, width, 1.0)
-        best = np.minimum(np.abs(f[0, index]), np.abs(f[1, index]))
-        active = (best > tolerance[index]) & (smallest < 0.5) & (width > 0)
-        index, fraction, smallest = index[active], fraction[active], smallest[active]
-        if not len(index):
-            break
-        fraction = np.clip(np.where(np.isfinite(fraction), fraction, 0.5), smallest, 1 - smallest)
-        (x1, x2, _), (f1, f2, _) = x[:, index], f[:, index]
-        new = x1 + fraction * (x2 - x1)
-        value = residual(index, new)
-        keeps_side = (value > 0) == (f1 > 0)
-        x1, x2, x3 = new, np.where(keeps_side, x2, x1), np.where(keeps_side, x1, x2)
-        f1, f2, f3 = value, np.where(keeps_side, f2, f1), np.where(keeps_side, f1, f2)
-        x[:, index], f[:, index] = (x1, x2, x3), (f1, f2, f3)
-        xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-        inverse = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-        quadratic = f1 / (f2 - f1) * f3 / (f2 - f3)
-        quadratic += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-        fraction = np.where(inverse, quadratic, 0.5)
-    newest = np.abs(f[0]) < np.abs(f[1])
-    ends = np.minimum(x[0], x[1]), np.maximum(x[0], x[1])
-    return np.where(newest, x[0], x[1]), np.where(newest, f[0], f[1]), *ends
-
-
-def _bracketed_minimum(residual: Residual, low: Array, high: Array) -> Array:
-    """Levels [-] of the least residuals between `low` and `high` [-], all at once, each by a
-    parabola on the last of ever finer grids; or a level at which the residual is negative.
-    """
-    x, f = np.stack([low, 0.5 * (low + high), high]), np.zeros((3, len(low)))
-    index = np.arange(len(low))
-    for _ in range(_ZOOMS):
-        if not len(index):
-            break
-        grid = np.linspace(x[0, index], x[2, index], _ZOOM_POINTS)
-        value = residual(np.tile(index, _ZOOM_POINTS), grid.reshape(-1)).reshape(grid.shape)
-        middle = np.clip(value.argmin(axis=0), 1, _ZOOM_POINTS - 2)
-        triple = middle + np.array([[-1], [0], [1]]), np.arange(len(index))
-        x[:, index], f[:, index] = grid[triple], value[triple]
-        index = index[f[1, index] > 0]
-    bend = f[0] - 2 * f[1] + f[2]
-    vertex = 0.5 * (f[0] - f[2]) / np.where(bend > 0, bend, np.inf)
-    return np.where(f[1] > 0, x[1] + np.clip(vertex, -1, 1) * (x[1] - x[0]), x[1])

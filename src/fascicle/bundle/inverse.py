@@ -10,30 +10,25 @@ searches for the roots.
 **Choice.** The fluid energy (29) does not depend on the throttled pressure. Where the units that a
 state pressurizes are among those of the next, the lowest state is the cheapest; within it the
 lowest pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that order holds as well.
-
-The search is NumPy's; JAX's arrays come as numbers, by a callback, and get their derivatives after.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, jax_backend, slices, where
+from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
-from ..core.module import tree_map, unique_indices
-from ..core.roots import guarded, stop_gradient
+from ..core.module import to_numpy, tree_map, unique_indices
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, Values
 from ..core.validation import (
     broadcast_shape,
     check_choice,
     check_finite,
     is_concrete,
-    match_array_type,
 )
 from ..repr_table import with_table_repr
 from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots, run_starts
-from .pressurized import pressurize
 from .printing import recruitment_table, solutions_table
 from .schemes import AbstractScheme
 from .states import States, resolve_scheme, resolve_supply_pressure, states_of
@@ -109,18 +104,20 @@ def recruit(
     **Returns:** `RecruitmentResult`: pressures [Pa], state, force [N], status and all solutions.
     If the demanded force can't be reached, the nearest that can, and a status.
 
-    **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
-    "nearest" without `present`.
+    **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure,
+    "nearest" without `present`, and arrays that JAX traces: the search is NumPy's alone.
     """
     scheme = resolve_scheme(bundle, scheme)
     check_choice(prefer, PREFERENCES, "prefer")
-    F = match_array_type(force, check_finite(force, "force", "N"))
-    eps = bundle._check_strain(strain)
-    supply = bundle.supply_pressure if supply is None else supply
-    if is_concrete(supply):  # a traced one can't be checked
-        supply = np.float64(resolve_supply_pressure(bundle, supply))
+    if not is_concrete(bundle, force, strain, supply, present):
+        rule = "and all other arguments must be numbers, not traced by JAX,"
+        remedy = "call `recruit` outside of jit, grad and vmap"
+        raise InvalidInputError("force", rule, force, remedy, shown="a traced one")
+    bundle = bundle if bundle.is_numpy else to_numpy(bundle)
+    F, eps = check_finite(force, "force", "N"), bundle._check_strain(strain)
+    supply = resolve_supply_pressure(bundle, supply)
     units = len(bundle.motor_units)
-    arrays: list[Numbers] = [F, eps]
+    arrays: list[Any] = [F, eps]
     shapes = {"force": np.shape(F), "strain": np.shape(eps)}
     if prefer == "nearest":
         if scheme.independent:
@@ -133,31 +130,16 @@ def recruit(
             raise InvalidInputError("present", rule, None, remedy)
         arrays.append(bundle._check_pressures(present, "present"))
         shapes["present"] = np.shape(arrays[-1])[:-1]
-    shape, solve, xp = broadcast_shape(**shapes), _solve_demands, np
-    if not (bundle.is_numpy and is_numpy(supply, *arrays)):
-        import jax.numpy as xp
-
-        solve = _solve_traced
-    axes = ((), (), (units,))
-    values: list[Any] = [xp.broadcast_to(x, shape + y) for x, y in zip(arrays, axes, strict=False)]
-    return solve(bundle, supply, *values, scheme=scheme, resistance=bool(resistance))
-
-
-def _solve_demands(
-    bundle: Any, supply: Any, force: Array, strain: Array, *present: Array,
-    scheme: AbstractScheme, resistance: bool,
-) -> RecruitmentResult:  # fmt: skip
-    """Result for demands of one shape, by NumPy."""
-    shape, units = np.shape(force), len(bundle.motor_units)
-    F, eps = (np.reshape(x, -1) + 0.0 for x in (force, strain))
+    shape, axes = broadcast_shape(**shapes), ((), (), (units,))
+    F, eps, *pressures = (
+        np.broadcast_to(x, shape + y).reshape(-1, *y) + 0.0
+        for x, y in zip(arrays, axes, strict=False)
+    )
     states, volume = states_of(scheme, units), None
     with np.errstate(all="ignore"):  # of branches that aren't taken
         if not states.nested or states.independent:  # else the order of states is that of energies
             volume = import_late("bundle.energetics.unit_volume_change")(bundle, eps)
-        # curves are kept with the bundle: they take longer than a demand
-        curves = bundle.cache.get(key := ("curves", scheme, resistance))
-        if curves is None or curves.supply != float(supply):
-            curves = bundle.cache[key] = StateCurves(bundle, float(supply), states, resistance)
+        curves = StateCurves(bundle, supply, states, bool(resistance))
         if volume is not None and states.independent:
             sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
             parts = [
@@ -166,8 +148,8 @@ def _solve_demands(
             ]
             result = tree_map(lambda *x: np.concatenate(x), *parts)
         else:
-            pressures = present[0].reshape(-1, units) if present else None
-            result = _best_solution(curves, F, eps, states, pressures, volume)
+            present = pressures[0] if pressures else None
+            result = _best_solution(curves, F, eps, states, present, volume)
     return tree_map(lambda x: x.reshape((*shape, *x.shape[1:]))[()], result)
 
 
@@ -288,7 +270,7 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     first, kind = [curves.kind.index(k) for k in range(len(curves.muscles))], list(curves.kind)
     unit, eps = np.tile(first, len(strain)), np.repeat(strain, len(first))
     counts = curves.throttled.sum(axis=1)
-    ends = curves.force_at_nodes(strain, np.array([0, -1]))[0]
+    ends = curves.force_at_nodes(strain)[0][:, [0, -1]]
     limits = [ends[:, 0], ends[:, 1]]
     unreachable = _UNREACHABLE * (10.0 + np.abs(ends).sum(axis=1)).ravel() * counts[unit]
     for sign in (-1.0, 1.0):
@@ -297,71 +279,3 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
         limits += [column.reshape(limits[0].shape) for column in columns]
     scales = (counts, counts, counts, 1, counts, 1)
     return [x[:, kind] * scale for x, scale in zip(limits, scales, strict=True)]
-
-
-def _solve_traced(
-    bundle: Any, supply: Any, force: Any, strain: Any, *present: Any,
-    scheme: AbstractScheme, resistance: bool,
-) -> RecruitmentResult:  # fmt: skip
-    """Result for demands with arrays of JAX's: solved by NumPy, with derivatives by JAX."""
-    states, shape = states_of(scheme, len(bundle.motor_units)), np.shape(force)
-    slots = 1 if states.independent else _SLOTS_PER_STATE * states.size + 2
-
-    def solve(*arguments: Any) -> RecruitmentResult:
-        result = _solve_demands(*arguments, scheme=scheme, resistance=resistance)
-        return result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
-
-    backend = jax_backend()
-    spec, numbers = backend.array_spec, (*shape, slots)
-    shapes = RecruitmentResult(
-        pressures=spec(float, (*shape, len(bundle.motor_units))),
-        state=spec(int, shape),
-        force=spec(float, shape),
-        status=spec(int, shape),
-        stable=spec(bool, shape),
-        solutions=Solutions(*(spec(kind, numbers) for kind in (float, int, bool))),
-        count=spec(int, shape),
-        unit=spec(int, shape),
-    )
-    result = backend.call_numpy(solve, shapes, bundle, supply, force, strain, *present)
-    return backend.compile_law(_attach_derivatives, (scheme, resistance))(
-        bundle, force, strain, supply, result
-    )
-
-
-def _attach_derivatives(
-    bundle: Any, force: Any, strain: Any, supply: Any, result: RecruitmentResult,
-    scheme: AbstractScheme, resistance: bool,
-) -> RecruitmentResult:  # fmt: skip
-    r"""A result with its derivatives, by one step of Newton's from the root of (B9),
-
-    $$\mathrm{d}p = (\mathrm{d}F_d - \mathrm{d}F|_p)/(\partial F/\partial p), \tag{B12}$$
-
-    where $p$ is the pressure that the throttled units share. The others stay at their fraction of
-    the supply, and so do throttled units if the demand wasn't reached.
-    """
-    import jax
-
-    units, states = len(bundle.motor_units), states_of(scheme, len(bundle.motor_units))
-    throttled = np.arange(units) == result.unit[..., None] - 1
-    if not states.independent:
-        throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
-
-    def total_force(bundle: Any, pressures: Any, strain: Any) -> Any:
-        forces, _ = pressurize(bundle, pressures).unit_forces(strain)
-        return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
-
-    P = result.pressures / stop_gradient(supply) * supply
-    value = total_force(bundle, P, strain)
-    constant, eps = stop_gradient((bundle, strain))
-    slope = jax.jvp(
-        lambda p: total_force(constant, p, eps), (stop_gradient(P),), (1.0 * throttled,)
-    )[1]
-    is_reached = result.status == REACHED
-    moves = is_reached & (slope != 0)
-    miss = where(moves, force - value, 0.0)
-    step = (miss - stop_gradient(miss)) / guarded(moves, slope)
-    return result._replace(
-        pressures=P + where(throttled, step[..., None], 0.0),
-        force=where(is_reached, force + stop_gradient(result.force - force), value),
-    )

@@ -85,7 +85,6 @@ def test_a_single_demand_equals_the_same_demand_in_a_batch(monkeypatch, make, op
     bundle = make(random)
     force, strain = demands(random, bundle, count)
     monkeypatch.setattr(force_curves, "_BATCH", 7 * len(bundle.motor_units))
-    monkeypatch.setattr(force_curves, "FEW_CELLS", 0)  # cells are selected by a table
     many = recruit(bundle, force, strain, **options)
     monkeypatch.undo()
     reached = many.status == 0
@@ -226,48 +225,13 @@ def test_stability_is_the_sign_of_the_slope_in_strain():
         assert bool(result.solutions.stable[slot]) == bool(slope < 0)
 
 
-# they are one derivative, transposed: each mode compiles for long
-@pytest.mark.parametrize("mode", [pytest.param("forward", marks=pytest.mark.slow), "reverse"])
-def test_derivatives_are_those_of_finite_differences(mode):
-    def pressures(force, strain, radius):
-        muscle = fs.Muscle.from_dimensions(
-            0.127, radius, 1.6e-3, math.radians(33), "silicone_kim2021"
-        )
-        pair = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)], SUPPLY)
-        result = recruit(pair, force, strain)
-        return result.pressures[1], result.force
-
-    at, steps = (150.0, 0.08, 6.35e-3), (1e-3, 1e-7, 1e-8)
-    if mode == "forward":
-        slopes, of_force = jax.jit(jax.jacfwd(pressures, argnums=(0, 1, 2)))(*at)
-    else:
-        # compiled in parts: as one program it takes twice as long
-        (value, _), back = jax.vjp(pressures, *at)
-        assert 0 < value < SUPPLY
-        slopes, of_force = back((1.0, 0.0)), back((0.0, 1.0))
-    for i, step in enumerate(steps):
-        # NumPy's, which needs no compiler
-        moved = [pressures(*(x + s * (j == i) for j, x in enumerate(at))) for s in (step, -step)]
-        expected = (moved[0][0] - moved[1][0]) / (2 * step)
-        assert_allclose(slopes[i], expected, rtol=1e-5)
-    # a force that is reached is the demanded one
-    assert_allclose(of_force, [1.0, 0.0, 0.0], atol=1e-9)
-
-
-@pytest.mark.slow
-def test_vmap_equals_the_batch():
-    force, strain = np.array([20.0, 60.0]), np.array([0.05, 0.12])
-    batch = recruit(bundle, force, strain)
-    mapped = jax.vmap(lambda f, e: recruit(bundle, f, e))(force, strain)
-    assert_allclose(mapped.pressures, batch.pressures, rtol=1e-12)
-    assert mapped.state.tolist() == batch.state.tolist()
-    # two axes, one of which is the supply's
-    supplies = np.array([3e5, 4e5, 5e5])
-    mapped = jax.vmap(
-        lambda p: jax.vmap(lambda f: recruit(bundle, f, 0.05, supply=p).pressures)(force)
-    )(supplies)
-    expected = [recruit(bundle, force, 0.05, supply=p).pressures for p in supplies]
-    assert_allclose(mapped, expected, rtol=1e-12)
+def test_arrays_of_jax_are_numbers_and_traced_ones_are_refused():
+    plain, given = recruit(bundle, 60.0, 0.1), recruit(bundle, jnp.asarray(60.0), jnp.asarray(0.1))
+    assert_allclose(given.pressures, plain.pressures, rtol=1e-14)
+    assert isinstance(given.pressures, np.ndarray)
+    with pytest.raises(fs.InvalidInputError) as error:
+        jax.jit(lambda force: recruit(bundle, force, 0.1).pressures)(60.0)
+    assert error.value.argument == "force"
 
 
 def test_without_resistance_no_unit_pushes():
