@@ -152,7 +152,7 @@ def walk(leg: Leg, seconds: float, each: int = 25) -> list[dict[str, Any]]:
             seen.append({
                 "time": data.time, "angles": data.qpos.copy(), "targets": angle,
                 "pressures": np.asarray(state.pressures), "status": np.asarray(state.status),
-                "lines": _lines(model, data), "air": float(state.drawn),
+                "lines": _lines(model, data), "air": float(state.consumption),
             })  # fmt: skip
     return seen
 

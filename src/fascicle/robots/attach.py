@@ -4,6 +4,7 @@
 """
 
 import difflib
+import os
 from collections.abc import Iterable
 from typing import Any, ClassVar, NamedTuple
 
@@ -96,9 +97,10 @@ def attach(
 
     **Returns:** an `Attached`, for `Drive.of` with the compiled model.
 
-    **Raises:** `InvalidInputError` for a tendon that doesn't exist, and a model without an actuator
-    to replace.
+    **Raises:** `InvalidInputError` for a path in the place of a model, a tendon that doesn't exist,
+    a `name` that is taken, and a model without an actuator to replace.
     """
+    check_model(spec, "spec", ("MjSpec", "MjModel"))
     # MjSpec is younger than MjModel, which MuJoCo 2.3 has, too
     compiled = isinstance(spec, mujoco.MjModel)
     names = (
@@ -125,8 +127,25 @@ def attach(
         name = _replace_actuator(spec, tendon)
     else:
         name = f"{tendon}_bundle" if name is None else name
+        if name in [actuator.name for actuator in spec.actuators]:
+            rule = f"{name!r} is an actuator of the spec already"
+            remedy = "attach once; a second bundle on the tendon needs another `name`"
+            raise InvalidInputError("name", rule, name, remedy, shown="")
         _add_actuator(spec, tendon, name)
     return Attached(name, tendon, bundle, length, compliance, bool(slack))
+
+
+def check_model(model: Any, argument: str, kinds: tuple[str, ...]) -> None:
+    """Refuse a `model`, called `argument`, that is none of MuJoCo's `kinds`, such as a path."""
+    if isinstance(model, tuple(getattr(mujoco, kind) for kind in kinds if hasattr(mujoco, kind))):
+        return
+    if isinstance(model, str | os.PathLike):
+        load = "MjSpec.from_file" if kinds[0] == "MjSpec" else "MjModel.from_xml_path"
+        remedy = f"load it: mujoco.{load}({str(model)!r})"
+    else:
+        remedy = "pass `spec.compile()`" if hasattr(model, "compile") else "load one with mujoco"
+    rule = f"must be MuJoCo's {' or '.join(kinds)}"
+    raise InvalidInputError(argument, rule, model, remedy, shown=type(model).__name__)
 
 
 def _series_compliance(stiffness: Any) -> float:

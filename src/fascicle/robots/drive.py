@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from ..bundle import Bundle
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, to_numpy, with_fields
@@ -49,17 +50,21 @@ from ..fluid import (
 )
 from ..fluid.chamber import AbstractMassChamber
 from ..fluid.spools import validate_commands
-from .attach import Attached, Tendons
+from .attach import Attached, Tendons, check_model
 from .compliance import NEWTON_STEPS, Series, bundle_strains
 from .optional_imports import mjx, mujoco
 from .tables import SoftEnds, TableWarning, status_message, table_status
+
+
+_MAX_LINES = 8  # bundles that a drive's text has room for
 
 
 class Fluid(NamedTuple):
     """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
     `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and
     pressures were in the muscles' tables up to now. At the last step: `contractions` of the bundles
-    [m], and the `status` of each unit, a `TableStatus`. `drawn`: mass from the supply so far [kg].
+    [m], and the `status` of each unit, a `TableStatus`. `consumption`: mass from the supply so
+    far [kg].
     """
 
     chambers: Numbers
@@ -69,7 +74,7 @@ class Fluid(NamedTuple):
     inside: Any
     contractions: Numbers
     status: Any
-    drawn: Any
+    consumption: Any
 
 
 class Drive(Module):
@@ -116,6 +121,7 @@ class Drive(Module):
         model stepped by Runge-Kutta, and a tendon that begins outside of its muscles' tables, where
         `size` helps.
         """
+        check_model(model, "model", ("MjModel",))
         arguments = [value is not None for value in (supply, chamber, valve)]
         if any(arguments) and not all(arguments):
             name = ("supply", "chamber", "valve")[arguments.index(False)]
@@ -125,6 +131,10 @@ class Drive(Module):
             rule = "must be one whose state is its mass"
             remedy = "take Isothermal or LiquidChamber"
             raise InvalidInputError("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
+        if isinstance(attached, Attached):
+            raise InvalidInputError(
+                "attached", "must be a list", None, "write [attached]", shown=""
+            )
         if not attached:
             raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
         if not all(arguments):
@@ -148,6 +158,9 @@ class Drive(Module):
         plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
         plant = with_fields(plant, muscles=SoftEnds.from_muscles(plant.muscles))
         indices, names = zip(*(entry.actuator_in(model) for entry in attached), strict=True)
+        if len(set(indices)) < len(indices):
+            rule = f"must name each actuator once, got {', '.join(x.actuator for x in attached)}"
+            raise InvalidInputError("attached", rule, None, "drop the second one", shown="")
         compliance = np.array([entry.compliance for entry in attached])
         members = np.array([np.array(plant.sides) == i for i in range(len(bundles))], float)
         slack = tuple(entry.slack for entry in attached)
@@ -159,12 +172,31 @@ class Drive(Module):
             tuple(names),
             all(arguments),
         )
-        fluid = drive.start(model, mujoco.MjData(model))
+        fluid = drive.start(model, data := mujoco.MjData(model))
         if not fluid.inside:
-            remedy = "take another `rest_length`: `fascicle.robots.size` chooses one"
+            side = plant.sides[int(np.flatnonzero(fluid.status)[0])]
+            length = data.actuator_length[indices[side]]
+            remedy = f"the tendon begins {length:.4g} m long, `rest_length` is"
+            remedy = (
+                f"{remedy} {drive.rest_lengths[side]:.4g} m: `fascicle.robots.size` chooses one"
+            )
             rule = f"begin outside of a table: the {drive._describe(fluid.status)}"
             raise InvalidInputError("attached", rule, None, remedy)
         return drive
+
+    def __repr__(self) -> str:
+        """Tendons with their bundles, a line for each of the first, and the fluid's parts."""
+        plant = self.plant
+        shown = list(zip(self.tendons, plant.bundles, strict=True))
+        lines = [f"  {tendon}: {_bundle_text(bundle)}" for tendon, bundle in shown[:_MAX_LINES]]
+        if len(shown) > _MAX_LINES:
+            lines.append(f"  and {len(shown) - _MAX_LINES} more")
+        parts = (plant.supply, plant.chamber, plant.valve)
+        names = ", ".join(type(part).__name__ for part in parts)
+        fluid = f"valves and chambers ({names})" if self.valved else "commanded pressures"
+        return "\n".join(
+            [f"Drive of {len(shown)} bundles, {self.units} motor units, {fluid}", *lines]
+        )
 
     @property
     def units(self) -> int:
@@ -339,7 +371,7 @@ class Drive(Module):
                 chambers=closed + dt * rate,
                 spool=fluid.spool + dt * plant.spool.rate(command, fluid.spool),
                 supply=fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -enthalpy),
-                drawn=fluid.drawn + dt * drawn,
+                consumption=fluid.consumption + dt * drawn,
             )
         status = table_status(plant.muscles, P, bundle_strains(plant, x))
         inside = xp.all(status == 0, axis=-1) & fluid.inside
@@ -367,6 +399,12 @@ class Drive(Module):
         after = engine.step(model, data.replace(ctrl=data.ctrl.at[indices].set(pull)))
         # with 64 bits some whole numbers come back wider than before, which no loop accepts
         return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
+
+
+def _bundle_text(bundle: Bundle) -> str:
+    """Numbers and lengths of a bundle's muscles."""
+    units = (f"{u.count} × {1e3 * float(u.muscle.length):.4g} mm" for u in bundle.motor_units)
+    return " + ".join(units)
 
 
 def _check_integrator(model: Any) -> None:

@@ -15,6 +15,7 @@ Many at once step in one process with `gymnasium.make_vec(name, num_envs=…)`, 
 import importlib
 import os
 import sys
+import warnings
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -202,7 +203,7 @@ class Environment(gymnasium.Env):
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
         forces = -self.data.actuator_force[list(self.drive.actuators)]
         info = {"position": position, "target": self.target, "pressures": pressures,
-                "forces": forces, "air": float(fluid.drawn)}  # fmt: skip
+                "forces": forces, "air": float(fluid.consumption)}  # fmt: skip
         return task_observation(self.task, position, speed, self.target, pressures), info
 
     def render(self) -> Any:
@@ -241,7 +242,9 @@ class Environment(gymnasium.Env):
             viewer = importlib.import_module("mujoco.viewer")
             return viewer.launch_passive(self.model, self.data)
         try:
-            return mujoco.Renderer(self.model, height=480, width=640)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of GLFW without a display: the error says it
+                return mujoco.Renderer(self.model, height=480, width=640)
         except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
             remedy = "set MUJOCO_GL=egl (or osmesa) before MuJoCo is imported"
             text = f"render_mode 'rgb_array' needs OpenGL: {remedy} ({error})."

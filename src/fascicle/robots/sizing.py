@@ -26,6 +26,7 @@ from ..files import catalog
 from ..files.measured_muscles import CatalogEntry
 from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
+from .attach import check_model
 from .route import Route, trace_route
 
 
@@ -165,6 +166,7 @@ def size(
 
     **Raises:** `InvalidInputError`, which says what would help, if none will do.
     """
+    check_model(model, "model", ("MjModel", "MjSpec"))
     if hasattr(model, "compile"):
         model = model.compile()
     P = float(check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa"))

@@ -149,7 +149,7 @@ class VectorEnvironment(VectorEnv):
         position, speed, pressures, forces, air = (
             np.asarray(x)
             for x in (data.qpos[:, 0], data.qvel[:, 0], fluid.pressures, data.actuator_force,
-                      fluid.drawn)
+                      fluid.consumption)
         )  # fmt: skip
         info = {"position": position, "target": self.targets.copy(), "pressures": pressures,
                 "forces": -forces[:, list(self.drive.actuators)], "air": air}  # fmt: skip

@@ -21,6 +21,7 @@ from fascicle.robots import (  # noqa: E402 needs what was just looked for
     TableWarning,
     attach,
     optional_imports,
+    size,
 )
 
 
@@ -210,6 +211,44 @@ def test_invalid_input_is_refused(elbow, bundle):
         elbow(supply=fluid.ConstantSupply(SUPPLY), valve=fluid.SonicValve(1e-9, 0.3))
     with pytest.raises(ValueError, match="must name at least one bundle"):
         Drive.of(model, [])
+
+
+def test_mistaken_models_and_lengths_are_refused_in_one_line(bundle):
+    text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody><tendon>"
+    text += "<fixed name='flexor'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
+
+    def attached(length=0.01, **options):
+        spec = mujoco.MjSpec.from_string(text)
+        return spec, attach(spec, "flexor", bundle, length, **options)
+
+    spec, made = attached()
+    far, farther = attached(413.8)
+    for action, argument in (
+        (lambda: attach("arm.xml", "flexor", bundle, 0.01), "spec"),
+        (lambda: attach(Path("arm.xml"), "flexor", bundle, 0.01), "spec"),
+        (lambda: Drive.of("arm.xml", [made]), "model"),
+        (lambda: size("arm.xml", "flexor", bundle.motor_units[0].muscle, 1.0, 2e5), "model"),
+        (lambda: Drive.of(spec, [made]), "model"),
+        (lambda: Drive.of(spec.compile(), made), "attached"),
+        (lambda: Drive.of(spec.compile(), [made, made]), "attached"),
+        (lambda: Drive.of(far.compile(), [farther]), "attached"),
+        (lambda: attach(spec, "flexor", bundle, 0.01), "name"),
+    ):
+        with pytest.raises(fs.InvalidInputError) as error:
+            action()
+        assert error.value.argument == argument and "\n" not in str(error.value)
+    with pytest.raises(fs.InvalidInputError) as error:
+        Drive.of(far.compile(), [farther])
+    assert "413.8 m" in error.value.remedy
+
+
+def test_a_drive_is_shown_in_ten_lines(bundle):
+    tendons = "".join(f"<fixed name='t{k}'><joint joint='j' coef='1'/></fixed>" for k in range(12))
+    text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody>"
+    spec = mujoco.MjSpec.from_string(f"{text}<tendon>{tendons}</tendon></mujoco>")
+    made = [attach(spec, f"t{k}", bundle, 0.01) for k in range(12)]
+    lines = repr(Drive.of(spec.compile(), made)).splitlines()
+    assert len(lines) <= 10 and max(map(len, lines)) <= 100 and "t0" in lines[1]
 
 
 def test_a_similar_tendon_is_suggested(bundle):

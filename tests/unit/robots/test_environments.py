@@ -72,7 +72,7 @@ def test_actions_that_are_no_numbers_are_refused(environments):
     for action, words in (([np.nan, 0.0], "nan"), ([np.inf, 0.0], "inf"), ([0.0], r"\(1,\)")):
         with pytest.raises(ValueError, match=f"`action` must be finite numbers.*{words}"):
             one.step(np.array(action, np.float32))
-    assert one.fluid.drawn == 0.0  # nothing has moved
+    assert one.fluid.consumption == 0.0  # nothing has moved
 
 
 def test_what_is_measured(environments):
