@@ -352,6 +352,11 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
     assert (tmp_path / "results" / "report.html").read_text() == "a report"
 
 
+def test_a_picture_is_a_pdf(answer, tmp_path):
+    answer("force", SIX, "-p", "1bar", "-s", "0,0.1", "--plot", "x.pdf")
+    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
+
+
 def test_a_file_is_written_with_an_incomplete_result(fascicle, refused, tmp_path):
     (tmp_path / "mine.json").write_text("mine")
     assert "--out mine.json" in refused("force", SIX, "--out", "mine.json")

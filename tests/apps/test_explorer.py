@@ -389,7 +389,8 @@ def tabs_one_by_one(page):
         "Time": None, "Run": "time_frames",
     }  # fmt: skip
     for label, name in shown.items():
-        page.get_by_text(label, exact=True).first.click()
+        named = page.locator(".bk-tab, button").filter(has_text=re.compile(f"^{re.escape(label)}$"))
+        named.locator("visible=true").first.click()
         if name is None:  # a tab without a figure as yet
             page.locator(".bk-Figure:visible").first.wait_for(state="hidden")
             page.get_by_role("button", name=re.compile("^(Try two braid angles|Run)$")).wait_for()

@@ -196,14 +196,20 @@ class Bundle(Module):
     average_efficiency = late_method("bundle.energetics.average_efficiency")
 
     def plot(
-        self, pressures: Values = None, strains: Values = None, resistance: bool = True
+        self,
+        pressures: Values = None,
+        strains: Values = None,
+        resistance: bool = True,
+        ax: Any = None,
     ) -> Any:
         """Figure (matplotlib's) of the force at `pressures` [Pa], one for each motor unit, or by
         default of the workspace; `strains`: rising contractions [-], by default to the largest
-        free strain or past it; `resistance` as of `force`. `ValueError` for neither pressures nor a
-        supply's.
+        free strain or past it; `resistance` as of `force`; `ax`: axes to draw on. `ValueError` for
+        neither pressures nor a supply's.
         """
-        return import_late("plot.curves.bundle_force_strain")(self, pressures, strains, resistance)
+        return import_late("plot.curves.bundle_force_strain")(
+            self, pressures, strains, resistance, ax
+        )
 
     def replace(self, **changes: Any) -> "Bundle":
         """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""

@@ -106,7 +106,7 @@ JSON = flag("JSON in SI units on standard output.", "--json")
 CSV = flag("CSV in SI units on standard output.", "--csv")
 VERBOSE = flag("Tables and details on the terminal, too.", "--verbose")
 OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
-PLOT = option("Figure file: .png or .svg.", "--plot", metavar="PATH")
+PLOT = option("Figure file: .png, .svg or .pdf.", "--plot", metavar="PATH")
 OVERWRITE = flag(
     "Replacement of existing files, including files not created by fascicle.", "--overwrite"
 )

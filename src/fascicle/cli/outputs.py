@@ -260,7 +260,7 @@ class Outputs:
                 check_result_path(out)
                 atomic.check_overwrite(out, overwrite)
         if plot is not None:
-            check_file("--plot", plot, overwrite, (".png", ".svg"))
+            check_file("--plot", plot, overwrite, (".png", ".svg", ".pdf"))
 
     def write(
         self,

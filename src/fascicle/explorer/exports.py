@@ -63,8 +63,8 @@ class Export:
     script: str
 
     def content(self, suffix: str) -> bytes:
-        """Bytes of a file with the `suffix` svg, png, csv or nc, or of the script for any other."""
-        if suffix in ("svg", "png"):
+        """Bytes of a picture (svg, png, pdf), of data (csv, nc) or of the script, by `suffix`."""
+        if suffix in ("svg", "png", "pdf"):
             return to_bytes(self.figure(), suffix)
         if suffix == "csv":
             return self.variables.to_csv().encode()
@@ -142,7 +142,7 @@ EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
     "muscle": muscle,
     "bundle": bundle,
 }
-_FILES = {"svg": "SVG", "png": "PNG", "csv": "CSV", "nc": "netCDF", "py": "Python"}
+_FILES = {"svg": "SVG", "png": "PNG", "pdf": "PDF", "csv": "CSV", "nc": "netCDF", "py": "Python"}
 
 
 def download_buttons(export: Callable[[], Export], message: Message, **options: Any) -> list[Any]:

@@ -323,7 +323,11 @@ class Muscle(Module):
         return self._evaluate_at("shape", pressure, strain, check_whole_number(points, "points", 3))
 
     def plot(
-        self, pressures: Values = None, strains: Values = None, components: bool = False
+        self,
+        pressures: Values = None,
+        strains: Values = None,
+        components: bool = False,
+        ax: Any = None,
     ) -> Any:
         """Plot the force over contraction, a curve or a panel for each pressure.
 
@@ -333,10 +337,11 @@ class Muscle(Module):
           or to the tuning's last.
         - `strains`: contractions [-], rising; left out, to past the largest free strain.
         - `components`: a panel for each of at most four pressures, with the force's parts.
+        - `ax`: matplotlib's axes to draw on, without components; left out, a new figure's.
 
         **Returns:** a figure of matplotlib's.
         """
-        return import_late("plot.curves.force_strain")(self, pressures, strains, components)
+        return import_late("plot.curves.force_strain")(self, pressures, strains, components, ax)
 
     def _evaluate_law(self, quantity: str, pressure: Values) -> Batch:
         pressure = validate_pressure(pressure, self.tuning)

@@ -38,6 +38,7 @@ from .theme import (
     new_figure,
     new_panels,
     pressure_colors,
+    single_axes,
     styled,
 )
 from .workspace import workspace
@@ -111,7 +112,11 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
 
 @styled
 def force_strain(
-    muscle: Muscle, pressures: Any = None, strains: Any = None, components: bool = False
+    muscle: Muscle,
+    pressures: Any = None,
+    strains: Any = None,
+    components: bool = False,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of a muscle's force over contraction, a curve for each pressure.
 
@@ -121,6 +126,7 @@ def force_strain(
     - `pressures`: gauge pressures [Pa]; default: even ones up to the highest that was measured.
     - `strains`: contractions [-], rising; default: from rest to past the largest free strain.
     - `components`: a panel for each pressure with mesh and bladder force.
+    - `ax`: axes to draw on, without components; default: a new figure's.
 
     **Raises:** `InvalidInputError` for arrays of muscles, values off the domain, and more than four
     pressures with components.
@@ -137,21 +143,24 @@ def force_strain(
         strains = _default_strains(float(np.max(muscle.free_strain(P))))
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     if not components:
-        figure, axes = new_figure(width=SINGLE)
-        ax, force = axes[0, 0], np.asarray(muscle.force(P[:, None], eps))
+        figure, ax = single_axes(ax)
+        force = np.asarray(muscle.force(P[:, None], eps))
         force_strain_axes(ax)
         for row, pressure, color in zip(force, P, pressure_colors(len(force)), strict=True):
             ax.plot(eps, row, color=color, label=in_kilopascals(pressure))
         ax.margins(x=0)
         ax.legend(reverse=True)  # highest pressure on top, as the curves lie
         return figure
+    if ax is not None:
+        rule = "must be left out with components, which have a panel for each pressure"
+        raise InvalidInputError("ax", rule, None)
     if P.size > _MAX_PANELS:
         raise InvalidInputError("pressures", f": at most {_MAX_PANELS} with components", P.size)
     columns = min(P.size, 2)
     figure, axes = new_panels(P.size, columns, DOUBLE if columns > 1 else SINGLE)
     forces = components_of(muscle, P, eps)
-    for row, ax in enumerate(axes.flat[: P.size]):
-        draw_components(ax, forces, row)
+    for row, panel in enumerate(axes.flat[: P.size]):
+        draw_components(panel, forces, row)
     letters(axes, map(in_kilopascals, P))
     components_legend(figure, axes.flat[0])
     return figure
@@ -185,7 +194,11 @@ def components_legend(figure: Figure, ax: Axes) -> None:
 
 @styled
 def force_comparison(
-    muscles: Mapping[str, Muscle], pressures: Any, strains: Any, chosen_strain: float
+    muscles: Mapping[str, Muscle],
+    pressures: Any,
+    strains: Any,
+    chosen_strain: float,
+    ax: Axes | None = None,
 ) -> Figure:
     """Plot the force of several muscles over contraction in one figure, each at a pressure of its
     own.
@@ -196,9 +209,9 @@ def force_comparison(
     - `pressures`: a gauge pressure for each [Pa].
     - `strains`: contractions [-], rising.
     - `chosen_strain`: contraction that is marked [-].
+    - `ax`: axes to draw on; default: a new figure's.
     """
-    figure, axes = new_figure(width=SINGLE)
-    ax = axes[0, 0]
+    figure, ax = single_axes(ax)
     force_strain_axes(ax)
     styles = itertools.cycle(zip(CYCLE, DASHES, strict=False))
     rows = zip(muscles.items(), pressures, styles, strict=False)
@@ -214,7 +227,11 @@ def force_comparison(
 
 @styled
 def bundle_force_strain(
-    bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
+    bundle: Bundle,
+    pressures: Any = None,
+    strains: Any = None,
+    resistance: bool = True,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of a bundle's force over contraction: one state with its units, several states, or,
     without pressures, the workspace of all recruitment states.
@@ -226,6 +243,7 @@ def bundle_force_strain(
       default: the figure shows the workspace.
     - `strains`: contractions [-], rising; default: from rest to past the free strain.
     - `resistance`: resisting force of units past their own free strain.
+    - `ax`: axes to draw on; default: a new figure's.
 
     **Raises:** `InvalidInputError` without pressures and without a supply pressure.
     """
@@ -238,13 +256,12 @@ def bundle_force_strain(
         )
     if pressures is None:
         space = recruitment.workspace(bundle, strain=strains, resistance=resistance)
-        return workspace(space, overlap(space))
+        return workspace(space, overlap(space), ax)
     if strains is None:
         strains = _default_strains(float(bundle.free_strain(pressures, resistance=False)))
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
-    figure, axes = new_figure(width=SINGLE)
-    ax = axes[0, 0]
+    figure, ax = single_axes(ax)
     force_strain_axes(ax)
     if P.ndim == 1:
         forces = np.asarray(bundle.unit_forces(P, eps, resistance))
@@ -269,6 +286,7 @@ def free_strain(
     strains: Mapping[str, Any],
     pressure_of: str = "P",
     turns: Mapping[str, Reversal] | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of free strain over pressure, a curve for each entry of `strains`.
 
@@ -279,9 +297,10 @@ def free_strain(
     - `pressure_of`: the pressure's symbol.
     - `turns`: reversal points of curves, by label; a curve that jumps there is open, with a
       dotted jump.
+    - `ax`: axes to draw on; default: a new figure's.
     """
-    figure, axes = new_figure(width=SINGLE)
-    ax, P = axes[0, 0], np.asarray(pressures, float)
+    figure, ax = single_axes(ax)
+    P = np.asarray(pressures, float)
     draw_free_strain(ax, P, strains, pressure_of)
     for label, turn in (turns or {}).items():
         (line,) = (line for line in ax.get_lines() if line.get_label() == label)

@@ -12,6 +12,7 @@ so that text has its printed size, 7 to 8 points.
 """
 
 import io
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -176,12 +177,30 @@ def new_figure(
 ) -> tuple[Figure, np.ndarray]:
     """Create a figure of `rows` × `columns` axes, `width` by `height` [inch], with a layout engine.
 
-    `more` goes to matplotlib's `subplots`. Axes come as a two-dimensional array.
+    `more` goes to matplotlib's `subplots`. Axes come as a two-dimensional array. Where pyplot is in
+    use, the figure is its current one, until `to_bytes` has written it.
     """
     height = 0.72 * width * rows / columns if height is None else height
-    figure = StyledFigure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
+    settings: Any = {"figsize": (width, height), "layout": "constrained"}
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is None:
+        figure = StyledFigure(**settings)
+        FigureCanvasAgg(figure)
+    else:
+        figure = pyplot.figure(FigureClass=StyledFigure, **settings)
     return figure, figure.subplots(rows, columns, squeeze=False, **more)
+
+
+def single_axes(
+    ax: Axes | None, width: float = SINGLE, height: float | None = None
+) -> tuple[Figure, Axes]:
+    """The figure of `ax` and `ax`, or a new figure's."""
+    if ax is None:
+        figure, axes = new_figure(width=width, height=height)
+        return figure, axes[0, 0]
+    figure = ax.get_figure(root=True)
+    assert figure is not None  # of axes that were removed
+    return figure, ax
 
 
 def new_panels(
@@ -231,4 +250,6 @@ def to_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
     out = io.BytesIO()
     with rc_context(_STYLE):
         figure.savefig(out, format=kind, dpi=dpi, metadata=_METADATA[kind])
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close(figure)  # else a notebook would show it once more
     return out.getvalue()

@@ -23,6 +23,7 @@ from .theme import (
     in_kilopascals,
     letter,
     new_figure,
+    single_axes,
     styled,
 )
 
@@ -34,10 +35,11 @@ _CONTOURS = np.arange(0.1, 1.0, 0.1)  # of efficiency
 
 
 @styled
-def workspace(space: Workspace, overlap: Overlap | None = None) -> Figure:
-    """Figure of a bundle's workspace, a color for each recruitment state, its `overlap` shaded."""
-    figure, axes = new_figure(width=DOUBLE, height=0.45 * DOUBLE)
-    ax = axes[0, 0]
+def workspace(space: Workspace, overlap: Overlap | None = None, ax: Axes | None = None) -> Figure:
+    """Figure of a bundle's workspace, a color for each recruitment state, its `overlap` shaded; on
+    the axes `ax`, or in a new figure.
+    """
+    figure, ax = single_axes(ax, DOUBLE, 0.45 * DOUBLE)
     for state in range(1, len(space.force) + 1):
         color = CYCLE[(state - 1) % len(CYCLE)]
         ax.fill(*space.outline(state), color=color, alpha=0.12, linewidth=0)

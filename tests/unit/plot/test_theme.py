@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -19,7 +22,7 @@ def test_a_figure_has_its_printed_sizes_outside_of_the_style():
     assert figure.get_figwidth() * 25.4 == pytest.approx(88)
 
 
-@pytest.mark.parametrize("kind", ["svg", "png"])
+@pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
 def test_a_drawing_is_reproducible_and_leaves_the_global_style_alone(kind):
     before = dict(mpl.rcParams)
     files = [plot.to_bytes(plot.free_strain([0.0, 1e5], {"a": [0.0, 0.1]}), kind) for _ in range(2)]
@@ -54,3 +57,36 @@ def test_a_notebook_shows_a_figure_before_pyplot_made_one():
     formatters = pytest.importorskip("IPython.core.formatters", reason="no IPython: make setup")
     data, _ = formatters.DisplayFormatter().format(MUSCLE.plot())
     assert data["image/png"].startswith(b"\x89PNG")
+
+
+PYPLOT = """
+import sys
+import matplotlib.pyplot as plt
+import fascicle as fs
+from fascicle import plot
+muscle, bundle = fs.example("kim2021_figure_6"), fs.example("kim2021_bundle_1_4")
+figure = muscle.plot()
+plt.savefig(sys.argv[1])
+assert plt.imread(sys.argv[1])[..., :3].min() < 0.5  # not a blank page
+assert plt.gcf() is figure
+plot.to_bytes(figure, "png")
+assert not plt.get_fignums()  # a notebook doesn't show it once more
+figure, (first, second, third) = plt.subplots(1, 3)
+assert muscle.plot([1e5], ax=first) is figure is bundle.plot(ax=second)
+assert bundle.plot([3e5, 1e5], ax=third) is figure
+assert all(ax.lines for ax in (first, second, third)) and len(plt.get_fignums()) == 1
+"""
+
+
+def test_pyplot_knows_figures_and_its_axes_are_drawn_on(tmp_path):
+    """In a process of its own: other tests run without pyplot."""
+    command = [sys.executable, "-c", PYPLOT, tmp_path / "x.png"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_panels_are_not_drawn_on_given_axes():
+    _, axes = new_figure()
+    with pytest.raises(InvalidInputError) as error:
+        MUSCLE.plot(components=True, ax=axes[0, 0])
+    assert error.value.argument == "ax"
