@@ -50,7 +50,7 @@ def load(path: str | os.PathLike[str]) -> Any:
         from .scenario import scenario_from_dict
 
         return scenario_from_dict(data, str(path), path.parent, path.stem)
-    return from_dict(data, str(path))
+    return from_dict(data, str(path), path.parent)
 
 
 def example(name: str) -> Any:

@@ -23,7 +23,7 @@ from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
-from ..table_model import TableModel, did_you_mean, location_message
+from ..table_model import TableModel, did_you_mean, location_message, value_at
 from ..units import DIMENSIONS, exact, parse
 from .schema import (
     BundleSection,
@@ -36,6 +36,7 @@ from .schema import (
     check_kind,
     validate,
 )
+from .shipped_files import example_text, named_muscles
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
@@ -56,7 +57,24 @@ def load_muscle(path: str | os.PathLike[str]) -> Muscle | Bundle:
     **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
     values that aren't valid.
     """
-    return loads(read_text(Path(path)), source=str(path))
+    path = Path(path)
+    return from_dict(parse_file(read_text(path), str(path)), str(path), path.parent)
+
+
+def load_named(name: str, folder: Path | None, follow: bool = True) -> Muscle | Bundle:
+    """The muscle or bundle with a `name`: an example, a measured muscle, or a file in a `folder`.
+
+    Without a folder, as in a text from elsewhere, no file is read. `follow`: true if the file may
+    name muscles by files of its own. Raises as `load_muscle`.
+    """
+    if name in named_muscles():
+        return loads(example_text(name), name)
+    if folder is None or not (folder / name).exists():
+        rule = "is neither a file nor a named example" if folder else "is no named example"
+        raise ValueError(f"{name!r} {rule}{did_you_mean(name, named_muscles())}")
+    path = folder / name
+    data = parse_file(read_text(path), str(path))
+    return from_dict(data, str(path), path.parent if follow else None)
 
 
 def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
@@ -179,27 +197,29 @@ def parse_file(text: str, source: str) -> dict[str, Any]:
     return data
 
 
-def from_dict(data: dict[str, Any], source: str) -> Muscle | Bundle:
-    """The muscle or bundle in a file's tables; `ValueError` as `loads`."""
+def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> Muscle | Bundle:
+    """The muscle or bundle in a file's tables, whose muscles may be named by an example or a file
+    in a `folder`; `ValueError` as `loads`.
+    """
     check_kind(data, "muscle or bundle", source)
     sections = data.get("muscle")
-    if isinstance(sections, dict):
-        named = sections and all(
-            isinstance(section, dict) and name not in MuscleSection.model_fields
-            for name, section in sections.items()
-        )
-        data = data if named else data | {"muscle": {"": sections}}
+    if sections is None and _names_muscles(data):
+        data = data | {"muscle": {}}
+    elif isinstance(sections, str | dict) and not _are_named(sections):
+        data = data | {"muscle": {"": sections}}
     file = validate(MuscleFile, data, source)
     root = FileLocation(source, data)
     muscles = {
-        name: _muscle(section, root.child("muscle", name, kind="muscle"))
+        name: _named_muscle(section, root.child("muscle", name), folder)
+        if isinstance(section, str)
+        else _muscle(section, root.child("muscle", name, kind="muscle"))
         for name, section in file.muscle.items()
     }
     if len(muscles) == 1:
         ((name, muscle),) = muscles.items()
         muscles = {name: _with_fitted_length(muscle, data.get(_CALIBRATION), root)}
     if file.bundle is not None:
-        return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"))
+        return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"), folder)
     if len(muscles) > 1:
         names = ", ".join(muscles)
         raise ValueError(
@@ -218,6 +238,33 @@ def _duplicate_key_message(message: str, text: str) -> str:
     number = int(match[2] or len(lines))
     key = lines[number - 1].partition("=")[0].strip()
     return f"{message[: match.end(1)]}{key} is repeated on line {number}: keep one of them."
+
+
+def _are_named(sections: str | dict[str, Any]) -> bool:
+    """True for several muscles by name, false for a single one's name or table."""
+    return (
+        bool(sections)
+        and isinstance(sections, dict)
+        and all(
+            isinstance(section, str | dict) and name not in MuscleSection.model_fields
+            for name, section in sections.items()
+        )
+    )
+
+
+def _names_muscles(data: Mapping[str, Any]) -> bool:
+    """True if each motor unit of a file's `[bundle]` names a muscle."""
+    units = value_at(data, ("bundle", "motor_unit"))
+    return isinstance(units, list) and bool(units) and all("muscle" in unit for unit in units)
+
+
+def _named_muscle(name: str, location: FileLocation, folder: Path | None) -> Muscle:
+    """The muscle with a `name`, an example or a file in a `folder`."""
+    with location.error_context():
+        muscle = load_named(name, folder, follow=False)
+    if isinstance(muscle, Bundle):
+        raise location.error((), "is a bundle: name a muscle.")
+    return muscle
 
 
 def _with_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> Muscle:
@@ -306,19 +353,25 @@ def _tuning(tuning: TuningSection, location: FileLocation) -> Tuning:
 
 
 def _bundle(
-    section: BundleSection, muscles: Mapping[str, Muscle], location: FileLocation
+    section: BundleSection,
+    muscles: dict[str, Muscle],
+    location: FileLocation,
+    folder: Path | None,
 ) -> Bundle:
-    units, default = [], next(iter(muscles))
+    units, default, tables = [], next(iter(muscles), ""), list(muscles)
     for index, unit in enumerate(section.motor_unit):
         unit_location, name = location.child("motor_unit", index), unit.muscle
-        if name is None and len(muscles) > 1:
-            rule = f"missing, write the name of its muscle: {', '.join(muscles)}."
+        if name is None and len(tables) > 1:
+            rule = f"missing, write the name of its muscle: {', '.join(tables)}."
             raise unit_location.error(("muscle",), rule)
         if name is not None and name not in muscles:
-            names = [muscle for muscle in muscles if muscle]
-            hint = ", drop the key: the only one is [muscle]."
-            hint = did_you_mean(name, names) if names else hint
-            raise unit_location.error(("muscle",), f"no such muscle in the file{hint}")
+            if name in named_muscles() or not tables or (folder and (folder / name).is_file()):
+                muscles[name] = _named_muscle(name, unit_location.child("muscle"), folder)
+            else:
+                names = [muscle for muscle in tables if muscle]
+                hint = ", drop the key: the only one is [muscle]."
+                hint = did_you_mean(name, names) if names else hint
+                raise unit_location.error(("muscle",), f"no such muscle in the file{hint}")
         muscle = muscles[default if name is None else name]
         with unit_location.error_context():
             units.append(MotorUnit(muscle, **({} if unit.count is None else {"count": unit.count})))

@@ -44,11 +44,9 @@ from ..fluid import (
 )
 from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..muscle import Muscle
-from ..table_model import did_you_mean
-from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
+from .muscle_files import from_dict, load_named, parse_file, provenance, read_text
 from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
 from .schema import FileLocation, check_kind, validate
-from .shipped_files import example_text, named_muscles
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
@@ -307,7 +305,7 @@ def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path
         if not isinstance(names, dict | None):
             raise root.error(("bundle",), "there is a [muscle], too: keep one of them.")
         inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
-        return [_as_bundle(from_dict(inline, source))]
+        return [_as_bundle(from_dict(inline, source, folder))]
     rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
     rule = f"{rule}; or write [muscle] and [bundle] as in its file."
     return _named_bundles(names, root.child("bundle"), rule, folder)
@@ -318,18 +316,8 @@ def _named_bundles(names: Any, location: FileLocation, rule: str, folder: Path) 
     names = list(names) if isinstance(names, list) else [names]
     if not names or not all(isinstance(name, str) for name in names):
         raise location.error((), rule)
-    shipped, bundles = named_muscles(), []
-    for name in names:
-        path = folder / name
-        if name not in shipped and not path.exists():
-            fault = f"{name!r} is neither a file nor a named example{did_you_mean(name, shipped)}"
-            raise location.error((), fault)
-        with location.error_context():
-            if name in shipped:
-                bundles.append(_as_bundle(loads(example_text(name), name)))
-            else:
-                bundles.append(_as_bundle(load_muscle(path)))
-    return bundles
+    with location.error_context():
+        return [_as_bundle(load_named(name, folder)) for name in names]
 
 
 def _model_bundles(

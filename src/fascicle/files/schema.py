@@ -224,6 +224,12 @@ class MuscleSection(TableModel):
     tuning: TuningSection | None = None
 
 
+if TYPE_CHECKING:  # as above
+    NameOrMuscle = str | MuscleSection
+else:
+    NameOrMuscle = _or_table(StrictStr, MuscleSection)
+
+
 class MotorUnitSection(TableModel):
     """`[[bundle.motor_unit]]`: count and name of the muscles that share a pressure."""
 
@@ -246,7 +252,7 @@ class MuscleFile(TableModel):
     """A muscle or bundle file; a muscle without a name has the empty name."""
 
     format: StrictInt = Field(examples=["1"])
-    muscle: dict[str, MuscleSection] = Field(examples=["[muscle]"])
+    muscle: dict[str, NameOrMuscle] = Field(examples=["[muscle]"])
     bundle: BundleSection | None = None
     calibration: dict[str, Any] | None = None  # for readers and programs, no part of the muscle
     entry: "EntrySection | None" = None  # as above

@@ -42,7 +42,7 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..units import parse, pretty
 from .measured_muscles import catalog as measured_muscles
-from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
+from .muscle_files import load_named, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
     CycleSection,
@@ -57,7 +57,7 @@ from .schema import (
     check_kind,
     validate,
 )
-from .shipped_files import example_text, named_muscles, shipped_names, shipped_text
+from .shipped_files import named_muscles, shipped_names, shipped_text
 
 
 # dimensions of objectives by their units
@@ -313,13 +313,9 @@ def _design_space(
 
 
 def _drawing(name: str, section: DesignSection, location: FileLocation, folder: Path) -> Muscle:
+    with location.child("muscle").error_context():
+        muscle = load_named(name, folder)
     with location.error_context():
-        if name in named_muscles():
-            muscle = loads(example_text(name), name)
-        else:
-            if not (folder / name).exists():
-                check_choice(name, named_muscles(), "muscle")
-            muscle = load_muscle(folder / name)
         if isinstance(muscle, Bundle):
             raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
