@@ -305,7 +305,7 @@ def test_template_is_solved(fascicle, tmp_path, example):
         ("{ at_most = 3 }", "{ at_least = 3, at_most = 2 }", "no design can be both"),
         ("muscles = [4]", "muscles = [131]", "`muscles` must lie in [1, 100], got 131"),
         ("muscles = [4]", 'splits = ["1+x"]', "written like '1+4'"),
-        ("slenderness_10", "slenderness_1", "did you mean 'kim2021_slenderness_10'"),
+        ("slenderness_10", "slenderness_1", 'did you mean "kim2021_slenderness_10"'),
         ("slenderness_10", "bundle_1_4", "is a bundle: name a muscle"),
         ('["110 mm", "127 mm"]', '"110 mm:127 mm"', "write start:stop:step"),
         ('["110 mm", "127 mm"]', '"-1 mm"', "`length` must lie in"),

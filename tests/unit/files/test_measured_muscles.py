@@ -136,7 +136,7 @@ def test_a_design_draws_from_the_catalog():
     assert not any("extrapolation" in note for note in file.notes)
     notes = loads_task(TASK.format(pressure="7 bar", muscle='"festo-dmsp-20-300"')).notes
     assert any("a pressure of 700 kPa" in x and "extrapolation" in x for x in notes)
-    with pytest.raises(ValueError, match='design.muscle = .* did you mean "festo-dmsp-20-300"'):
+    with pytest.raises(ValueError, match=r'design\.muscle = .* did you mean "festo-dmsp-20-300"'):
         loads_task(TASK.format(pressure="6 bar", muscle='"festo-dmsp-20-30"'))
 
 

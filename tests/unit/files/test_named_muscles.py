@@ -46,10 +46,11 @@ def test_a_scenario_and_a_task_name_it(folder):
     text = (
         'format = 1\nmuscle = "fit/muscle.toml"\n[load]\nkind = "hanging_mass"\nmass = "1 kg"\n'
         '[fluid]\nmedium = "air"\n[supply]\nkind = "constant"\npressure = "4 bar"\n[valve]\n'
-        'kind = "sonic_valve"\nb = 0.3\nC = "1 L/(s bar)"\n[run]\nduration = "1 s"\n[[schedule]]\ntime = "0 s"\ncommand = 1\n'
+        'kind = "sonic_valve"\nb = 0.3\nC = "1 L/(s bar)"\n'
+        '[run]\nduration = "1 s"\n[[schedule]]\ntime = "0 s"\ncommand = 1\n'
     )
     (folder / "s.toml").write_text(text)
-    assert lengths(fs.load(folder / "s.toml").plant.bundle) == [0.12]
+    assert lengths(fs.load(folder / "s.toml").plant.bundles[0]) == [0.12]
     task = '[task]\nforce = "4 N"\nstrain = 0.1\nsupply_pressure = "4 bar"\n[design]\nmuscles = 2\n'
     (folder / "t.toml").write_text(f'format = 1\n{task}muscle = "fit/muscle.toml"\n')
     (muscle,) = load_task(folder / "t.toml").space.drawings.values()
