@@ -85,10 +85,9 @@ class NumberFormat:
         """Finite value of each cell, NaN for other texts."""
         import pandas as pd
 
-        texts = pd.Series(cells, dtype=str)
-        if self.decimal == ",":
-            texts = texts.str.replace(",", ".", regex=False)
-        values = np.array(pd.to_numeric(texts, errors="coerce"), dtype=float)
+        texts = [cell.replace(",", ".") for cell in cells] if self.decimal == "," else cells
+        series = pd.Series(texts, dtype=object)
+        values = np.array(pd.to_numeric(series, errors="coerce"), dtype=float)
         # these, and cells with a point that may be of thousands, are read one by one
         doubtful = ~np.isfinite(values)
         if self.decimal == "," or "." in self.unclear:
@@ -306,7 +305,7 @@ class Table(TableHeader):
         import pandas as pd
 
         width, delimiter = len(self.header), self.delimiter
-        lines = ["" if is_remark(line) else line for line in self.body]
+        lines = ["" if line[:1] in " \t#%/" and is_remark(line) else line for line in self.body]
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = [blanks.sub("\t", line.strip()) for line in lines], "\t"
@@ -325,14 +324,17 @@ class Table(TableHeader):
                 io.StringIO(text), sep=delimiter, header=None, names=range(max(most, width)),
                 dtype=str, keep_default_na=False, skip_blank_lines=False, skipinitialspace=True,
             )  # fmt: skip
-        except (pd.errors.ParserError, csv.Error) as error:
-            raise ValueError(f"{self.source}: no rows of a table: {error}.") from None
+        except pd.errors.ParserError as error:
+            text = " ".join(str(error).split()).rstrip(".")
+            raise ValueError(f"{self.source}: no rows of a table: {text}.") from None
+        if len(frame) < len(text.rstrip("\n").split("\n")):
+            raise ValueError(f"{self.source}: a quote in it has no end: close or drop it.")
         columns = [list(map(str.strip, frame[i].tolist())) for i in frame]
         used = np.ones(len(columns[0]), dtype=bool)
-        for row in range(len(used)):
-            if columns[0][row] in ("", self.header[0], self.units[0]):
-                cells = tuple(column[row] for column in columns)
-                used[row] = any(cells) and cells[:width] not in (self.header, self.units)
+        firsts = {"", self.header[0], self.units[0]}
+        for row in [row for row, cell in enumerate(columns[0]) if cell in firsts]:
+            cells = tuple(column[row] for column in columns)
+            used[row] = any(cells) and cells[:width] not in (self.header, self.units)
         kept = np.flatnonzero(used)
         columns = [list(compress(column, used)) for column in columns]
         short = np.array([lines[row].count("\t") + 1 < self.row_width for row in kept], dtype=bool)

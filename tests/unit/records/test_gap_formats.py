@@ -67,6 +67,10 @@ def test_a_quote_without_end_loses_no_readings():
         text = HEADER + "".join([*rows[:20], f"{line}\n", *rows[20:]])
         with pytest.raises(ValueError, match="line 22: its quote has no end"):
             loads(text, rest_length=0.18)
+    for odd in ('200,100,170,"a"" ,', '200,100,"170""\n3,"4"'):
+        with pytest.raises(ValueError, match=r"quote|no finite number") as error:
+            loads(f"{HEADER}{SWEEP}{odd}\n{SWEEP}", rest_length=0.18)
+        assert "\n" not in str(error.value)
     noted = HEADER.replace("\n", ",note\n") + '100,50,175,"slipped\nagain"\n200,100,170,\n'
     assert len(loads(noted, rest_length=0.18)) == 2
 
