@@ -34,9 +34,9 @@ from ..core.module import Module, with_fields
 from ..core.types import Batch, Bool, Float, Numbers
 from ..core.validation import check_interval, distinct_texts
 from ..fluid import ConstantSupply, Isothermal
+from ..fluid.data_sheets import CatalogValve, catalog_valves
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import REFERENCE_DENSITY, Line, SonicValve
-from ..fluid.valve_catalog import CatalogValve, catalog_valves
 from .designs import Designs
 from .task import Task
 

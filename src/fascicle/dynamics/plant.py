@@ -23,8 +23,15 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Whole
 from ..core.validation import HIGHEST_PRESSURE, check_choice, is_concrete
-from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
-from ..fluid.liquid_chamber import LiquidChamber
+from ..fluid import (
+    AbstractChamber,
+    AbstractSpool,
+    AbstractSupply,
+    Direct,
+    LiquidChamber,
+    Orifice,
+    SonicValve,
+)
 from ..muscle.braid import Braid
 from ..muscle.hysteresis import AbstractHysteresis
 from .loads import AbstractLoad

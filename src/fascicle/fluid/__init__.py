@@ -7,16 +7,18 @@ elementwise, of NumPy or JAX. Pressures are gauge pressures save where a name sa
 from .accumulator import Accumulator as Accumulator
 from .accumulator import PumpedAccumulator as PumpedAccumulator
 from .chamber import AbstractChamber as AbstractChamber
+from .chamber import AdiabaticWall as AdiabaticWall
+from .chamber import Isothermal as Isothermal
+from .chamber import LiquidChamber as LiquidChamber
 from .chamber import StateResidual as StateResidual
+from .data_sheets import CatalogValve as CatalogValve
+from .data_sheets import catalog_valves as catalog_valves
 from .data_sheets import conductance_from_cv as conductance_from_cv
 from .data_sheets import conductance_from_kv as conductance_from_kv
 from .data_sheets import conductance_from_nominal_flow as conductance_from_nominal_flow
 from .flow_elements import Line as Line
 from .flow_elements import Orifice as Orifice
 from .flow_elements import SonicValve as SonicValve
-from .gas_chambers import AdiabaticWall as AdiabaticWall
-from .gas_chambers import Isothermal as Isothermal
-from .liquid_chamber import LiquidChamber as LiquidChamber
 from .media import AIR as AIR
 from .media import NITROGEN as NITROGEN
 from .media import OIL as OIL
@@ -32,5 +34,3 @@ from .spools import validate_commands as validate_commands
 from .supply import AbstractSupply as AbstractSupply
 from .supply import ConstantSupply as ConstantSupply
 from .supply import Tank as Tank
-from .valve_catalog import CatalogValve as CatalogValve
-from .valve_catalog import catalog_valves as catalog_valves

@@ -10,18 +10,44 @@ $$g(s, P, V(P)) = 0, \qquad
 
 The residual rises with pressure and with volume. The rates of the state are affine in that of the
 volume, so that a volume that moves with the pressure can be brought to the other side.
+
+`AdiabaticWall`: its state is its mass and its internal energy $U = m c_v T$; at an
+absolute pressure $p = P + p_a$,
+
+$$\dot m = \dot m_{in}, \qquad \dot U = \dot H_{in} - p \dot V - G (T - T_a), \qquad
+  p V = (\gamma - 1) U: \tag{F13}$$
+
+adiabatic where $G = 0$, ever closer to isothermal as $G$ rises (and ever stiffer).
+
+`Isothermal`: the wall takes the heat that keeps the gas as warm as the room,
+
+$$p V = m R T_a. \tag{F14}$$
+
+`LiquidChamber`: with the compliance $c$ of bladder, hose and fittings, volume over pressure,
+
+$$m = \rho(P) \left(V + c P\right). \tag{F16}$$
+
+Its energy, $m\,e(P) + c P^2/2$, and what flows in at $h(P)$ and out as $P\,\mathrm{d}V$ balance
+exactly.
+
+**Assumes** an ideal gas, mixed at once; (F14) motion slower than its heat leaves; (F16) one
+temperature and no vapor: below `lowest_pressure` the liquid boils. **Source:** the first law;
+(F16) Merritt (1967), Hydraulic Control Systems.
 """
 
 import abc
 from typing import Any, ClassVar, NamedTuple
 
-from ..core.array_namespace import array_namespace
+from ..core.array_namespace import array_namespace, where
 from ..core.module import Module
+from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .fields import nonnegative_field, room_pressure_field, temperature_field
+from .fields import component_field, nonnegative_field, room_pressure_field, temperature_field
+from .media import AIR, OIL, Gas, Liquid
 
 
+_STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 two would do
 _DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)  # usual hoses and fittings hold less than 10 L
 
 
@@ -144,3 +170,203 @@ def stack_last(*numbers: BatchLike) -> Numbers:
     """Several `numbers` [SI], broadcast, on a new last axis [SI]."""
     xp = array_namespace(*numbers)
     return xp.stack(xp.broadcast_arrays(*numbers), axis=-1)
+
+
+class AbstractGasChamber(AbstractChamber):
+    """Chamber of gas in a volume that moves. `gas`, and the fields of `AbstractChamber`, by
+    keyword.
+    """
+
+    gas: Gas = component_field("gas", (Gas,), default=AIR, kw_only=True)
+
+    @property
+    def _RT(self) -> Batch:
+        """$R T$ at the room's temperature [J/kg]."""
+        return self.gas.specific_gas_constant * self.room_temperature
+
+    def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:
+        """Mass [kg] at gauge `pressure` [Pa] and the room's temperature in a `volume` [m³] and the
+        dead volume.
+        """
+        rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
+        return rho * (volume + self.dead_volume)
+
+    @property
+    def lowest_pressure(self) -> Batch:
+        """Gauge pressure at which there is no gas at all [Pa]."""
+        return -self.room_pressure
+
+    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
+        """Exergy [J] of a `state` [SI] at gauge `pressure` [Pa]."""
+        room, T_a = self.room_pressure, self.room_temperature
+        T = self.temperature(state, pressure)
+        return self.gas.stored_exergy(state[..., 0], pressure + room, T, room, T_a)
+
+
+class AdiabaticWall(AbstractGasChamber):
+    """Chamber of gas behind a wall that conducts heat, or none by default, equation (F13).
+
+    `conductance`: $G$, of the wall [W/K]; left out, zero.
+    """
+
+    names: ClassVar[tuple[str, ...]] = ("mass", "internal_energy")
+    units: ClassVar[tuple[str, ...]] = ("kg", "J")
+    source: ClassVar[str] = "first law of an ideal gas"
+
+    conductance: Batch = nonnegative_field(
+        "conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0
+    )
+
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+        """Mass [kg] and internal energy [J] at gauge `pressure` [Pa] and `volume` [m³]."""
+        m = self._room_mass(pressure, volume)
+        return stack_last(m, m * self.gas.c_v * self.room_temperature)
+
+    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
+        """Temperature $U/(m c_v)$ of a `state` [K], the room's without any gas; `pressure` [Pa]
+        doesn't count.
+        """
+        m, U = state[..., 0], state[..., 1]
+        T = U / (guarded(m > 0, m) * self.gas.c_v)
+        return where(m > 0, T, self.room_temperature + 0.0 * pressure)
+
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
+        """Residual $p V - (\\gamma - 1) U$ and its slopes [SI] for a `state` [SI] at gauge
+        `pressure` [Pa] in a `volume` [m³].
+        """
+        p, V = pressure + self.room_pressure, volume + self.dead_volume
+        ratio = self.gas.heat_capacity_ratio - 1
+        value = p * V - ratio * state[..., 1]
+        zero = 0.0 * value
+        return StateResidual(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
+
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
+        V = volume + self.dead_volume
+        return (self.gas.heat_capacity_ratio - 1) * state[..., 1] / V - self.room_pressure
+
+    def rates(
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
+    ) -> Numbers:
+        """Rates of mass [kg/s] and internal energy [W] on the last axis, equation (F13); arguments
+        [SI] as of `AbstractChamber.rates`.
+        """
+        work = (pressure + self.room_pressure) * volume_rate
+        return stack_last(mass_in, energy_in - work - self.heat_flow(state))
+
+    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
+        """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
+        p = pressure + self.room_pressure + 0.0 * state[..., 0]
+        return stack_last(0.0 * p, -p)
+
+    def heat_flow(
+        self,
+        state: Numbers,
+        pressure: BatchLike = 0.0,
+        mass_in: BatchLike = 0.0,
+        energy_in: BatchLike = 0.0,
+        volume_rate: BatchLike = 0.0,
+    ) -> Batch:
+        """Heat flow $G (T - T_a)$ [W] of a `state` [SI]; other arguments don't count."""
+        del pressure, mass_in, energy_in, volume_rate
+        return self.conductance * (self.temperature(state) - self.room_temperature)
+
+
+class Isothermal(AbstractGasChamber, AbstractMassChamber):
+    """Chamber of gas as warm as the room, equation (F14)."""
+
+    source: ClassVar[str] = "ideal gas at one temperature"
+
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
+        return stack_last(self._room_mass(pressure, volume))
+
+    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
+        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
+        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
+
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
+        """Residual $p V - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge `pressure`
+        [Pa] in a `volume` [m³].
+        """
+        p, V = pressure + self.room_pressure, volume + self.dead_volume
+        value = p * V - self._RT * state[..., 0]
+        zero = 0.0 * value
+        return StateResidual(value, stack_last(-self._RT + zero), V + zero, p + zero)
+
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
+        return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
+
+    def heat_flow(
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
+    ) -> Batch:
+        """Heat flow out [W] that keeps $U = m c_v T_a$; arguments [SI] as of `rates`."""
+        work = (pressure + self.room_pressure) * volume_rate
+        stored = self.gas.c_v * self.room_temperature * mass_in
+        return energy_in - work - stored + 0.0 * state[..., 0]
+
+
+class LiquidChamber(AbstractMassChamber):
+    """Chamber of liquid with a compliance, equation (F16).
+
+    `liquid`. `compliance`: $c$ [m³/Pa]; left out, zero.
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
+    compliance: Batch = nonnegative_field(
+        "compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0
+    )
+
+    @property
+    def lowest_pressure(self) -> Batch:
+        """Gauge pressure at which the liquid boils [Pa]."""
+        return self.liquid.vapor_pressure - self.room_pressure
+
+    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
+        V = volume + self.dead_volume + self.compliance * pressure
+        return stack_last(self.liquid.density(pressure) * V)
+
+    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
+        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
+        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
+
+    def state_residual(
+        self, state: Numbers, pressure: BatchLike, volume: BatchLike
+    ) -> StateResidual:
+        """Residual $\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge
+        `pressure` [Pa] in a `volume` [m³].
+        """
+        rho, c = self.liquid.density(pressure), self.compliance
+        V = volume + self.dead_volume + c * pressure
+        value = rho * V - state[..., 0]
+        by_pressure = rho * (V / self.liquid.bulk_modulus + c)
+        return StateResidual(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
+
+    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, by Newton's
+        method: exact to rounding where it is above the vapor pressure, not limited to it.
+        """
+        P = 0.0 * (state[..., 0] + volume)
+        for _ in range(_STEPS):
+            residual = self.state_residual(state, P, volume)
+            P = P - residual.value / residual.by_pressure
+        return P
+
+    def heat_flow(
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
+    ) -> Batch:
+        """Zero [W]: a liquid at one temperature is a spring; arguments [SI] as of `rates`."""
+        return 0.0 * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)
+
+    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
+        """Energy of liquid and compliance [J] in a `state` [SI] at gauge `pressure` [Pa]."""
+        liquid_energy = state[..., 0] * self.liquid.stored_energy(pressure)
+        return liquid_energy + self.compliance * pressure**2 / 2

@@ -1,4 +1,4 @@
-r"""Sonic conductance from the other figures of a valve's data sheet.
+r"""Sonic conductance from the other figures of a valve's data sheet, and valves on sale.
 
 **Nominal flow** $Q_n$ is measured, mostly from 6 to 5 bar gauge. By (F4), for a volume at the
 reference of ISO 8778 (20 °C, 100 kPa: ANR),
@@ -26,19 +26,28 @@ differ by tens of percent, so that a $C$ of the data sheet is better.
 **Source:** ISO 6358 (2013) for (F4); VDI/VDE 2173 and IEC 60534 define $K_v$; (F24) and (F25)
 derived here. A test holds (F24) to an example of SMC's data sheets, and (F25) to IEC 60534's choked
 flow.
+
+Of the valves on sale, each has $C$ and $b$ of (F4) from the supply to the port and from the port to
+the room, as its maker's data sheet has them; valves whose sheet gives one way only, or a nominal
+flow without $b$, were left out.
 """
+
+from typing import NamedTuple
 
 from ..core.array_namespace import sqrt
 from ..core.types import Batch, BatchLike
 from ..core.validation import check_choice, check_interval, check_positive
 from .fields import ROOM_PRESSURE
-from .flow_elements import REFERENCE_DENSITY, flow_function
+from .flow_elements import REFERENCE_DENSITY, SonicValve, flow_function
 
 
 _REFERENCE_PRESSURE = 1e5  # Pa, of ISO 8778
 _WATER_DENSITY = 998.2  # kg/m³, at 20 °C
 _BAR, _PSI = 1e5, 6894.757293168  # Pa; the latter from the exact pound and inch
 _GALLON = 3.785411784e-3  # m³, exact
+_LITER_PER_SECOND_BAR = 1e-8  # m³/(s·Pa)
+_CKD = "CKD, instruction manual SM-P00077-A/3 (2020), flow characteristics of manifolds"
+_SMC = "SMC, catalog CAT.ES11-90B (2009), flow-rate characteristics, body ported"
 DENSITIES = {"anr": REFERENCE_DENSITY, "din1343": 1.292}  # kg/m³, of air at these references
 
 
@@ -105,3 +114,36 @@ def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
     """
     Cv = check_positive(Cv, "Cv", "-")
     return conductance_from_kv(Cv * _GALLON / 60 * (_BAR / _PSI) ** 0.5, b)
+
+
+class CatalogValve(NamedTuple):
+    """Valve of the catalog by its `name`: `supply` and `exhaust` with their $C$ and $b$; `source`
+    of the figures.
+    """
+
+    name: str
+    supply: SonicValve
+    exhaust: SonicValve
+    source: str
+
+
+def _valve(
+    name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
+) -> CatalogValve:
+    """Valve of the catalog from printed figures: C [L/(s·bar)] and b [-] of both ways."""
+    supply_valve, exhaust_valve = (
+        SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust)
+    )
+    return CatalogValve(name, supply_valve, exhaust_valve, source)
+
+
+def catalog_valves() -> tuple[CatalogValve, ...]:
+    """Valves of the catalog, the smallest first."""
+    return (
+        _valve("CKD M3GA1-R", (0.86, 0.31), (1.1, 0.19), _CKD),  # two 3-port valves in one
+        _valve("CKD M3GA2-R", (1.7, 0.40), (2.3, 0.29), _CKD),  # as above
+        _valve("SMC 51-SY5120", (1.9, 0.35), (2.4, 0.39), _SMC),
+        _valve("CKD M4GA3-R", (3.2, 0.37), (3.8, 0.13), _CKD),  # two positions
+        _valve("SMC 51-SY7120", (4.1, 0.23), (3.3, 0.33), _SMC),
+        _valve("SMC 51-SY9120", (7.0, 0.33), (7.6, 0.35), _SMC),
+    )

@@ -18,6 +18,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
+from .chamber import AdiabaticWall, Isothermal
 from .fields import (
     ROOM_PRESSURE,
     component_field,
@@ -26,7 +27,6 @@ from .fields import (
     room_pressure_field,
     temperature_field,
 )
-from .gas_chambers import AdiabaticWall, Isothermal
 
 
 _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)  # usually up to 1000 bar

@@ -9,7 +9,7 @@ from fascicle.design import Designs, Task
 from fascicle.design.catalog import Catalog
 from fascicle.design.cycle import ATMOSPHERE, Cycle, run_cycle
 from fascicle.design.summary import summarize
-from fascicle.fluid.valve_catalog import catalog_valves
+from fascicle.fluid.data_sheets import catalog_valves
 
 
 SUPPLY = 413.7e3
