@@ -13,6 +13,7 @@ import numpy as np
 import fascicle as fs
 from fascicle import control
 from fascicle.records import VirtualDynamometer
+from fascicle.reports.calibration_words import warning_lines
 from fascicle.units import pretty
 
 
@@ -40,7 +41,7 @@ def clipped_fit() -> list[str]:
         f"   identifiable: {estimate.identifiable}"
         for estimate in calibration.parameters
     ]
-    return [*values, *(f"- {line}" for line in calibration.warnings)]
+    return [*values, *(f"- {line}" for line in warning_lines(calibration))]
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
 from fascicle.records import load
 from fascicle.records.record import Record
+from fascicle.reports.calibration_words import cause_words, warning_lines
 from fascicle.reports.page import Picture, data_uri, render, screen_width
 from fascicle.units import pretty
 
@@ -230,7 +231,7 @@ def _misfit(fit: Calibration) -> str:
         for trend in fit.diagnosis.significant
     ]
     trends = trends or [f"{run.along}, by runs of one sign" for run in fit.diagnosis.autocorrelated]
-    causes = [cause.name for cause in fit.diagnosis.causes[:_MOST_CAUSES]]
+    causes = [cause_words(vars(cause))[0] for cause in fit.diagnosis.causes[:_MOST_CAUSES]]
     most = f"; likely cause: {' or '.join(causes)}" if causes else "; no known cause"
     return f"residuals vary with {', '.join(trends)}{most}"
 
@@ -267,7 +268,7 @@ def _record_data(comparison: RecordComparison) -> dict[str, Any]:
     fit = comparison.choice.calibration
     return {
         "name": comparison.measured.name, "source": comparison.measured.source,
-        "reasons": list(comparison.choice.reasons), "warnings": list(fit.warnings),
+        "reasons": list(comparison.choice.reasons), "warnings": warning_lines(fit),
         "chosen": list(fit.names),
         "laws": [
             {

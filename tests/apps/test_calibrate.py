@@ -193,7 +193,7 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
         assert told in page
     kept = provenance(tmp_path / "calibrated-d/muscle.toml")
     assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Selected: ")
-    assert sum(one["taken"] for one in kept["candidate"]) == 1
+    assert sum(one["chosen"] for one in kept["candidate"]) == 1
     assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
 
 

@@ -1,6 +1,5 @@
 """Results: a calibration with the uncertainty of its constants, and the selection of a model."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -20,6 +19,8 @@ from .readings import Readings, static_force
 
 
 _MAJORITY = 0.5  # of the trends' squares: more lies past the free strain than before it
+_SIZES = ("length", "angle")  # dimensions of sizes
+CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
@@ -118,13 +119,16 @@ class SignCounts:
 
 @dataclass(frozen=True)
 class Cause:
-    """A likely cause: its `name`, the `remedy`, and the `share` of the residuals' squares that it
-    would explain [-].
+    """A likely cause.
+
+    - `code`: such as "compliance" or "friction".
+    - `share`: share of the residuals' squares that it would explain [-].
+    - `constant`: name of a constant that a fit may free because of it, or empty.
     """
 
-    name: str
-    remedy: str
+    code: str
     share: float
+    constant: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,16 +259,6 @@ class Calibration:
         """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
         return self.fit_data.errors(self.force)
 
-    @cached_property
-    def warnings_by_topic(self) -> Mapping[str, tuple[str, ...]]:
-        """Warnings to read before the muscle is used, by topic."""
-        return import_late("calibrate.verdict.calibration_warnings")(self)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings to read before the muscle is used."""
-        return tuple(line for lines in self.warnings_by_topic.values() for line in lines)
-
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the fitted parameters."""
@@ -306,6 +300,23 @@ class Calibration:
         factors = {factor.name for factor in FACTORS}
         in_doubt = self.diagnosis.resisting_law_in_doubt
         return tuple(name for name in self.names if in_doubt and name in factors)
+
+    @property
+    def other_sizes(self) -> tuple[tuple[Estimate, float], ...]:
+        """Fitted sizes whose whole interval contradicts the given ones, and those [SI]."""
+        found, rest_length = [], self.record.rest_length
+        for estimate in self.parameters:
+            size, name = getattr(self.start, estimate.name, None), estimate.name
+            if name == "active_length":
+                size = rest_length or float(self.start.length)
+            if size is None or not estimate.identifiable or estimate.dimension not in _SIZES:
+                continue
+            larger = estimate.low > (1 + CALIPERS) * size
+            smaller = estimate.high < (1 - CALIPERS) * size
+            # an active length may be shorter than the distance of the fittings, never longer
+            if larger or (smaller and name != "active_length"):
+                found.append((estimate, float(size)))
+        return tuple(found)
 
     @property
     def intervals(self) -> str:
@@ -375,8 +386,8 @@ class Calibration:
         return int(np.sum(self.record.censored))
 
     @property
-    def floor(self) -> str:
-        """Force at which readings are clipped."""
+    def floor(self) -> float:
+        """Force at which readings are clipped [N]."""
         return self.fit_data.floor
 
     @property

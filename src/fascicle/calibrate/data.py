@@ -15,7 +15,6 @@ from ..core.types import AnyArray, Bool, Float
 from ..muscle import Muscle
 from ..records.record import UNKNOWN, Record
 from ..records.segmentation import runs
-from ..units import pretty
 from .gauges import PERFECT, ChannelFault, Gauge, channel_faults, read_vented
 
 
@@ -116,10 +115,10 @@ class FitData:
         return int(np.sum(self.record.censored)) - self.noise_clipped - self.pushes_clipped
 
     @property
-    def floor(self) -> str:
-        """Force at which readings are clipped from below: "zero", or the gauge's floor."""
+    def floor(self) -> float:
+        """Force at which readings are clipped from below [N]: zero, or the gauge's floor."""
         floors = [fault.value for fault in self.faults if fault.kind == "floor"]
-        return pretty(floors[0], "force") if floors else "zero"
+        return floors[0] if floors else 0.0
 
     @property
     def pushes(self) -> int:

@@ -53,37 +53,11 @@ from .least_squares import KNOWN, NORMAL, Problem
 from .parameters import FACTORS, Parameter, coordinates, put
 
 
-# causes of residuals and remedies
-_CAUSES = {
-    "compliance": ("an end effect, compliant fibers or fittings", "fit end_compliance, too"),
-    "ends": ("an end effect, ends that do not swell",
-             "compare tension laws: tondu_lopez scales the strain"),
-    "length": ("an error of the length's zero", "check the rest length"),
-    "zero": ("an offset of the load cell",
-             "subtract the load cell's reading without pressure at the rest length"),
-    "rubber": (
-        "the bladder's elasticity, a force that depends on strain alone",
-        "use the model at the measured strains only: c10 and c01 can't describe this force",
-    ),
-    "branch": ("friction, a hysteresis loop",
-               "count the loop's width as an error of the muscle in use"),
-    "time": ("a drift in time", "measure the first pressure again at the end"),
-    "resisting_law": (
-        "the law past the free strain, or an error of a gauge: these data can't tell them apart",
-        "compare the laws with --compare, and zero the load cell with the muscle vented, at rest",
-    ),
-}  # fmt: skip
+# causes that a constant which was not free would make up for
 _CAUSES_BY_CONSTANT = {
-    "dead_band": "a dead band, or an offset of the pressure transducer",
-    "active_length": "an end effect, part of the length is passive",
-    "inactive_length": "an end effect, part of the length is passive",
-    "end_compliance": _CAUSES["compliance"][0],
-    "wall_thickness": "a wrong wall thickness",
-    "c10": "a wrong modulus of the rubber",
-    "c01": "a wrong modulus of the rubber",
-    "braid_angle": "a wrong braid angle",
-    "outer_radius": "a wrong radius",
-}
+    "active_length": "passive_length", "inactive_length": "passive_length",
+    "end_compliance": "compliance", "c10": "modulus", "c01": "modulus",
+}  # fmt: skip
 ALPHA = 0.01  # probability of taking noise for a trend, all tests of a record together
 _ORDERS = 5  # highest order of a polynomial: a trend is smoother, noise is rougher
 _MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
@@ -525,7 +499,7 @@ def _likely_causes(
         return ()
     if diagnosis.resisting_law_in_doubt:
         share = sum(trend.share for trend in diagnosis.significant)
-        return (Cause(*_CAUSES["resisting_law"], min(share, 1.0)),)
+        return (Cause("resisting_law", min(share, 1.0)),)
     problem, measured, strain = fit.problem, fit.grid.measured, residuals.strain
     stretched = replace(problem.grid, strain=problem.grid.strain + _STRAIN_STEP)
     force = replace(problem, grid=stretched).force(fit.coordinates)[measured]
@@ -533,32 +507,31 @@ def _likely_causes(
     slope = (force - residuals.force) / _STRAIN_STEP
     columns = {
         "compliance": slope * residuals.force,
-        "ends": slope * strain,
-        "length": slope,
-        "zero": np.ones(strain.size),
+        "unswelling_ends": slope * strain,
+        "length_zero": slope,
+        "load_cell_zero": np.ones(strain.size),
         "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
     }
-    columns |= (trends := residuals.trend_columns)
-    descriptions = dict(_CAUSES)
-    if "branch" not in trends:  # one cycle of friction is like a drift
-        name, remedy = _CAUSES["time"]
-        descriptions["time"] = f"{name}, or friction on branches that are not known", remedy
+    trends = residuals.trend_columns
+    if "branch" in trends:
+        columns["friction"] = trends["branch"]
+    if "time" in trends:  # one cycle of friction is like a drift
+        columns["drift" if "branch" in trends else "drift_or_friction"] = trends["time"]
     trials = [
-        (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"fit {p.name}, too", column)
-        for p, column in effects.items()
+        (_CAUSES_BY_CONSTANT.get(p.name, p.name), p.name, column) for p, column in effects.items()
     ]
-    trials += [(*descriptions[kind], column) for kind, column in columns.items()]
+    trials += [(code, "", column) for code, column in columns.items()]
     freedom = len(residuals.readings.residual) - residuals.slopes.shape[1]
     causes: dict[str, Cause] = {}
-    for name, remedy, column in trials:
+    for code, constant, column in trials:
         Q = residuals.complement(residuals.model_subspace, residuals.weighted(column))
         if not Q.shape[1]:
             continue
         explained = float(np.sum((Q.T @ residuals.residual) ** 2))
         chance = fdtrc(Q.shape[1], freedom, explained / Q.shape[1] / diagnosis.noise**2)
         share = min(explained / residuals.squares, 1.0)
-        better = name not in causes or share > causes[name].share
+        better = code not in causes or share > causes[code].share
         if share >= _MIN_SHARE and chance < ALPHA and better:
-            causes[name] = Cause(name, remedy, share)
+            causes[code] = Cause(code, share, constant)
     likely = sorted(causes.values(), key=lambda cause: -cause.share)[:_MAX_CAUSES]
     return tuple(cause for cause in likely if cause.share >= _TIED_SHARE * likely[0].share)

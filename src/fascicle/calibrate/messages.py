@@ -9,6 +9,7 @@ from ..repr_table import ReprTable
 from ..units import pretty
 from .calibration import Calibration, Candidate, Estimate, Selection, Trial
 from .data import MIN_PUSHES, FitData
+from .findings import calibration_findings
 from .friction import Friction
 from .least_squares import SearchEnds
 
@@ -75,7 +76,7 @@ def fit_data_lines(data: FitData) -> list[str]:
         if data.clipped > ceiling:
             lines.append(
                 f"{data.clipped - ceiling} are clipped: they only say that the force was not above"
-                f" {data.floor}"
+                f" {floor_text(data.floor)}"
             )
         if ceiling:
             lines.append(f"{ceiling} at the load cell's ceiling: the force was not below it")
@@ -100,6 +101,11 @@ def fit_data_lines(data: FitData) -> list[str]:
     if pressures > levels:
         lines.append(f"{pressures} pressures grouped into {levels} level{'s' * (levels > 1)}")
     return lines
+
+
+def floor_text(floor: float) -> str:
+    """Force at which readings are clipped, in words."""
+    return pretty(floor, "force") if floor else "zero"
 
 
 def end_messages(solutions: SearchEnds) -> list[str]:
@@ -157,7 +163,7 @@ def calibration_table(calibration: Calibration) -> ReprTable:
     ]  # fmt: skip
     heads = ("fitted", "value", "from, 90 %", "to", "identifiable")
     kind = "synthetic readings" if calibration.record.synthetic else "a record"
-    notes = [f"! {line}" for line in calibration.warnings]
+    notes = [f"! {finding.code}" for finding in calibration_findings(calibration)]
     return ReprTable(f"Calibration to {kind}", facts, heads, rows, notes)
 
 

@@ -12,12 +12,12 @@ from ..calibrate import Calibration, Selection
 from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
 from ..calibrate.parameters import parameters_of
 from ..calibrate.plot_data import figures
-from ..calibrate.verdict import judge, verdict_lines
 from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..reports.calibration import report
+from ..reports.calibration_words import verdict_lines, warning_lines, warnings_by_topic
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (
@@ -425,7 +425,7 @@ class DataView(Tab):
             text = interval if parameter.identifiable else "not known from these data"
             rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
-        first, _ = verdict_lines(calibration, judge(calibration, fit.selection))
+        first, _ = verdict_lines(calibration, fit.selection)
         lines = [
             *first,
             *fit_data_lines(calibration.fit_data),
@@ -434,7 +434,7 @@ class DataView(Tab):
         ]
         if not all(parameter.identifiable for parameter in calibration.parameters):
             lines.append(_UNDETERMINED)
-        warnings: Mapping[str, Any] = calibration.warnings_by_topic
+        warnings = warnings_by_topic(calibration)
         names = {name for candidate in fit.selection.candidates for name in candidate.names}
 
         def note(text: str) -> str:
@@ -467,7 +467,9 @@ class DataView(Tab):
 
     def _tuned_muscle_toml(self) -> str:
         fit = self._shown_fit
-        return calibrated_text(fit.calibration, _today(), fit.candidates)
+        return calibrated_text(
+            fit.calibration, _today(), fit.candidates, warning_lines(fit.calibration)
+        )
 
     def _as_file(self, kind: str, text: str) -> tuple[str, bytes]:
         """Stem of a download's name, with its `kind`, and `text` as its bytes."""

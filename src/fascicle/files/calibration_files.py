@@ -8,11 +8,13 @@ nearly dependent constants a rounded covariance is useless.
 """
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..calibrate.calibration import Calibration, Estimate
+from ..calibrate.findings import calibration_findings
 from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..calibrate.readings import static_force
@@ -34,12 +36,15 @@ _MAX_DIGITS = 17  # every float is exact
 _ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
 _PRIOR_DIGITS = 10  # beyond the rounding of a coordinate's transformation
 # keys of the log that the muscle file repeats
-_SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse",
-            "relative_rmse", "rest_length", "fitted_length", "rounded", "warnings")  # fmt: skip
+_SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse", "relative_rmse",
+            "rest_length", "fitted_length", "rounded", "warnings")  # fmt: skip
 
 
 def calibrated_files(
-    calibration: Calibration, date: str, choice: "Selection | None" = None
+    calibration: Calibration,
+    date: str,
+    choice: "Selection | None" = None,
+    warnings: Sequence[str] = (),
 ) -> dict[str, str]:
     """Texts of "muscle.toml" and of its log, "muscle.log.toml", by name; arguments as for
     `provenance_of`.
@@ -47,7 +52,7 @@ def calibrated_files(
     The muscle file has a summary in `[calibration]`, with the interval of each fitted constant;
     `provenance` reads both.
     """
-    muscle, table = _rounded_with_provenance(calibration, date, choice)
+    muscle, table = _rounded_with_provenance(calibration, date, choice, warnings)
     summary = {key: table[key] for key in _SUMMARY}
     if not END_PARAMETERS.isdisjoint(table["coordinate_names"]):
         summary["fitted_ends"] = True
@@ -58,13 +63,21 @@ def calibrated_files(
     return {"muscle.toml": dumps(muscle, summary), log: text}
 
 
-def calibrated_text(calibration: Calibration, date: str, choice: "Selection | None" = None) -> str:
+def calibrated_text(
+    calibration: Calibration,
+    date: str,
+    choice: "Selection | None" = None,
+    warnings: Sequence[str] = (),
+) -> str:
     """Text of a muscle file that holds the log itself; arguments as for `provenance_of`."""
-    return dumps(*_rounded_with_provenance(calibration, date, choice))
+    return dumps(*_rounded_with_provenance(calibration, date, choice, warnings))
 
 
 def provenance_of(
-    calibration: Calibration, date: str, choice: "Selection | None" = None
+    calibration: Calibration,
+    date: str,
+    choice: "Selection | None" = None,
+    warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Provenance of a fitted muscle.
 
@@ -73,6 +86,7 @@ def provenance_of(
     - `calibration`: the fit.
     - `date`: of the fit, such as "2026-05-04".
     - `choice`: the model selection that chose it, or `None`.
+    - `warnings`: on the fit, in words.
 
     **Returns:** text, numbers and lists by key, one level of tables deep, for `save`.
     """
@@ -106,10 +120,11 @@ def provenance_of(
         "noise": _force_text(calibration.problem.noise),
         "inflation": _rounded(diagnosis.inflation),
         "wider": [_rounded(x) for x in calibration.wider.tolist()],
-        "not_told": list(diagnosis.confounded),
+        "undetermined": list(diagnosis.confounded),
         "rest_length": rest_length,
         "fitted_length": exact(float(calibration.muscle.length), "length"),
-        "warnings": list(calibration.warnings),
+        "findings": [finding.code for finding in calibration_findings(calibration)],
+        "warnings": list(warnings),
         "notes": list(record.notes),
         "coordinate_names": list(calibration.names),
         "coordinates": calibration.coordinates.tolist(),
@@ -139,7 +154,7 @@ def provenance_of(
             {
                 "free": row.label, "numbers": row.constants, "rmse": _rounded(row.rmse),
                 "left_out_rmse": _rounded(row.left_out_rmse), "on": row.readings,
-                "taken": row.chosen,
+                "chosen": row.chosen,
             }
             for row in choice.candidates
         ]  # fmt: skip
@@ -208,10 +223,10 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
 
 
 def _rounded_with_provenance(
-    calibration: Calibration, date: str, choice: "Selection | None"
+    calibration: Calibration, date: str, choice: "Selection | None", warnings: Sequence[str]
 ) -> tuple[Muscle, dict[str, Any]]:
     muscle, rounding = rounded_muscle(calibration)
-    table = provenance_of(calibration, date, choice)
+    table = provenance_of(calibration, date, choice, warnings)
     fitted_length = exact(float(muscle.length), "length")
     return muscle, table | {"fitted_length": fitted_length, "rounded": rounding}
 
@@ -230,7 +245,7 @@ def _springs(calibration: Calibration) -> dict[str, Any]:
     }
     width = _force_text(friction.rmse)
     resolved = list(friction.resolved)
-    return {"kind": "maxwell_slip", **springs, "width_rmse": width, "told": resolved}
+    return {"kind": "maxwell_slip", **springs, "width_rmse": width, "determined": resolved}
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:

@@ -12,14 +12,23 @@ import numpy as np
 
 from ..calibrate.calibration import Calibration, Profile, Selection
 from ..calibrate.diagnostics import ALPHA
-from ..calibrate.messages import fit_data_lines, hysteresis_message
+from ..calibrate.findings import calibration_findings
+from ..calibrate.messages import fit_data_lines, floor_text, hysteresis_message
 from ..calibrate.plot_data import curves_csv, figures
-from ..calibrate.verdict import constant_rows, judge, verdict_lines
+from ..calibrate.verdict import judge
 from ..files.calibration_files import calibrated_files, laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..plot import to_bytes
 from ..records.record import dumps as record_text
 from ..units import pretty
+from .calibration_words import (
+    actions,
+    cause_words,
+    constant_rows,
+    verdict_lines,
+    warning_lines,
+    warnings_by_topic,
+)
 from .page import picture, render
 
 
@@ -78,20 +87,21 @@ def report(
     )
     if clipped := fit.fit_data.clipped:
         unknowns.append(
-            f"At {clipped} clipped readings the force is only known to be not above {fit.floor}."
+            f"At {clipped} clipped readings the force is only known to be not above"
+            f" {floor_text(fit.floor)}."
         )
     length = record.rest_length
     reference = "the muscle's own length" if length is None else pretty(length, "length")
     origin = "Synthetic: a model made it." if record.synthetic else "Measured, not synthetic."
     svg = drawn or {}
-    first, last = verdict_lines(fit, judge(fit, choice))
+    first, last = verdict_lines(fit, choice)
     return render(
         "calibration.html",
         title=f"Calibration: {', '.join(source.name for source in record.sources) or 'a record'}",
         date=date, fit=fit, choice=choice, posterior=posterior, comparison=comparison,
         muscle_file=repr(muscle_file),
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
-        verdict=[*first, *last],
+        verdict=[*first, *last], warnings=warnings_by_topic(fit),
         data_lines=fit_data_lines(fit.fit_data),
         hysteresis=hysteresis_message(fit) if fit.loop is not None else "",
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},
@@ -149,7 +159,7 @@ def output_files(
         [] if comparison is None else comparison.rows,
         drawn=drawn, choice=result.choice,
     )  # fmt: skip
-    texts = calibrated_files(fit, date, result.choice)
+    texts = calibrated_files(fit, date, result.choice, warning_lines(fit))
     texts |= {"report.html": page, "curves.csv": curves_csv(fit, result.posterior)}
     if with_notebook:
         texts |= {"record.csv": record_text(fit.record), "fit.ipynb": notebook(result)}
@@ -164,7 +174,7 @@ def notebook(result: CalibrationResult) -> str:
 
     It reads `record.csv`, `muscle.toml` and `curves.csv` beside it.
     """
-    first, last = verdict_lines(result.fit, judge(result.fit, result.choice))
+    first, last = verdict_lines(result.fit, result.choice)
     rows = ["| constant | value | 90 % interval |", "|---|---|---|"]
     rows += [f"| `{name}` | {value} | {interval} |" for name, value, interval in
              constant_rows(result.fit.parameters)]  # fmt: skip
@@ -241,19 +251,23 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "parameters": {
             p.name: pick(p, "value", "low", "high", "identifiable", "bound") for p in fit.parameters
         },
-        "verdict": vars(judge(fit, result.choice)),
+        "verdict": vars(judge(fit, result.choice)) | {"actions": list(actions(fit))},
         "synthetic": fit.record.synthetic,
         "method": fit.method,
         "noise": float(fit.problem.noise),
-        "warnings": list(fit.warnings),
+        "findings": [finding.to_json() for finding in calibration_findings(fit)],
+        "warnings": warning_lines(fit),
         "notes": list(fit.record.notes),
         "starts": fit.starts,
         "readings": fit.fit_data.counts(),
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],
         "runs": [vars(run) for run in diagnosis.runs],
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
-        "causes": [vars(cause) for cause in diagnosis.causes],
-        "untold": list(diagnosis.confounded),
+        "causes": [
+            vars(cause) | dict(zip(("name", "remedy"), cause_words(vars(cause)), strict=True))
+            for cause in diagnosis.causes
+        ],
+        "undetermined": list(diagnosis.confounded),
         "gauge": fit.gauge.faults,
         "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
         "loop": None if fit.loop is None else pick(fit.loop, "pressure", "width", "share", "half"),
@@ -264,7 +278,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         law = friction.law
         content["friction"] = {
             **({name: [] for name in springs} if law is None else pick(law, *springs)),
-            "told": list(friction.resolved),
+            "determined": list(friction.resolved),
             **pick(friction, "breakaway", "rmse", "pressures"),
         }  # fmt: skip
     if (choice := result.choice) is not None:

@@ -9,6 +9,7 @@ import fascicle as fs
 from fascicle.calibrate.calibration import Calibration
 from fascicle.calibrate.data import Grid, select_fit_data
 from fascicle.calibrate.diagnostics import Diagnosis
+from fascicle.calibrate.findings import calibration_findings
 from fascicle.calibrate.least_squares import Minimum, Problem, linearize, solve
 from fascicle.calibrate.parameters import PARAMETERS
 from fascicle.records.record import Record
@@ -27,6 +28,16 @@ class Straight(Problem):
     def force(self, point):
         """X z."""
         return np.moveaxis(self.design @ point, -1, 0) if point.ndim > 1 else self.design @ point
+
+
+@pytest.fixture(scope="session")
+def found():
+    """`found(calibration)`: data of its findings by code."""
+
+    def by_code(calibration):
+        return {finding.code: finding.data for finding in calibration_findings(calibration)}
+
+    return by_code
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.calibrate import Gauge, Prior, fit
 from fascicle.calibrate.data import select_fit_data
+from fascicle.calibrate.findings import calibration_findings
 from fascicle.calibrate.gauges import PERFECT, channel_faults, read_vented
 from fascicle.calibrate.model_selection import select_model
 from fascicle.calibrate.plot_data import fit_plot
@@ -146,7 +147,8 @@ def test_a_fit_separates_the_gauges_from_the_rubber(fitted):
     raw = bench_record(seed=2)
     corrected = fitted.gauge.correct(raw)
     assert_allclose(corrected.force, fitted.record.force, rtol=1e-9, atol=1e-9)
-    assert len(fitted.warnings_by_topic["gauges"]) >= 4
+    codes = [finding.code for finding in calibration_findings(fitted)]
+    assert {f"gauge.{name}" for name in NAMES[2:]} <= set(codes)
 
 
 def test_files_keep_the_gauge_beside_the_muscle(fitted):

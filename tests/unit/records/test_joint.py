@@ -6,9 +6,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.verdict import judge, verdict_lines
 from fascicle.records import dumps, join, load, loads
 from fascicle.records.headers import MissingMetadataError
+from fascicle.reports.calibration_words import verdict_lines
 
 
 ANGLE = [10.0, 40.0, 70.0, 40.0]  # deg
@@ -199,5 +199,5 @@ def test_a_fit_to_a_joint_recovers_a_constant():
     assert deviation < np.radians(0.05)
     # 2e-3 N m within the scatter of 124 readings, 4 / sqrt(2 * 124)
     assert calibration.torque_rmse == pytest.approx(2e-3, rel=0.26)
-    lines, _ = verdict_lines(calibration, judge(calibration))
+    lines, _ = verdict_lines(calibration)
     assert "of torque" in lines[1]

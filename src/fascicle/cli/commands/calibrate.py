@@ -314,11 +314,11 @@ def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook:
 
 def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     """Print the verdict and the constants; with `verbose`, all tables and warnings."""
-    from ...calibrate.verdict import constant_rows, gauge_errors, judge, verdict_lines
+    from ...reports.calibration_words import constant_rows, gauge_error_texts, verdict_lines
 
     fit = result.fit
-    first, last = verdict_lines(fit, judge(fit, result.choice))
-    gauges = [f"{text[0].lower()}{text[1:]}" for text in gauge_errors(fit).values()]
+    first, last = verdict_lines(fit, result.choice)
+    gauges = [f"{text[0].lower()}{text[1:]}" for text in gauge_error_texts(fit)]
     doubts = [*gauges, *fit.record.doubts]
     if doubts:
         remainder = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
@@ -371,6 +371,7 @@ def _analysis_lines(result: "CalibrationResult") -> list[str]:
 def _print_details(result: "CalibrationResult") -> None:
     """Print how readings were read, the candidates, the compared laws, and all warnings."""
     from ...calibrate import messages
+    from ...reports.calibration_words import warnings_by_topic
 
     fit = result.fit
     for line in (*fit.record.notes, *messages.fit_data_lines(fit.fit_data)):
@@ -391,7 +392,7 @@ def _print_details(result: "CalibrationResult") -> None:
     print_line(f"Intervals: {fit.intervals}.")
     if fit.loop is not None:
         print_line(messages.hysteresis_message(fit))
-    for topic, lines in fit.warnings_by_topic.items():
+    for topic, lines in warnings_by_topic(fit).items():
         print_line(f"Warnings ({topic}):")
         for line in lines:
             print_line(f"- {line}")

@@ -1,0 +1,33 @@
+"""Findings: what a computation noticed, as codes and numbers; their words are in `reports`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+
+class Severity(IntEnum):
+    """How much a finding matters: the most first in every output."""
+
+    ERROR = 0
+    WARNING = 1
+    NOTE = 2
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that a computation noticed.
+
+    - `code`: its key in the catalogue of words, such as "gauge.force_zero"; a contract, as keys of
+      JSON are.
+    - `severity`: how much it matters.
+    - `data`: numbers [SI] and names, by name.
+    """
+
+    code: str
+    severity: Severity
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Code, severity and data in one table."""
+        return {"code": self.code, "severity": self.severity.name.lower(), **self.data}
