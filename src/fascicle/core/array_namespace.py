@@ -4,11 +4,10 @@ A law is written once, with these. Numbers and NumPy arrays stay with NumPy. Whe
 a tracer is among the arguments, the result is JAX's: compiled, batched and differentiated as its
 caller asks.
 
-Axes of nodes and of tables, and evaluation in chunks follow.
+Axes of nodes and of tables follow.
 """
 
 import importlib
-import math
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -160,30 +159,3 @@ def stack(rows: Any, axis: int = 0) -> Any:
 def slices(count: int, size: int) -> list[slice]:
     """Slices of `size` items that cover `count` of them; a single one of no items."""
     return [slice(start, start + size) for start in range(0, max(1, count), size)]
-
-
-# points: half a megabyte an array, so that a law's passes stay in the cache, and enough for XLA to
-# split them among cores
-_CHUNK = 2**16
-
-
-def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """Elementwise `function` of two arrays that broadcast, in chunks to save memory."""
-    if type(first) in NUMPY_SCALARS and type(second) in NUMPY_SCALARS:
-        return function(first, second)
-    if is_jax_array(first) or is_jax_array(second):
-        return jax_backend().map_in_chunks(function, first, second, _CHUNK)
-    shape = np.broadcast_shapes(np.shape(first), np.shape(second))
-    if (size := math.prod(shape)) <= _CHUNK:
-        return function(first, second)
-    pair = [np.reshape(x, (1,) * (len(shape) - np.ndim(x)) + np.shape(x)) for x in (first, second)]
-    axis = int(np.argmax(pair[0].shape if pair[0].size > 1 else shape))
-    step = max(1, _CHUNK * shape[axis] // size)
-    results = []
-    for start in range(0, shape[axis], step):
-        index = (slice(None),) * axis + (slice(start, start + step),)
-        results.append(function(*(x if x.shape[axis] == 1 else x[index] for x in pair)))
-    if isinstance(results[0], tuple):
-        fields = (np.concatenate(field, axis) for field in zip(*results, strict=True))
-        return type(results[0])(*fields)
-    return np.concatenate(results, axis)

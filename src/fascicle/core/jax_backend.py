@@ -3,7 +3,6 @@
 No other module of the core, of muscles and bundles imports JAX at its top.
 """
 
-import math
 from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
@@ -46,20 +45,6 @@ def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> An
         return jax.tree.map(lambda x, spec: np.asarray(x, spec.dtype), function(*values), result)
 
     return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
-
-
-def map_in_chunks(function: Callable[..., Any], first: Any, second: Any, chunk: int) -> Any:
-    """Elementwise `function` of two large arrays of one shape, on a CPU in chunks of so many points
-    that stay in its cache; of other arrays at once.
-    """
-    shape, size = jnp.shape(first), jnp.size(first)
-    if shape != jnp.shape(second) or size <= chunk or jax.default_backend() != "cpu":
-        return function(first, second)
-    rows = math.ceil(size / chunk)
-    points = [jnp.resize(x, (rows, math.ceil(size / rows))) for x in (first, second)]
-    # derivatives compute a chunk again, rather than keep all of its numbers
-    law = jax.checkpoint(lambda point: function(*point), prevent_cse=False)
-    return jax.tree.map(lambda x: x.ravel()[:size].reshape(shape), lax.map(law, points))
 
 
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:

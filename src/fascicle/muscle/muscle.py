@@ -12,15 +12,21 @@ forces and shapes at any strain are closed forms from there.
 
 from collections.abc import Callable
 from functools import cached_property, partial
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import map_in_chunks
 from ..core.errors import InvalidInputError
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate, record, replace_checked, static
+from ..core.module import (
+    Module,
+    evaluate,
+    record,
+    replace_checked,
+    static,
+    tree_leaves,
+    with_fields,
+)
 from ..core.types import Batch, Values
 from ..core.validation import (
     HIGHEST_PRESSURE,
@@ -80,32 +86,33 @@ class AtPressure(Module):
 
     def force(self, strain: Values) -> Batch:
         """Pulling force $F$ [N] at `strain` [-], (27); `ValueError` off the domain, as of all."""
-        return self._evaluate("pulling_force", strain)
+        return self._evaluate(PressurizedMuscle.pulling_force, strain)
 
     def stiffness(self, strain: Values) -> Batch:
         """Stiffness $\\partial F/\\partial L$ [N/m] at `strain` [-]; at a kink, of smaller ones."""
-        return self._evaluate("stiffness", strain)
+        return self._evaluate(PressurizedMuscle.stiffness, strain)
 
     def response(self, strain: Values) -> Response:
         """Force and its components [N], and the region, at `strain` [-]."""
-        return self._evaluate("response", strain)
+        return self._evaluate(PressurizedMuscle.response, strain)
 
     def deflection(self, strain: Values) -> Batch:
         """Deflection of the axis $y_{max}$ [m] at `strain` [-]; after collapse the hinge's."""
-        return self._evaluate("deflection", strain)
+        return self._evaluate(PressurizedMuscle.deflection, strain)
 
     def moment(self, strain: Values) -> Batch:
         """Largest bending moment $M_b$ [N·m] at `strain` [-]; after collapse the hinge's."""
-        return self._evaluate("moment", strain)
+        return self._evaluate(PressurizedMuscle.moment, strain)
 
     def shape(self, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` between the clamped ends, at `strain` [-]."""
-        return self._evaluate("shape", strain, check_whole_number(points, "points", 3))
+        count = check_whole_number(points, "points", 3)
+        return self._evaluate(PressurizedMuscle.shape, strain, count)
 
-    def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
+    def _evaluate(self, method: Callable, strain: Values, *static: Any) -> Any:
         eps = validate_strain(strain, self.state.law)
         check_broadcast(self.pressure, eps)
-        return evaluate(_call_method, self, eps, static=(f"state.{quantity}", *static))
+        return evaluate(_at_strain, self, eps, static=(method, *static))
 
 
 @with_table_repr(muscle_table, muscle_line)
@@ -218,44 +225,44 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain, as all methods do.
         """
-        return self._evaluate_at("pulling_force", pressure, strain)
+        return self._evaluate_at(PressurizedMuscle.pulling_force, pressure, strain)
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force and its components [N], the region, and whether other equilibria exist, at
         `pressure` [Pa] and `strain` [-], which broadcast.
         """
-        return self._evaluate_at("response", pressure, strain)
+        return self._evaluate_at(PressurizedMuscle.response, pressure, strain)
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
         """Stiffness $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]
         at `pressure` [Pa] and `strain` [-], which broadcast: positive where a muscle holds a load
         by itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
         """
-        return self._evaluate_at("stiffness", pressure, strain)
+        return self._evaluate_at(PressurizedMuscle.stiffness, pressure, strain)
 
     def at(self, pressure: Values) -> AtPressure:
         """The muscle at a `pressure` [Pa], 0 to 1 MPa: free strain, onset and collapse strain [-],
         which are solved for once, and methods of strain.
         """
         pressure = validate_pressure(pressure, self.tuning)
-        state = evaluate(_call_method, self, pressure, static=("law.at",))
+        state = evaluate(_at_pressure, self, pressure, static=(Piecewise.at,))
         return AtPressure(pressure, state)
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law("tension.free_strain", pressure)
+        return self._evaluate_law(Piecewise.free_strain, pressure)
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force $F(P, 0)$ [N] at rest length and `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law("blocked_force", pressure)
+        return self._evaluate_law(Piecewise.blocked_force, pressure)
 
     def collapse_strain(self, pressure: Values) -> Batch:
         """Collapse strain $\\varepsilon_c$ [-] at `pressure` [Pa]; inf where it never collapses."""
-        return self._evaluate_law("collapse_strain", pressure)
+        return self._evaluate_law(Piecewise.collapse_strain, pressure)
 
     def collapse_moment(self, pressure: Values) -> Batch:
         """Collapse moment $M_{collapse}$ [N·m], tuned, at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law("collapse_moment", pressure)
+        return self._evaluate_law(Piecewise.collapse_moment, pressure)
 
     def volume(self, strain: Values) -> Batch:
         """Volume $\\pi r^2 L - V_b$ [m³] of the fluid [R17] at `strain` [-]; its ends unloaded."""
@@ -310,17 +317,18 @@ class Muscle(Module):
         """Deflection of the axis in the middle $y_{max}$ [m] at `pressure` [Pa] and `strain` [-];
         after collapse the hinged shape's, with a jump there.
         """
-        return self._evaluate_at("deflection", pressure, strain)
+        return self._evaluate_at(PressurizedMuscle.deflection, pressure, strain)
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment $M_b$ [N·m] in the bladder at `pressure` [Pa] and `strain` [-];
         after collapse the hinge's.
         """
-        return self._evaluate_at("moment", pressure, strain)
+        return self._evaluate_at(PressurizedMuscle.moment, pressure, strain)
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` at `pressure` [Pa] and `strain` [-]."""
-        return self._evaluate_at("shape", pressure, strain, check_whole_number(points, "points", 3))
+        count = check_whole_number(points, "points", 3)
+        return self._evaluate_at(PressurizedMuscle.shape, pressure, strain, count)
 
     def plot(
         self,
@@ -343,13 +351,13 @@ class Muscle(Module):
         """
         return import_late("plot.curves.force_strain")(self, pressures, strains, components, ax)
 
-    def _evaluate_law(self, quantity: str, pressure: Values) -> Batch:
+    def _evaluate_law(self, method: Callable, pressure: Values) -> Batch:
         pressure = validate_pressure(pressure, self.tuning)
-        return self._evaluate(_call_method, pressure, static=(f"law.{quantity}",))
+        return self._evaluate(_at_pressure, pressure, static=(method,))
 
-    def _evaluate_at(self, quantity: str, pressure: Values, strain: Values, *static: Any) -> Any:
+    def _evaluate_at(self, method: Callable, pressure: Values, strain: Values, *static: Any) -> Any:
         arrays = validate_point(self, pressure, strain)
-        return self._evaluate(_quantity, *arrays, static=(quantity, *static))
+        return self._evaluate(_at_point, *arrays, static=(method, *static))
 
     def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
         if not self.is_single or max(map(np.ndim, arrays)):
@@ -359,21 +367,26 @@ class Muscle(Module):
     @cached_property
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
-        tables = tuning_tables(self)
-        for leaf in self.leaves:
-            if np.ndim(leaf) and id(leaf) not in tables:
-                return False
-        return self.tuning.pressures.ndim == 1
+        others, tables = _split_leaves(self)
+        return not any(map(np.ndim, others)) and tables[0].ndim == 1
 
 
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:
     """Shape of rows of muscles; `()` of one muscle, and where a law has arrays of other shapes."""
-    tables = tuning_tables(muscle)
-    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in muscle.leaves)
+    others, tables = _split_leaves(muscle)
     try:
-        return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
+        return np.broadcast_shapes(*map(np.shape, others), *(np.shape(x)[:-1] for x in tables))
     except ValueError:
         return ()
+
+
+def _split_leaves(muscle: Muscle) -> tuple[list[Any], list[Any]]:
+    """Numbers of a `muscle` [SI], and the columns of its tuning's table, which are arrays even of a
+    single muscle.
+    """
+    tuning = muscle.tuning
+    bare = with_fields(muscle, tuning=with_fields(tuning, pressures=None, c1=None, c2=None))
+    return tree_leaves(bare), [tuning.pressures, tuning.c1, tuning.c2]
 
 
 def tuning_tables(muscle: Muscle) -> set[int]:
@@ -381,28 +394,24 @@ def tuning_tables(muscle: Muscle) -> set[int]:
     return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
 
 
-# functions that are evaluated are of the module: a compiled one is cached by its identity
+# what `evaluate` runs: functions of the module, by whose identity JAX finds a compiled one
 
 
-def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """Pulling force [N] at `pressure` [Pa] and `strain` [-], nothing checked."""
-    return _quantity(muscle, pressure, strain, "pulling_force")
+def _at_point(
+    muscle: Muscle, pressure: Batch, strain: Batch, method: Callable, *static: Any
+) -> Any:
+    """A `method` of the muscle at a `pressure` [Pa], at `strain` [-]."""
+    return method(muscle.law.at(pressure), strain, *static)
 
 
-def _quantity(muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any) -> Any:
-    """Method `quantity` of the muscle's laws at a pressure, of `strain` and `static` arguments."""
-
-    def function(pressure: Batch, strain: Batch) -> Any:
-        return getattr(muscle.law.at(pressure), quantity)(strain, *static)
-
-    # rows of muscles and centerlines are too few for chunks
-    is_small = not muscle.is_single or static
-    return function(pressure, strain) if is_small else map_in_chunks(function, pressure, strain)
+def _at_pressure(muscle: Muscle, pressure: Batch, method: Callable) -> Any:
+    """A `method` of the muscle's law at `pressure` [Pa]."""
+    return method(muscle.law, pressure)
 
 
-def _call_method(module: Module, values: Batch, path: str, *static: Any) -> Any:
-    """Method at a `path` of a muscle's attributes, of `values` [SI] and `static` arguments."""
-    return attrgetter(path)(module)(values, *static)
+def _at_strain(muscle: AtPressure, strain: Batch, method: Callable, *static: Any) -> Any:
+    """A `method` of a muscle at its pressure, at `strain` [-]."""
+    return method(muscle.state, strain, *static)
 
 
 def _volume(muscle: Muscle, strain: Batch) -> Batch:

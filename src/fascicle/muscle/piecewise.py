@@ -98,6 +98,10 @@ class Piecewise(Module):
         moment = self.collapse.moment(self.tension.bladder, self.youngs_modulus, pressure)
         return self.tension.tuning.collapse_moment_factor * moment
 
+    def free_strain(self, pressure: Batch) -> Batch:
+        """Strain [-] of no force at `pressure` [Pa]."""
+        return self.tension.free_strain(pressure)
+
     def blocked_force(self, pressure: Batch) -> Batch:
         """Force [N] at rest length and `pressure` [Pa]."""
         # a law may have its free strain before rest length, as Sárosi's without pressure

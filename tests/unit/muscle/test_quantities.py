@@ -1,4 +1,4 @@
-"""Forces at many pressures and strains: in chunks by NumPy and by JAX."""
+"""Forces at many pressures and strains: by NumPy and by JAX."""
 
 import math
 
@@ -9,8 +9,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.core import array_namespace
-from fascicle.muscle.muscle import eval_force
 
 
 MUSCLE = fs.example("kim2021_figure_6")
@@ -23,12 +21,6 @@ MUSCLES = {
     "sometimes collapsing": SOMETIMES,
     "thin": fs.Muscle.from_dimensions(0.2, 10e-3, 0.2e-3, math.radians(20)),
 }
-
-
-@pytest.fixture(autouse=True)
-def few(monkeypatch):
-    """Few points are many."""
-    monkeypatch.setattr(array_namespace, "_CHUNK", 512)
 
 
 @pytest.mark.parametrize(
@@ -53,15 +45,15 @@ def test_rows_of_muscles_go_with_a_field():
     length = np.linspace(0.1, 0.2, 40)[:, None]
     rows = MUSCLE.replace(length=length)
     P, eps = np.full((40, 1), 2e5), np.linspace(0, 0.3, 100)
-    found = jax.jit(eval_force)(rows, jnp.asarray(P), jnp.asarray(eps))
+    found = jax.jit(fs.Muscle.force)(rows, jnp.asarray(P), jnp.asarray(eps))
     assert_allclose(found, rows.force(P, eps), rtol=1e-11, atol=1e-10)
 
 
-def test_derivatives_in_chunks_are_those_of_single_points():
+def test_derivatives_of_arrays_are_those_of_single_points():
     random = np.random.default_rng(0)
     P, eps = map(jnp.asarray, random.uniform([[[0.0]]] * 2, [[[4e5]], [[0.3]]], (2, 17, 61)))
-    slopes = jax.jit(jax.grad(lambda *point: eval_force(MUSCLE, *point).sum(), argnums=(0, 1)))
-    single = jax.jit(jax.vmap(jax.grad(lambda *point: eval_force(MUSCLE, *point), argnums=(0, 1))))
+    slopes = jax.jit(jax.grad(lambda *point: MUSCLE.force(*point).sum(), argnums=(0, 1)))
+    single = jax.jit(jax.vmap(jax.grad(MUSCLE.force, argnums=(0, 1))))
     for found, wanted in zip(slopes(P, eps), single(P.ravel(), eps.ravel()), strict=True):
         assert_allclose(found.ravel(), wanted, rtol=1e-9, atol=1e-11 * np.abs(wanted).max())
     response = jax.jit(MUSCLE.response)(P, eps)

@@ -39,8 +39,7 @@ $$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g)
   = (1 + \xi) \sqrt{1 - \kappa \hat g/(2 - \xi)}, \qquad
   \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
 
-in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another. The steps of
-(16a) are few and fixed, from a start whose error is known: one pass over the points does them all.
+in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another.
 
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$.
 **Assumes** the first mode's shape, small slopes; against the exact elastica (12) is 1.4
@@ -88,8 +87,7 @@ class Kim2021(AbstractBuckling):
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
         eps_f, EA = column.free_strain, column.axial_stiffness
-        # a quotient of numbers that all strains have in common would be a division for each strain
-        xi = (strain - eps_f) * (1 / (1 - eps_f))
+        xi = (strain - eps_f) / (1 - eps_f)
         v = bow_ratio(_slenderness(column), xi)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
@@ -137,34 +135,21 @@ def _moment_unit(column: BucklingColumn) -> Batch:
 
 def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
     """Ratio $u/\\xi$ [-] of the share that bows the column to the compression, at slenderness `c`
-    [-] and compression `xi` [-], (16a): to rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
+    [-] and compression `xi` [-], (16a).
     """
-    # each quotient is used once, in a sum or product: XLA would store one that is used twice
+    # b and u vanish with ξ: of b/ξ and of y = u/b no digit is lost there
     per_xi = c * (1 - xi) ** 4 / (1 + xi)
-    inverse = 0.5 + 0.5 * xi / (2 - xi)  # 1/(2 - ξ)
-    # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
-    # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
-    b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
-    rho = sqrt(0.5 * (1 - x) * (2 - x))
-    numerator = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
-    denominator = b * numerator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b)
-    y = numerator * (1 / denominator)  # not one quotient, which the steps would use twice
-    for _ in range(2):  # these have derivatives, right up to the third
-        y = _halley_step(xi * per_xi, xi, inverse, y)
-    return per_xi * y
+    b = xi * per_xi
+    return per_xi * root(_share_residual, (b, xi), 0.0, 1.0, 1 / (1 + b))
 
 
-def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) -> Batch:
-    """One step of Halley's method from $y = u/b$ [-] to a root of (16a) squared."""
-    # squared, and over b²: without h there is no root to draw, and one division
+def _share_residual(theta: tuple, y: Batch) -> tuple[Batch, Batch]:
+    """Residual of (16a), $1 - y (b + h)$, at $y = u/b$ [-], and its slope."""
+    b, xi = theta
     w = 1 - b * y
-    g, bend = xi * w, b * xi
-    bow, squared = (1 - g) * w, 1 - g * inverse
-    bow_slope, squared_slope = b * (2 * g - 1), inverse * bend  # in y
-    value = bow**2 - y**2 * squared
-    slope = bow * bow_slope - y * (squared + 0.5 * y * squared_slope)  # half of it and of its slope
-    curvature = bow_slope**2 - 2 * b * bend * bow - squared - 2 * y * squared_slope
-    return y - 2 * value * slope / (4 * slope**2 - value * curvature)
+    h = sqrt(1 - w * xi / (2 - xi)) / (1 - w * xi)
+    h_slope = h * xi * (1 / (1 - w * xi) - 0.5 / (2 - xi - w * xi))
+    return 1 - y * (b + h), b * y * h_slope - (b + h)
 
 
 def shortening_slope(xi: BatchLike, v: BatchLike) -> Batch:
@@ -191,46 +176,22 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     m = where(exists, target, 0.0)
     kappa = m / sqrt(c)
     fixed_m = xp.maximum(stop_gradient(m), _TINY_MOMENT)
-    scale = fixed_m / root_c
-    start = _start_compression(fixed_c, fixed_m, peak) / scale
-    return kappa * root(_residual_of_tau, (c, kappa), 1.0, peak / scale, start), exists
+    high = peak * root_c / fixed_m
+    return kappa * root(_residual_of_tau, (c, kappa), 1.0, high, 1.0 + 0.0 * high), exists
 
 
 def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """Right side of (16c) less its left, and its slope, both times the root: no division."""
+    """Right side of (16c) less its left at $\\tau$ [-], and its slope."""
     c, kappa = theta
     xi = kappa * tau
-    free, inverse = 1 - xi, 1 / (2 - xi)
-    bow = c * kappa * free**2
-    g_hat, g_slope = tau - bow * free, 1 + 3 * kappa * bow
-    g = kappa * g_hat
-    squared = 1 - g * inverse
-    h, product = sqrt(squared), tau * g_hat
-    rise = (1 - g) * (free * (g_hat + tau * g_slope) - kappa * product)
-    rise = rise - g_slope * kappa * free * product
-    fall = squared - 0.5 * (1 + xi) * inverse * (g_slope + g * inverse)
-    return (1 + xi) * squared - free * (1 - g) * product * h, kappa * fall - rise * h
-
-
-def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """Approximate compression [-] of a reduced moment `m` [-], at most that of the `peak` [-]."""
-    # of (16a) times its denominators, with h of the previous b; near the peak they are short
-    xp = array_namespace(c, m, peak)
-    g = m**2
-    small = 0.5 * (g + sqrt(g * (g + 4 / c)))
-    xi = xp.minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
-    for _ in range(2):
-        free = 1 - xi
-        cubed = c * free**3
-        b = cubed * free * xi
-        shortening = xi * (1 + xi) / (1 + xi + b)  # w ξ
-        h = (1 - 0.5 * shortening / (2 - xi)) / (1 - shortening)
-        value = c * xi**2 * free - g * (h * (1 + xi) + b)
-        slope = c * xi * (2 - 3 * xi) - g * (h + cubed * (1 - 5 * xi))
-        step = value / where(slope > 0, slope, 1.0)
-        new = xp.minimum(xp.maximum(xi - step, 0.3 * xi), xp.minimum(1.5 * xi, peak))
-        xi = where(slope > 0, new, peak)
-    return xi
+    g_hat, g_slope = tau - c * kappa * (1 - xi) ** 3, 1 + 3 * c * kappa**2 * (1 - xi) ** 2
+    g = kappa * g_hat  # w ξ
+    h = sqrt(1 - g / (2 - xi))
+    left, right = (1 - xi) * tau * g_hat * (1 - g), (1 + xi) * h
+    left_slope = (1 - xi) * (1 - g) * (g_hat + tau * g_slope)
+    left_slope = left_slope - kappa * tau * g_hat * (1 - g + (1 - xi) * g_slope)
+    h_slope = -kappa * (g_slope + g / (2 - xi)) / (2 * h * (2 - xi))
+    return right - left, kappa * h + (1 + xi) * h_slope - left_slope
 
 
 def _peak_coordinate(c: BatchLike) -> Batch:
