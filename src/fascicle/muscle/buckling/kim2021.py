@@ -87,12 +87,12 @@ class Kim2021(AbstractBuckling):
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
         eps_f, EA = column.free_strain, column.axial_stiffness
-        xi = (strain - eps_f) / (1 - eps_f)
-        v = bow_ratio(_slenderness(column), xi)
+        xi = (strain - eps_f) / (1 - eps_f)  # x/L_fs
+        v = bow_ratio(_slenderness(column), xi)  # (16a)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
         pull = column.pull(arc)
-        bending = -EA * shortening * (1 - xi) / (1 - shortening)
+        bending = -EA * shortening * (1 - xi) / (1 - shortening)  # -F'_b of (16)
         growth = shortening_slope(xi, v)
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(
