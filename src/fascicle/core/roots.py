@@ -79,7 +79,7 @@ def polish_root(value: Batch, slope: Batch, x: Batch) -> Batch:
     or the residual flat. In JAX, this step carries the root's derivatives.
     """
     regular, slope = safe_slope(value, slope, x)
-    return array_namespace(value, slope, x).where(regular, x - value / slope, x)
+    return where(regular, x - value / slope, x)
 
 
 def safe_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
@@ -87,7 +87,7 @@ def safe_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
     # a flat residual moves no root; a long step comes from a jump, which has no derivative
     xp = array_namespace(value, slope, x)
     nonzero = slope != 0
-    slope = xp.where(nonzero, slope, 1.0)
+    slope = where(nonzero, slope, 1.0)
     short = xp.absolute(value / slope) <= _LONGEST_STEP * (1 + xp.absolute(x))
     return xp.logical_and(nonzero, short), slope
 
@@ -112,8 +112,7 @@ def search_step(search: Search, value: Batch, slope: Batch) -> Search:
     """Next state of a `search`; `value` and `slope`: of the residual at its `x`."""
     x, previous, low, high, done = search
     xp = array_namespace(value, slope, x)
-    absolute, where = xp.absolute, xp.where
-    logical_and, logical_or = xp.logical_and, xp.logical_or
+    absolute, logical_and, logical_or = xp.absolute, xp.logical_and, xp.logical_or
     low, high = where(value > 0, x, low), where(value > 0, high, x)
     # bisect where it is flat or vertical
     sloped = logical_and(slope != 0, absolute(slope) < np.inf)
