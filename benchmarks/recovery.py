@@ -93,10 +93,10 @@ def recover(title: str, options: argparse.Namespace) -> list[dict]:
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
     first = machine.record(truth, seed=0)
-    exact = np.asarray(replace(machine, noise=0.0).forces(truth, [0])).reshape(-1)
+    exact = replace(machine, noise=0.0).record(truth, seed=0).force
     influence, sigma = None, machine.noise * float(np.abs(exact).max())
     for seed in (seed for seed in range(options.seeds) if seed not in rows):
-        force = np.asarray(machine.forces(truth, [seed])).reshape(-1)
+        force = machine.record(truth, seed).force
         begin = time.process_time()
         result = fit(replace(first, force=force), untuned)
         seconds = time.process_time() - begin

@@ -24,7 +24,6 @@ strain. Every record is synthetic, and marked as such.
 Chou and Hannaford (1996); softening after Mullins (1969).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -215,7 +214,7 @@ class VirtualDynamometer:
         )  # fmt: skip
 
     def sweeps(self, muscle: Muscle) -> Sweeps:
-        """Readings before any noise, for use with many seeds.
+        """Readings before any noise.
 
         **Arguments:** `muscle`: the muscle on the machine.
 
@@ -236,28 +235,6 @@ class VirtualDynamometer:
         strain = np.r_[closing, closing[::-1]]
         force = np.hstack([clean - half, clean[:, ::-1] + half])
         return Sweeps(P, strain, np.repeat([1, -1], self.samples), force)
-
-    def forces(
-        self, muscle: Muscle | Sweeps, seeds: Sequence[int]
-    ) -> Float[np.ndarray, "seed level point"]:
-        """Forces of many tests of one muscle, with one evaluation of the model.
-
-        **Arguments:**
-
-        - `muscle`: the muscle, or its `sweeps`.
-        - `seeds`: one for each test; each gives the forces of `record`.
-
-        **Returns:** readings [N]: seeds, pressures, readings in the order of time.
-
-        **Raises:** `InvalidInputError` if the seeds would change the muscle itself.
-        """
-        if self.length_scatter or self.angle_scatter:
-            rule = "and `angle_scatter` must be 0 for many tests of one muscle"
-            values = self.length_scatter, self.angle_scatter
-            text = f"{values[0]:g} and {values[1]:g} rad"
-            raise InvalidInputError("length_scatter", rule, values, "use `record`", text)
-        exact = muscle if isinstance(muscle, Sweeps) else self.sweeps(muscle)
-        return np.stack([self._read(exact, seed)[0] for seed in seeds])
 
     def fabricated(self, muscle: Muscle, seed: int) -> Muscle:
         """The muscle on the machine: a muscle with the fabrication scatter of a `seed`."""

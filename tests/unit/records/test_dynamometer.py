@@ -62,16 +62,6 @@ def test_a_seed_fixes_every_bit_and_another_one_changes_them():
     assert first.rest_length == again.rest_length != other.rest_length
 
 
-def test_many_tests_are_those_that_are_recorded_one_by_one():
-    machine = VirtualDynamometer(**QUIET | {"noise": 0.02, "clip": True, "resolution": 0.5})
-    seeds = [0, 7, 8]
-    many = machine.forces(muscle, seeds)
-    assert many.shape == (3, len(LEVELS), 2 * SAMPLES)
-    for row, seed in zip(many, seeds, strict=True):
-        assert_array_equal(row.ravel(), machine.record(muscle, seed).force)
-    assert_array_equal(machine.forces(machine.sweeps(muscle), seeds), many)
-
-
 def test_friction_opposes_motion_by_half_a_loop():
     force = shaped(measured(hysteresis=0.1).force)
     closing, opening = force[:, 0], force[:, 1, ::-1]
@@ -172,9 +162,7 @@ def test_refuses_settings_that_can_not_be(settings, message):
     assert "\n" not in str(error.value)
 
 
-def test_refuses_a_batch_and_many_tests_of_unlike_muscles():
+def test_refuses_a_batch():
     batch = with_fields(muscle, length=np.array([0.1, 0.2]))
     with pytest.raises(ValueError, match="must be a single muscle"):
         VirtualDynamometer().record(batch)
-    with pytest.raises(ValueError, match="`length_scatter` and `angle_scatter` must be 0"):
-        VirtualDynamometer(length_scatter=0.01).forces(muscle, [0, 1])
