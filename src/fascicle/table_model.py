@@ -14,13 +14,15 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, ValidationError
 
 from .units import parse
 
+
+_Model = TypeVar("_Model", bound=BaseModel)
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
 PLAIN, TABLE = "\0plain", "\0table"
@@ -81,7 +83,17 @@ def plain_or_table(value: Any) -> str:
     return TABLE if isinstance(value, dict) else PLAIN
 
 
-def validation_message(
+def validate(model: type[_Model], data: Any, source: str) -> _Model:
+    """Tables of a file as a `model`; `ValueError` in one line with path, key, value and rule if
+    they don't fit. `source`: the file's name.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(_validation_message(error, source, data, model)) from None
+
+
+def _validation_message(
     error: ValidationError, source: str, data: Any, model: type[BaseModel]
 ) -> str:
     """First fault of a file in one line: path, key, value and rule. `error`: pydantic's; `source`:

@@ -16,9 +16,10 @@ from ..core.types import Float
 from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
+from ..table_model import validate
 from ..units import format_digits, parse, pretty
 from .muscle_files import from_dict, parse_file
-from .schema import EntryFile, EntrySection, validate
+from .schema import EntryFile, EntrySection
 from .shipped_files import shipped_names, shipped_text
 
 

@@ -23,7 +23,7 @@ from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
-from ..table_model import TableModel, did_you_mean, location_message, value_at
+from ..table_model import TableModel, did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
 from .schema import (
     BundleSection,
@@ -34,7 +34,6 @@ from .schema import (
     MuscleSection,
     TuningSection,
     check_kind,
-    validate,
 )
 from .shipped_files import example_text, named_muscles
 

@@ -44,9 +44,10 @@ from ..fluid import (
 )
 from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..muscle import Muscle
+from ..table_model import validate
 from .muscle_files import from_dict, load_named, parse_file, provenance, read_text
 from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
-from .schema import FileLocation, check_kind, validate
+from .schema import FileLocation, check_kind
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
@@ -197,7 +198,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     root = FileLocation(source, data, kind="scenario")
     data = _with_measured_friction(data, root, folder)
     schema, classes = choose_schema(data, root)
-    file = validate(schema, data, source)
+    file: Any = validate(schema, data, source)
     bundles = _bundles(data, source, root, folder)
     tables = {key: _table_values(getattr(file, key)) for key in classes}
     units = sum(len(bundle.motor_units) for bundle in bundles)

@@ -23,7 +23,6 @@ from pydantic import (
     StrictInt,
     StrictStr,
     Tag,
-    ValidationError,
     create_model,
 )
 
@@ -37,7 +36,6 @@ from ..table_model import (
     TableModel,
     location_message,
     plain_or_table,
-    validation_message,
     value_at,
 )
 from ..units import parse, parse_list
@@ -108,14 +106,6 @@ class FileLocation(NamedTuple):
             name = error.argument if isinstance(error, InvalidInputError) else ""
             keys = _KEYS.get(self.kind, {}).get(name, (name,) if name else ())
             raise self.error(keys, str(error)) from None
-
-
-def validate(model: type[BaseModel], data: Any, source: str) -> Any:
-    """Tables of a file as a `model`; `ValueError` in one line if they don't fit."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(validation_message(error, source, data, model)) from None
 
 
 def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:

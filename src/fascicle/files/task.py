@@ -40,6 +40,7 @@ from ..design.space import SPLITS, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
+from ..table_model import validate
 from ..units import parse, pretty
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_named, parse_file, provenance, read_text
@@ -55,7 +56,6 @@ from .schema import (
     TaskFileSection,
     TaskSection,
     check_kind,
-    validate,
 )
 from .shipped_files import named_muscles, shipped_names, shipped_text
 

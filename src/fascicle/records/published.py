@@ -9,11 +9,11 @@ import os
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, StrictBool, StrictStr, ValidationError
+from pydantic import AfterValidator, Field, StrictBool, StrictStr
 
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
-from ..table_model import TableModel, location_message, validation_message
+from ..table_model import TableModel, location_message, validate
 from .record import COLUMNS, OPTIONAL_COLUMNS, STRAINS, Record, Source, dumps
 
 
@@ -164,10 +164,7 @@ def file_text(record: Record, path: str | os.PathLike[str]) -> str:
 
 def _validate(data: Any, source: str) -> RecordTable:
     """Check the data of a JSON file; `ValueError` names file and key of an invalid value."""
-    try:
-        table = RecordTable.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(validation_message(error, source, data, RecordTable)) from None
+    table = validate(RecordTable, data, source)
     for name in (*COLUMNS, *OPTIONAL_COLUMNS):
         values = getattr(table, name)
         if values is None or (name in ("censored", "branch") and not values):

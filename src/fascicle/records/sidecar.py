@@ -46,13 +46,12 @@ from pydantic import (
     StrictBool,
     StrictInt,
     StrictStr,
-    ValidationError,
     model_validator,
 )
 
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
-from ..table_model import Quantity, TableModel, validation_message
+from ..table_model import Quantity, TableModel, validate
 from ..units import parse
 from .headers import CONSTANTS, check_roles, split_names
 from .joint import ArmTable, read_arm_table
@@ -160,7 +159,7 @@ class Sidecar(TableModel):
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
     """Read a sidecar file; `ValueError` names file and key of an invalid value."""
-    return _validate(_read_tables(Path(path)), str(path))
+    return validate(Sidecar, _read_tables(Path(path)), str(path))
 
 
 def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
@@ -172,7 +171,7 @@ def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
     if {"muscle", "bundle"} & set(data):
         # a calibrated muscle's file may have its record's name
         return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
-    return _validate(data, str(toml)), (f"{toml.name} beside it read",)
+    return validate(Sidecar, data, str(toml)), (f"{toml.name} beside it read",)
 
 
 def _read_tables(path: Path) -> dict[str, Any]:
@@ -183,11 +182,3 @@ def _read_tables(path: Path) -> dict[str, Any]:
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
     return parse_toml(text, str(path))
-
-
-def _validate(data: dict[str, Any], source: str) -> Sidecar:
-    """Check the data of a sidecar file; `ValueError` names file and key of an invalid value."""
-    try:
-        return Sidecar.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(validation_message(error, source, data, Sidecar)) from None
