@@ -19,7 +19,9 @@ READ = {
     "07b_mass_kg.csv": (8, {"units": {"force": "kgf"}}),
     "09_whitespace.dat": (4, {}), "12b_zero_offset.csv": (4, {"zeros": {"pressure": "8.2 kPa"}}),
     "13_isometric_two_branches.csv": (480, {}),
-    "20_short_zero_sweep_german.csv": (540, {"rest_length": 0.2}),
+    "20_short_zero_sweep_german.csv": (540, {"rest_length": 0.2}), "21_zugversuch.csv": (1600, {}),
+    "22_isometric_steps.csv": (1700, {}), "26_hanging_mass_light.csv": (66, {"rest_length": 0.07}),
+    "27_free_contraction.csv": (33, {"rest_length": 0.07}),
 }  # fmt: skip
 
 
@@ -28,7 +30,8 @@ def test_every_file_is_read(name):
     readings, options = READ[name]
     record = load(measured(f"field-cases/{name}"), **LENGTH | options)
     assert len(record) == readings
-    assert 1e5 <= record.pressure.max() < 1e6 and record.force.max() > 1
+    assert 1e5 <= record.pressure.max() < 1e6
+    assert record.force.max() > 1 or name == "27_free_contraction.csv"
     assert all(run.kind != "mixed" for run in runs(record))
 
 

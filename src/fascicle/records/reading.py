@@ -292,7 +292,7 @@ def _read_record(
     table = open_table(text, source, info.header, info.names, decimal=info.decimal)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
-    rest_length, doubts = _rest_length(table, info, dict(remarks))
+    rest_length, rest_notes = _rest_length(table, info, dict(remarks))
     readings, column_notes, column_doubts = _read_numbers(table, info)
     position = readings.position
     needs_length = rest_length is None and position.role != "strain"
@@ -306,7 +306,7 @@ def _read_record(
         raise MissingMetadataError(before, ("rest_length", "", "", after))
     joint = read_joint(readings, info)
     if joint is not None:
-        readings, doubts = readings.only(joint.used), (*doubts, *joint.notes)
+        readings = readings.only(joint.used)
     force = read_force(readings, joint, info)
     pressure, warnings = read_pressure(readings, force, info)
     length = rest_length or default_length or np.nan
@@ -326,9 +326,10 @@ def _read_record(
     censored, clip_notes = read_censored(readings, force, info)
     time, time_notes, time_doubts = read_time(readings)
     texts = [] if info.source is None else [f"source: {info.source}"]
-    doubts = (*column_doubts, *doubts, *strain_notes, *clip_notes, *warnings, *time_doubts)
+    joint_notes = joint.notes if joint else ()
+    doubts = (*column_doubts, *joint_notes, *strain_notes, *clip_notes, *warnings, *time_doubts)
     notes = (
-        *_title_note(table), *column_notes, *time_notes, *doubts,
+        *_title_note(table), *column_notes, *rest_notes, *time_notes, *doubts,
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
