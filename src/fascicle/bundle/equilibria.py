@@ -4,10 +4,9 @@ A bundle's force at fixed pressures is smooth between the kinks of its units (fr
 buckling, jump, collapse). After collapse it changes within a few lengths of its decay: these are
 stretches of their own. In a stretch each unit's force lies, with a margin, among the control points
 of the cubic through its values and slopes at the stretch's two ends; if their sums leave out the
-load, nothing crosses it. The other stretches are cut into cells, and each cell once more at the
-extremum of its own cubic. A change of sign between two nodes, within a stretch or from it to
-the next, brackets an equilibrium, and `find_root` finds all of them at once. A pair that is missed
-lies in a dip shallower than that cubic's error, of fourth order in the cell. If the force jumps
+load, nothing crosses it. The other stretches are cut into cells, whose nodes are joined by the
+extrema that may reach the load. A change of sign between two nodes, within a stretch or from it to
+the next, brackets an equilibrium, and `find_root` finds all of them at once. If the force jumps
 past the load, the jump is reported.
 
 Without a load all units pull before the least free strain: stretches begin there. With one, they
@@ -27,11 +26,12 @@ from ..core.validation import LARGEST_STRAIN
 from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import lowest_strain
 from ..repr_table import with_table_repr
+from .force_curves import find_extrema
 from .pressurized import PressurizedBundle, flatten_batch, pressurize
 from .printing import equilibria_table
 
 
-_CELLS = 8  # of a stretch that may hold an equilibrium: a dip between two nodes is of fourth order
+_CELLS = 16  # of a stretch that may hold an equilibrium: enough to separate its extrema
 _DECAYS = (1, 2, 4, 8)  # lengths 1/β of (26): each stretch has its own cells
 _MARGIN = 0.25  # of a unit's span over a stretch, beyond its control points
 _WIDTH = 1e-13  # strains closer than this are equal: some 100 units in the last place
@@ -108,7 +108,8 @@ def _equilibria_of_block(
         start = lowest.max(axis=1, keepdims=True)
     target = 0.0 * lowest_free if load is None else load
     ends = np.sort(np.concatenate([start, *np.clip(kinks, start, end), end], axis=1), axis=1)
-    batch, nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
+    separating = _separating_nodes(pressurized, target[:, 0], ends)
+    batch, nodes, force = _insert_extrema(pressurized, target[:, 0], *separating)
     pulls = force > 0
     if load is None:
         # all units pull up to the least free strain, by definition; rounding may differ there
@@ -160,26 +161,38 @@ def _separating_nodes(
     margin = _MARGIN * (bounds[1] - bounds[0])
     lowest = (bounds[0] - margin).sum(axis=-1) - load
     highest = (bounds[1] + margin).sum(axis=-1) - load
-    force, slope = forces.sum(axis=-1) - load[:, None], slopes.sum(axis=-1)
 
     # without an equilibrium the force keeps the sign of its ends
-    strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 2 * _CELLS + 1)
-    values = force[:, :1] + 0.0 * strains
+    strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _CELLS + 1)
+    values = np.zeros(strains.shape)
+    values[:, [0, -1]] = forces.sum(axis=-1) - load[:, None]
     row = np.flatnonzero((lowest <= 0) & (highest >= 0))
-    x, cut = strains[row, ::2], bundles.take(batch[row])
-    value, by_strain = (y.sum(axis=-1) for y in cut.unit_forces(x[:, 1:-1]))
-    value = value - load[row, None]
-    value = np.concatenate([force[row, :1], value, force[row, 1:]], axis=1)
-    by_strain = np.concatenate([slope[row, :1], by_strain, slope[row, 1:]], axis=1)
-    step = x[:, 1:] - x[:, :-1]
-    by_cell = (by_strain[:, :-1] * step, by_strain[:, 1:] * step)
-    middle = x[:, :-1] + step * _extremum(value[:, :-1], value[:, 1:], *by_cell)
-    middle_value = cut.unit_forces(middle)[0].sum(axis=-1) - load[row, None]
-    strains[row, ::2], strains[row, 1::2] = x, middle
-    values[row, ::2], values[row, 1::2] = value, middle_value
+    inner = bundles.take(batch[row]).force(strains[row, 1:-1])[0]
+    values[row, 1:-1] = inner - load[row, None]
     is_node = np.zeros(strains.shape, bool)
     is_node[row], is_node[:, [0, -1]] = True, True
     return batch[np.nonzero(is_node)[0]], strains[is_node], values[is_node]
+
+
+def _insert_extrema(
+    bundles: PressurizedBundle, load: Numbers, batch: Numbers, nodes: Numbers, force: Numbers
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Nodes as those of `_separating_nodes` with the extrema between them that may reach the
+    `load` [N]; `batch`, `nodes` [-] and `force` [N]: of the nodes.
+    """
+
+    def excess(index: Numbers, strain: Numbers) -> Numbers:
+        return bundles.take(index).force(strain[:, None])[0][:, 0] - load[index]
+
+    linked = np.diff(batch, append=-1) == 0
+    index, strain = find_extrema(excess, batch, nodes, force, linked, 0.0)
+    if not len(index):
+        return batch, nodes, force
+    added = (index, strain, excess(index, strain))
+    columns = [np.concatenate(pair) for pair in zip((batch, nodes, force), added, strict=True)]
+    order = np.lexsort((columns[1], columns[0]))
+    batch, nodes, force = (column[order] for column in columns)
+    return batch, nodes, force
 
 
 def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
@@ -187,15 +200,3 @@ def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
     bundles, sign, load = theta
     force, slope = bundles.force(strain)
     return sign * (force - load), sign * slope
-
-
-def _extremum(left: Numbers, right: Numbers, left_slope: Numbers, right_slope: Numbers) -> Numbers:
-    """Extremum in (0, 1) of the cubic of these values and slopes; the middle if there is none."""
-    c3 = 2 * (left - right) + left_slope + right_slope
-    c2 = 3 * (right - left) - 2 * left_slope - right_slope
-    # 3 c3 t² + 2 c2 t + left_slope = 0, by the form that doesn't cancel
-    inside = np.sqrt(np.maximum(c2**2 - 3 * c3 * left_slope, 0.0))
-    q = -(c2 + np.where(c2 < 0, -inside, inside))
-    t1 = q / np.where(c3 == 0, np.inf, 3 * c3)
-    t2 = left_slope / np.where(q == 0, np.inf, q)
-    return np.where((t1 > 0) & (t1 < 1), t1, np.where((t2 > 0) & (t2 < 1), t2, 0.5))

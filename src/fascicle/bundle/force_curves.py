@@ -16,10 +16,10 @@ that jumps past the demand is none. If no state has a root, the nearest force is
 node or extremum.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ..core.array_namespace import slices
 from ..core.module import unique_indices
@@ -41,7 +41,7 @@ _BATCH = 2**13  # searches at once: their forces at all nodes take 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
 _ROOT_SHARE = 1e-2  # of the tolerance: where the search for a root ends
-_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level
+_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level: a kink is an extremum to its last digit
 TIE = 1e-10  # N: forces this near to each other are equal
 _SIDE = 1e-9  # of the supply: levels this far apart give forces that differ by more than rounding
 # of a cell: a kink is known to less than that, so nodes this far away are on its two sides
@@ -185,6 +185,8 @@ def _add_kink_ends(levels: Array, muscles: "list[Muscle]", supply: float) -> Arr
     """Nodes `levels` [-] with those at whose sides kinks of `muscles` begin or end, as collapse
     does at some pressure: there the force jumps.
     """
+    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
+
     ends = [levels]
     for law in (muscle.law for muscle in muscles):
         for number, strains in enumerate(_kink_strains(law.at(levels * supply))):
@@ -381,32 +383,47 @@ def _inverse_parabola(x: tuple[Array, ...], y: tuple[Array, ...]) -> Array:
 
 def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     """Points with the extrema that come as near to the target as `slack` [N]."""
-    sign = np.where(points.excess[1:-1] > 0, 1.0, -1.0)
+    row, level = find_extrema(
+        searches.excess, points.row, points.level, points.excess, points.linked, slack[points.row]
+    )
+    return points.insert(row, level, searches.excess(row, level)) if len(row) else points
+
+
+def find_extrema(
+    function: Callable[[Array, Array], Array], row: Array, x: Array, excess: Array, linked: Array,
+    slack: Any,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Extrema of curves between points, by row and `x` [-], that may come as near to zero as
+    `slack` [N]; `function`: of rows and x, whose values at the points are `excess` [N]; `linked`:
+    where a curve goes on to the next point.
+    """
+    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
+
+    sign = np.where(excess[1:-1] > 0, 1.0, -1.0)
     windows = (slice(None, -2), slice(1, -1), slice(2, None))
-    before, middle, after = (sign * points.excess[window] for window in windows)
-    is_extremum = points.linked[:-2] & points.linked[1:-1]
-    is_extremum &= (middle > 0) & (before >= middle) & (after >= middle)
-    span = np.maximum(before, after) - middle
-    # a parabola through three nodes turns less than their span below the lowest
-    is_extremum &= (span > ROOT_TOLERANCE) & (middle - span < slack[points.row[1:-1]])
-    i = np.flatnonzero(is_extremum)
+    before, middle, after = (sign * excess[window] for window in windows)
+    left, right = np.diff(x)[:-1], np.diff(x)[1:]
+    # a convex curve stays above the chords of both sides, extended beyond the middle
+    depth = np.maximum((before - middle) * right / left, (after - middle) * left / right)
+    is_turn = linked[:-2] & linked[1:-1] & (middle > 0) & (before >= middle) & (after >= middle)
+    is_turn &= (depth > ROOT_TOLERANCE) & (middle - depth < np.broadcast_to(slack, x.shape)[1:-1])
+    i = np.flatnonzero(is_turn)
     if not len(i):
-        return points
-    row = points.row[1:-1][i]
-    level = elementwise.find_minimum(
-        lambda level, row, sign: sign * searches.excess(row, level),
-        tuple(points.level[window][i] for window in windows),
-        args=(row, sign[i]),
-        # a kink is an extremum to the last digit of its level
+        return row[i], x[i]
+    turn = elementwise.find_minimum(
+        lambda x, row, sign: sign * function(row, x),
+        tuple(x[window][i] for window in windows),
+        args=(row[i + 1], sign[i]),
         tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
     ).x
-    exists = np.isfinite(level)  # else, to rounding, a neighbor is lower
-    row, level = row[exists], level[exists]
-    return points.insert(row, level, searches.excess(row, level))
+    exists = np.isfinite(turn)  # else, to rounding, a neighbor is lower
+    return row[i + 1][exists], turn[exists]
 
 
 def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     """Roots by row and level [-]: points that meet the target, and changes of sign."""
+    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
+
     tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[points.row]
     meets = np.abs(points.excess) <= tolerance
     # a run of points that all meet it counts once, by its first
