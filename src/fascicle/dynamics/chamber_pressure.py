@@ -193,9 +193,12 @@ def conserved_state(
 
 
 def conserved_rates(
-    chamber: AbstractChamber, chambers: Numbers, fixed_volume_rate: Numbers,
-    pressure_rates: Numbers, volumes: Numbers,
-) -> Numbers:  # fmt: skip
+    chamber: AbstractChamber,
+    chambers: Numbers,
+    fixed_volume_rate: Numbers,
+    pressure_rates: Numbers,
+    volumes: Numbers,
+) -> Numbers:
     """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] of a
     `chamber` with a `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` [m³].
     """

@@ -53,9 +53,12 @@ def equilibrium_state(
     low, high = plant.stroke
     if not low < high:
         raise InvalidInputError(
-            "load", "must leave a stroke on which all muscles are within their tables", low,
-            "take other lengths, or another contraction at the start", shown="none",
-        )  # fmt: skip
+            "load",
+            "must leave a stroke on which all muscles are within their tables",
+            low,
+            "take other lengths, or another contraction at the start",
+            shown="none",
+        )
     v = 0.0
     if load.prescribed and position is not None:
         rule, remedy = "must be left out with a prescribed motion", "the load gives its own"
@@ -87,8 +90,9 @@ def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float)
         stop_force = stop.force(q, 0.0 * q)[0] if stop else 0.0
         return (
             np.sum(plant.counts * plant.lengths * plant.gains * pull, axis=-1)
-            + plant.load.force(q) - stop_force
-        )  # fmt: skip
+            + plant.load.force(q)
+            - stop_force
+        )
 
     positions = np.linspace(low, high, _POSITIONS)
     residuals = np.asarray(net_force(positions))

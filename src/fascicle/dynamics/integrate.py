@@ -87,9 +87,12 @@ def integrate(
         success, rows = _integrate_command(plant, low, tolerance, *arrays)
         if not bool(success):
             raise InvalidInputError(
-                "tolerance", f"can't be met: the method gave up between {low:g} and {high:g} s",
-                tolerance, "loosen it, or use `simulate`", shown="",
-            )  # fmt: skip
+                "tolerance",
+                f"can't be met: the method gave up between {low:g} and {high:g} s",
+                tolerance,
+                "loosen it, or use `simulate`",
+                shown="",
+            )
         rows = np.asarray(rows)
         row = rows[-1]
         row_blocks.append(
@@ -106,9 +109,14 @@ def integrate(
 
 @jax.jit
 def _integrate_command(
-    plant: Plant, low: Batch, tolerance: Batch, row: Numbers, command: Numbers, times: Numbers,
+    plant: Plant,
+    low: Batch,
+    tolerance: Batch,
+    row: Numbers,
+    command: Numbers,
+    times: Numbers,
     scales: Numbers,
-) -> tuple[Any, Numbers]:  # fmt: skip
+) -> tuple[Any, Numbers]:
     """Integrate under one `command` from `low` [s] on: true if the end was reached, and rows at
     `times` [s]. `scales` of a row's numbers set their absolute tolerances.
     """
@@ -122,11 +130,17 @@ def _integrate_command(
         return _pack_row(rates, ledger_rates(plant, state, evaluation))
 
     solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(field), diffrax.Tsit5(), low, times[-1], None, row,
+        diffrax.ODETerm(field),
+        diffrax.Tsit5(),
+        low,
+        times[-1],
+        None,
+        row,
         saveat=diffrax.SaveAt(ts=times),
         stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance * scales),
-        max_steps=_MAX_STEPS, throw=False,
-    )  # fmt: skip
+        max_steps=_MAX_STEPS,
+        throw=False,
+    )
     return solution.result == diffrax.RESULTS.successful, solution.ys
 
 
@@ -157,9 +171,14 @@ def _pack_row(state: State, ledger: Numbers) -> Numbers:
 def _unpack_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     """State and ledger of a `row` [SI]."""
     units = plant.units
-    shapes = State((), (), (plant.spool.state_count(units),), (units, plant.chamber.count),
-                   (units,),
-                   (plant.supply.count,))  # fmt: skip
+    shapes = State(
+        (),
+        (),
+        (plant.spool.state_count(units),),
+        (units, plant.chamber.count),
+        (units,),
+        (plant.supply.count,),
+    )
     ends = np.cumsum([math.prod(shape) for shape in shapes])
     *parts, ledger = jnp.split(row, ends)
     return State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True))), ledger
@@ -181,7 +200,11 @@ def _scales(plant: Plant, state: State) -> Numbers:
     ledger[LEDGER.index("mass")] = np.sum(full[..., 0])
     stroke = np.float64(high - low)
     sizes = State(
-        stroke, stroke, np.ones(plant.spool.state_count(plant.units)), full, top,
+        stroke,
+        stroke,
+        np.ones(plant.spool.state_count(plant.units)),
+        full,
+        top,
         np.maximum(np.abs(state.supply), 1e-12),  # never zero: no step would meet it
-    )  # fmt: skip
+    )
     return _pack_row(sizes, ledger)

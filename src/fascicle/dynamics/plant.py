@@ -124,9 +124,14 @@ class Plant(Module):
         muscles = [unit.muscle for unit, _ in units]
         _check_fit(
             bundles,
-            load=load, supply=supply, chamber=chamber, valve=valve, exhaust_valve=exhaust_valve,
-            spool=spool, hysteresis=hysteresis,
-        )  # fmt: skip
+            load=load,
+            supply=supply,
+            chamber=chamber,
+            valve=valve,
+            exhaust_valve=exhaust_valve,
+            spool=spool,
+            hysteresis=hysteresis,
+        )
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
         supply_pressure = float(supply.pressure_at(supply.initial_state()))
@@ -140,12 +145,20 @@ class Plant(Module):
             walls = np.array([float(muscle.bladder.volume) for muscle in muscles])
             unit_laws = GeometricMuscles(unit_laws, braid, walls)
         self.__attrs_init__(
-            bundles, load, supply, chamber, valve, exhaust_valve, spool, hysteresis, unit_laws,
+            bundles,
+            load,
+            supply,
+            chamber,
+            valve,
+            exhaust_valve,
+            spool,
+            hysteresis,
+            unit_laws,
             counts=np.array([float(unit.count) for unit, _ in units]),
             lengths=np.array([float(muscle.length) for muscle in muscles]),
             distances=np.array([float(bundles[side].length) for _, side in units]),
             sides=tuple(side for _, side in units),
-        )  # fmt: skip
+        )
 
     @property
     def units(self) -> int:
@@ -216,10 +229,14 @@ def _check_fit(bundles: tuple[Bundle, ...], **parts: Any) -> None:
     with each other or its `bundles`.
     """
     kinds = {
-        "load": AbstractLoad, "supply": AbstractSupply, "chamber": AbstractChamber,
-        "valve": SonicValve | Orifice, "exhaust_valve": SonicValve | Orifice,
-        "spool": AbstractSpool, "hysteresis": AbstractHysteresis | None,
-    }  # fmt: skip
+        "load": AbstractLoad,
+        "supply": AbstractSupply,
+        "chamber": AbstractChamber,
+        "valve": SonicValve | Orifice,
+        "exhaust_valve": SonicValve | Orifice,
+        "spool": AbstractSpool,
+        "hysteresis": AbstractHysteresis | None,
+    }
     for name, kind in kinds.items():
         value = parts[name]
         if not isinstance(value, kind):

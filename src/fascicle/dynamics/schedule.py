@@ -68,9 +68,11 @@ class Schedule:
         if np.any(steps <= 0):
             k = int(np.argmax(steps <= 0))
             raise InvalidInputError(
-                "times", "must rise", self.times[k + 1],
+                "times",
+                "must rise",
+                self.times[k + 1],
                 shown=f"{self.times[k + 1]:g} s after {self.times[k]:g} s",
-            )  # fmt: skip
+            )
         rows = np.asarray(validate_commands(commands, "commands"))
         self.commands = rows[:, None] if rows.ndim == 1 else np.atleast_2d(rows)
         if len(self.commands) != len(self.times):

@@ -41,8 +41,9 @@ _NEWTON = 2  # from integrated pressures, two steps leave 1e-12
 _TIMES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  # of stages
 # entries of the ledger that a substep adds to: friction's loss, and works taken by parts
 _FRICTION = np.array([name == "friction" for name in LEDGER], float)
-_BY_PARTS = np.array([[name == entry for name in LEDGER] for entry in
-                      ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
+_BY_PARTS = np.array(
+    [[name == entry for name in LEDGER] for entry in ("fluid_work", "mismatch", "displaced")], float
+)
 
 
 class IntegratorState(NamedTuple):
@@ -232,9 +233,15 @@ class _Rows(NamedTuple):
 
 
 def _run(
-    plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
-    substeps: Any, fixed: tuple[Any, tuple[Any, ...]],
-) -> _Rows:  # fmt: skip
+    plant: Plant,
+    numbers: list[Any],
+    memory: Any,
+    inputs: Numbers,
+    begin: State,
+    dt: Batch,
+    substeps: Any,
+    fixed: tuple[Any, tuple[Any, ...]],
+) -> _Rows:
     """Rows of a run of a plant from the state `begin` [SI] by a step for each row of `inputs`.
 
     `numbers` and `fixed` are the controller's parts: arrays, and what doesn't change, such as its
@@ -262,9 +269,13 @@ def _run(
         state, friction_memory = progress.state, progress.friction_memory
         evaluation = evaluate_plant(plant, time, state, closed, friction_memory)
         measurement = Measurement(  # its force is the muscles' pull without friction
-            time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
+            time,
+            evaluation.position,
+            evaluation.velocity,
+            state.pressures,
+            evaluation.pull,
             plant.supply.pressure_at(state.supply),
-        )  # fmt: skip
+        )
         memory, action = act(memory, measurement, reference)
         command = jnp.where(is_last, command, action)  # the last command holds at the end, too
         evaluation = evaluate_plant(plant, time, state, command, friction_memory)

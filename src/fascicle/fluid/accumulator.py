@@ -170,8 +170,10 @@ class PumpedAccumulator(AbstractSupply):
 
     def __check_init__(self):
         pumped, stored = self.pump.liquid, self.accumulator.liquid
-        pairs = ((pumped.bulk_modulus, stored.bulk_modulus),
-                 (pumped.reference_density, stored.reference_density))  # fmt: skip
+        pairs = (
+            (pumped.bulk_modulus, stored.bulk_modulus),
+            (pumped.reference_density, stored.reference_density),
+        )
         if any(is_concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
             rule = "must be for the accumulator's liquid"
             raise InvalidInputError("pump", rule, pumped, shown="another")

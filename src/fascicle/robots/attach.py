@@ -48,9 +48,11 @@ class Attached(NamedTuple):
         **Raises:** `InvalidInputError` if the model has no such actuator, or several.
         """
         names = [model.actuator(i).name for i in range(model.nu)]
-        matches = [name for name in names if name == self.actuator] or [
-            name for name in names if name.endswith(self.actuator)
-        ] or [name for name in names if self.actuator in name]  # fmt: skip
+        matches = (
+            [name for name in names if name == self.actuator]
+            or [name for name in names if name.endswith(self.actuator)]
+            or [name for name in names if self.actuator in name]
+        )
         if len(matches) == 1:
             index = names.index(matches[0])
             return index, model.tendon(int(model.actuator_trnid[index, 0])).name

@@ -111,8 +111,11 @@ def task_observation(
     """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
     each scaled to [-1, 1].
     """
-    scalars = [(position - task.middle) / task.reach, speed / task.speed,
-               (target - task.middle) / task.reach]  # fmt: skip
+    scalars = [
+        (position - task.middle) / task.reach,
+        speed / task.speed,
+        (target - task.middle) / task.reach,
+    ]
     rows = np.concatenate([np.stack(scalars, axis=-1), 2 * pressures / SUPPLY - 1], axis=-1)
     return np.clip(rows, -1.0, 1.0).astype(np.float32)
 
@@ -202,8 +205,13 @@ class Environment(gymnasium.Env):
         fluid, pressures = self.fluid, np.asarray(self.fluid.pressures)
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
         forces = -self.data.actuator_force[list(self.drive.actuators)]
-        info = {"position": position, "target": self.target, "pressures": pressures,
-                "forces": forces, "air": float(fluid.consumption)}  # fmt: skip
+        info = {
+            "position": position,
+            "target": self.target,
+            "pressures": pressures,
+            "forces": forces,
+            "air": float(fluid.consumption),
+        }
         return task_observation(self.task, position, speed, self.target, pressures), info
 
     def render(self) -> Any:

@@ -67,10 +67,14 @@ def _sizing_table(sizing: "Sizing") -> ReprTable:
         ("moment arm", f"{arms.min():.1f} to {arms.max():.1f} mm about {route.torque_joint}"),
     ]
     rows = [
-        (f"{c.count} × {c.name}", f"{1e3 * c.length:.0f}", f"{100 * c.margin:.0f}",
-         f"{1e3 * c.fluid:.2f}")
+        (
+            f"{c.count} × {c.name}",
+            f"{1e3 * c.length:.0f}",
+            f"{100 * c.margin:.0f}",
+            f"{1e3 * c.fluid:.2f}",
+        )
         for c in sizing.candidates
-    ]  # fmt: skip
+    ]
     heads = ("muscle", "length [mm]", "margin [%]", "fluid [L]")
     return ReprTable(f"A muscle for {sizing.tendon!r}", facts, heads, rows)
 
@@ -260,9 +264,16 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
 
 
 def _shortest_muscles(
-    name: str, muscle: Muscle, route: Route, needed: np.ndarray, pressure: float,
-    counts: Sequence[int], margin: float, stretch: float, room: float,
-) -> list[SizeTrial]:  # fmt: skip
+    name: str,
+    muscle: Muscle,
+    route: Route,
+    needed: np.ndarray,
+    pressure: float,
+    counts: Sequence[int],
+    margin: float,
+    stretch: float,
+    room: float,
+) -> list[SizeTrial]:
     """For each of the `counts` the shortest muscle that has the margin, or else the longest; those
     that the law refuses are left out.
     """

@@ -36,9 +36,12 @@ def plot_sizing(sizing: "Sizing") -> Figure:
     loaded = sizing.torque != 0
     right.plot(x, sizing.available_torque[order], color=BLUE, label="available", **line)
     right.plot(
-        x[loaded[order]], sizing.torque[order][loaded[order]], color=VERMILION, label="asked for",
+        x[loaded[order]],
+        sizing.torque[order][loaded[order]],
+        color=VERMILION,
+        label="asked for",
         **line,
-    )  # fmt: skip
+    )
     right.set_ylabel(f"{'Torque' if route.hinge else 'Force'} [{unit}]")
     right.legend()
     for ax in axes[0]:

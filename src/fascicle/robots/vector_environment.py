@@ -148,11 +148,21 @@ class VectorEnvironment(VectorEnv):
         data, fluid = self._state
         position, speed, pressures, forces, air = (
             np.asarray(x)
-            for x in (data.qpos[:, 0], data.qvel[:, 0], fluid.pressures, data.actuator_force,
-                      fluid.consumption)
-        )  # fmt: skip
-        info = {"position": position, "target": self.targets.copy(), "pressures": pressures,
-                "forces": -forces[:, list(self.drive.actuators)], "air": air}  # fmt: skip
+            for x in (
+                data.qpos[:, 0],
+                data.qvel[:, 0],
+                fluid.pressures,
+                data.actuator_force,
+                fluid.consumption,
+            )
+        )
+        info = {
+            "position": position,
+            "target": self.targets.copy(),
+            "pressures": pressures,
+            "forces": -forces[:, list(self.drive.actuators)],
+            "air": air,
+        }
         return task_observation(self.task, position, speed, self.targets, pressures), info
 
 
