@@ -181,7 +181,7 @@ def simulate(
     leaves, kind = jax.tree.flatten(act)
     fixed = kind, tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    # the outputs of the last time need no bundles, whose names and laws would be compiled anew
+    # a run needs tables, not bundles, whose schemes and lengths of fits would be compiled anew
     arguments = with_fields(plant, bundles=()), numbers, memory, inputs, begin, np.float64(dt)
     if is_concrete(arguments):
         rows = to_numpy(_run_any_substeps(*arguments, np.int64(substeps), fixed))

@@ -213,7 +213,8 @@ def test_plants_of_one_structure_compile_once(lift, muscle, air, caplog):
     with jax.log_compiles(), caplog.at_level("WARNING"):
         for k in (1, 2, 3):
             longer = muscle.replace(length=muscle.length * (1 + 0.05 * k))
-            unit = fs.Bundle([fs.MotorUnit(longer, k), fs.MotorUnit(longer, 4)])
+            units = [fs.MotorUnit(longer, k), fs.MotorUnit(longer, 4)]
+            unit = fs.Bundle(units, scheme="batch" if k == 3 else "orderly")
             load = dynamics.HangingMass(12.0 - k, damping=300.0 + k)
             valve = fluid.SonicValve(2e-9 * k, 0.3)  # the second and third ask for more substeps
             positions.append(ended(dynamics.Plant(unit, load, **{**air, "valve": valve})))
