@@ -231,7 +231,8 @@ def read_entry(text: str, name: str) -> CatalogEntry:
         muscle=muscle,
         error=FitError(rmse, relative_rmse, entry.largest_error),
         range=MeasuredRange(
-            entry.pressure, None if strain is None else (strain[0] * ratio, strain[1] * ratio)
+            None if entry.pressure is None else (entry.pressure[0], entry.pressure[1]),
+            None if strain is None else (strain[0] * ratio, strain[1] * ratio),
         ),
         rest_length=rest_length,
         record_file=entry.record,
