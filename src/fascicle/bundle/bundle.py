@@ -40,7 +40,13 @@ from ..muscle import Muscle
 from ..muscle.muscle import batch_shape
 from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
-from .equilibria import Equilibria, attach_derivatives, find_equilibria, usual_count
+from .equilibria import (
+    Equilibria,
+    attach_derivatives,
+    find_equilibria,
+    find_first_equilibria,
+    usual_count,
+)
 from .inverse import recruit
 from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
 from .printing import bundle_line, bundle_table, unit_line, unit_table
@@ -263,7 +269,7 @@ class Bundle(Module):
         slots = (*shape, usual_count(len(self.motor_units)))
         kinds = ((float, slots), (bool, slots), (int, shape))
         result = Equilibria(*(jax.array_spec(*kind) for kind in kinds))
-        roots = jax.call_numpy(partial(evaluate, find_equilibria), result, *arrays)
+        roots = jax.call_numpy(partial(evaluate, find_first_equilibria), result, *arrays)
         strain = evaluate(attach_derivatives, self, roots.strain, *arrays[1:])
         return roots._replace(strain=strain)
 

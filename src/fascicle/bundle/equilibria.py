@@ -44,7 +44,8 @@ _PAIRS = 2**16  # pairs of units in them, which take memory: 0.2 GB
 class Equilibria(NamedTuple):
     """Strains [-] at which the force is zero or equals the load, rising along the last axis, which
     ends in NaN where there are fewer. `stable`: the force falls with strain there, or jumps down
-    past the load. `count`: their number.
+    past the load. `count`: their number. JAX's arrays, of a fixed shape, have room for the
+    first 2 · units + 1; more are rare, and counted.
     """
 
     strain: Float[AnyArray, "*#points zero"]
@@ -68,9 +69,18 @@ def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilib
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in (table, stable, found)))
 
 
+def find_first_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilibria:
+    """As `find_equilibria`, in arrays of a fixed shape, as JAX needs: those beyond `usual_count`
+    are left out, and counted all the same.
+    """
+    roots = find_equilibria(bundle, pressures, *force)
+    slots = slice(usual_count(np.shape(pressures)[-1]))
+    return roots._replace(strain=roots.strain[..., slots], stable=roots.stable[..., slots])
+
+
 def usual_count(units: int) -> int:
-    """Number of equilibria for which a result has room at least, and at most in JAX, whose shapes
-    are fixed: each unit adds a dip, which has two. More are rare.
+    """Number of equilibria for which a result has room at least: each unit adds a dip, which has
+    two. More are rare.
     """
     return 2 * units + 1
 

@@ -2,11 +2,13 @@
 
 import math
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.bundle import bundle as bundles
 from fascicle.bundle import equilibria
 from unlike import SUPPLY, random_bundle
 
@@ -63,3 +65,13 @@ def test_no_equilibrium_is_cut(monkeypatch):
     assert result.count.max() == 3 and np.array_equal(result.count, whole.count)
     assert_allclose(result.strain, whole.strain, rtol=0, atol=1e-14)
     assert np.array_equal(result.stable, whole.stable)
+
+
+def test_arrays_of_jax_have_room_for_the_usual_number(monkeypatch):
+    bundle = fs.Bundle([fs.MotorUnit(SOFT)])
+    whole = bundle.strain_at(-1.0, [0.0])
+    for module in (equilibria, bundles):
+        monkeypatch.setattr(module, "usual_count", lambda units: units)
+    result = bundle.strain_at(jnp.asarray(-1.0), jnp.zeros(1))
+    assert result.count == 3 and result.strain.shape == (1,)
+    assert_allclose(result.strain, whole.strain[:1], rtol=0, atol=1e-12)
