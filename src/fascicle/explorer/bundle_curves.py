@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ..bundle import Bundle, recruitment
 from ..bundle.energetics import unit_volume_change, work
@@ -18,7 +19,7 @@ from .state import View
 
 
 LEVELS, POINTS = 5, 161  # curves of each state, and points of each
-_LOAD_LEVELS = 241  # pressures of which the nearest to a load is taken: 0.4 % of the supply apart
+_LOAD_LEVELS = 61  # pressures among which the nearest to a load is sought
 _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
@@ -134,9 +135,17 @@ def recruitments(
     ]
     space = bundle.workspace(levels=_LOAD_LEVELS, strain=[strain], resistance=resistance)
     for state in {*range(1, states.size + 1)} - {row.state for row in rows}:
-        nearest = space.level[np.abs(space.force[state - 1, :, 0] - load).argmin()]
-        P = states.pressures(state - 1, nearest, supply)
-        rows.append(row(state, P, False, False))
+
+        def distance(level: float, state: int = state) -> float:
+            P = states.pressures(state - 1, level, supply)
+            return abs(float(bundle.force(P, strain, resistance)) - load)
+
+        index = int(np.abs(space.force[state - 1, :, 0] - load).argmin())
+        ends = space.level[max(index - 1, 0)], space.level[min(index + 1, _LOAD_LEVELS - 1)]
+        search: Any = minimize_scalar(distance, bounds=ends, method="bounded")
+        # the search never takes an end, such as no pressure
+        nearest = min((float(space.level[index]), float(search.x)), key=distance)
+        rows.append(row(state, states.pressures(state - 1, nearest, supply), False, False))
     rows.sort(key=lambda row: (
         not row.reached, 0.0 if row.reached else abs(row.force - load), np.nan_to_num(row.fluid),
         row.state, row.pressures,

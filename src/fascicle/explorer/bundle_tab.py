@@ -183,9 +183,7 @@ class BundleView(Tab):
         self._workspace = LatestResult(self._show_workspace, self.fail)
         self._state = LatestResult(self._show_state, self.fail)
         self._load = Field("Load", "load", "force", self._set_load, optional=True)
-        self._load_strain = Field(
-            "at contraction ε", "strain", "strain", lambda value: session.change(strain=value)
-        )
+        self._load_strain = Field("at contraction ε", "strain", "strain", self._set_load_strain)
         self._recruitments = LatestResult(self._show_recruitments, self.fail)
         explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
@@ -405,6 +403,11 @@ class BundleView(Tab):
         """Set the contraction `x` [-] and the load `y` [shown unit], with a pointer's digits."""
         _, scale = self.unit("force")
         self.session.change(strain=round(x, 4), load=float(f"{y:.4g}") * scale)
+
+    def _set_load_strain(self, value: float) -> None:
+        """Set the contraction [-] of the load; `ValueError` beyond those that are drawn."""
+        check_interval(value, 0.0, self._top, "strain", "-", closed=(True, True))
+        self.session.change(strain=value)
 
     def _set_load(self, value: float | None) -> None:
         if value is not None:

@@ -53,7 +53,7 @@ from .widgets import (
 _SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels of pressures
 _MARGIN, _MARGIN_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
 _EXAMPLE = "example.csv"
-_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
+RECORD_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
 _REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
@@ -182,7 +182,9 @@ class DataView(Tab):
         self.panel = row(left, column(*parts, kind="equal"))
 
     def _add_widgets(self) -> None:
-        self.file = file_input("Open a record (CSV, .xlsx, .mat)", _SUFFIXES, self._open)
+        self.file = file_input(
+            "Open a record (CSV, .xlsx, .mat)", RECORD_SUFFIXES, self.open_record
+        )
         self._example, self._other_example = (
             button("Try an example record (synthetic)", self.open_example, color=color,
                    visible=visible, sizing_mode="stretch_width")
@@ -258,9 +260,9 @@ class DataView(Tab):
     def open_example(self) -> None:
         """Open the synthetic record of the session's muscle."""
         self.file.clear()  # the example replaces it
-        self._open(example_record(self.session.view.muscle), _EXAMPLE)
+        self.open_record(example_record(self.session.view.muscle), _EXAMPLE)
 
-    def _open(self, raw: bytes, name: str) -> None:
+    def open_record(self, raw: bytes, name: str) -> None:
         """Open a file; the earlier record is dropped, even if the file can't be read."""
         self._raw, self.file_name = raw, name
         self.session.input_names.add(name)

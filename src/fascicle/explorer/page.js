@@ -97,6 +97,10 @@ const height = new ResizeObserver(([story]) => {
   if (performance.now() - pressTime < 5000) showFigure();  // ms: longer than a text takes
 });
 
+// a tab that a key opened may draw the tabs anew: the focus stays on the open one
+let keyed = false;
+addEventListener("pointerdown", () => { keyed = false; }, {capture: true});
+
 let first = true;
 for (const kind of ["pointerdown", "focusin"])
   addEventListener(kind, () => { first = false; }, {capture: true, once: true});
@@ -107,7 +111,8 @@ addEventListener("keydown", (event) => {
     event.preventDefault();
     there.click();
     there.focus();
-  }
+    keyed = true;
+  } else keyed &&= event.key !== "Tab";
   if (!first || event.key !== "Tab" || event.shiftKey) return;
   const offer = find(".offer");
   const target = offer?.checkVisibility() ? findButton(offer) : findActive();
@@ -137,6 +142,7 @@ const annotate = (root) => {
     const active = tab.matches(".bk-active");
     tab.role = "tab"; tab.ariaSelected = active; tab.tabIndex = active ? 0 : -1;
     tab.parentElement.role = "tablist";
+    if (active && keyed && document.activeElement === document.body) tab.focus();
   }
   // Bokeh has the tabs after their content: keys and readers meet them before it
   const strip = [...root.children].find((node) => node.matches(".bk-header"));

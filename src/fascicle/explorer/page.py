@@ -10,6 +10,7 @@ from urllib.parse import urlencode
 
 import panel as pn
 from bokeh.models import CustomJS
+from panel.io.resources import get_dist_path
 
 from ..files import example, loads
 from ..files.shipped_files import named_muscles, shipped_names
@@ -17,7 +18,7 @@ from ..io.sanitize import sanitize_line
 from ..plot.theme import TITLE
 from .bundle_tab import BundleView
 from .compare_tab import CompareView
-from .data_tab import DataView
+from .data_tab import RECORD_SUFFIXES, DataView
 from .exports import EXPORTS, download_buttons, output_stem
 from .link import to_query
 from .measured import LARGEST_FILE
@@ -62,12 +63,14 @@ class Header:
     """Example, file, units and theme; keeps the address up to date."""
 
     def __init__(
-        self, session: Session, theme: str, theme_in_link: bool, show_theme: Callable[[str], None]
-    ):
+        self, session: Session, theme: str, theme_in_link: bool, show_theme: Callable[[str], None],
+        open_record: Callable[[bytes, str], None],
+    ):  # fmt: skip
         """Build it for a `session`; the address has the theme if it is dark or `theme_in_link`.
 
-        `show_theme` shows the page in another theme.
+        `show_theme` shows the page in another theme, `open_record` a record in the tab Data.
         """
+        self._open_record = open_record
         self._session, self._address_timer = session, None
         self._theme, self._show_theme = theme, show_theme
         self._theme_in_link = theme_in_link or theme == "dark"
@@ -76,7 +79,9 @@ class Header:
         self._example = widget(
             pn.widgets.Select, "Example", self._choose_example, groups=groups, width=200
         )
-        self.file = file_input("Open a file", ".toml", self._open_file, width=216)
+        self.file = file_input(
+            "Open a file", f".toml,{RECORD_SUFFIXES}", self._open_file, width=216
+        )
         self.save = widget(
             pn.widgets.FileDownload, "Save the file", filename="", width=110, margin=(22, 8, 4, 4),
             callback=lambda: io.BytesIO(session.view.text.encode()),
@@ -154,6 +159,7 @@ class Header:
         """Open the example that was chosen."""
         self.question.visible = False
         name = self._offer
+        self.file.clear()  # its name is another one's
         self._session.open(view_of(example(name), name, self._session.view))
 
     def _keep(self) -> None:
@@ -162,7 +168,11 @@ class Header:
         self._example.value = _CUSTOM
 
     def _open_file(self, raw: bytes, name: str) -> None:
+        """Open a muscle, or in the tab Data a record, by the file's suffix."""
         with self.message.errors():
+            if name.lower().endswith(tuple(RECORD_SUFFIXES.split(","))):
+                self._open_record(raw, name)
+                return
             text = decode_upload(raw, name, "muscle", LARGEST_MUSCLE_FILE)
             target = loads(text, source=name)
             self._session.input_names.add(name)
@@ -211,7 +221,9 @@ class Page:
         With an `offer`, browsers that have not dismissed it offer the story.
         """
         self._session, self._colors = session, page_colors(theme)
-        header = self.header = Header(session, theme, theme_in_link, self.show_theme)
+        header = self.header = Header(
+            session, theme, theme_in_link, self.show_theme, self.open_record
+        )
         header.message.show(" ".join(errors))
         self._story = Story(session, offer)
         self._views: dict[str, Tab] = {}
@@ -231,6 +243,13 @@ class Page:
         self.panel = column(header.panel, self._story.panel, self._tabs, name="explorer")
         self._set_style()
         self.panel.jscallback(stylesheets="window.fascicleStyle?.(cb_obj.stylesheets.at(-1))")
+
+    def open_record(self, raw: bytes, name: str) -> None:
+        """Open a record's file in the tab Data."""
+        self._session.change(tab="data")
+        data = self._views["data"]
+        assert isinstance(data, DataView)
+        data.open_record(raw, name)
 
     def show_theme(self, theme: str) -> None:
         """Show the page in a `theme`, "default" or "dark"."""
@@ -280,6 +299,8 @@ def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
     doc.template_variables.update(
         purpose=_PURPOSE, tabs=TABS, active=active, title_size=TITLE,
         follow_preference=follow_preference,
+        # Panel sets it later: until then its style sheets would come from another machine
+        dist_url=get_dist_path(),
     )  # fmt: skip
     doc.js_on_event("document_ready", CustomJS(args={"largest": LARGEST_FILE}, code=_SCRIPT))
     for event, text in (("connection_lost", _LOST), ("client_reconnected", "")):

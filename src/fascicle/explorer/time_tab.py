@@ -301,6 +301,12 @@ class TimeView(Tab):
             self._show_runs()
         self._show_notes()
 
+    def follow(self, before: View, after: View) -> None:
+        """Send the drawing once more: browsers drop what they drew when another tab is opened."""
+        del before, after
+        if self.result is not None:
+            self._show_frames()
+
     def _show_fields(self, view: View) -> None:
         fields = view.setup.fields
         if [field.path for field in fields] != list(self._inputs):
@@ -484,7 +490,7 @@ class TimeView(Tab):
         result, run = self.result, self.drawn_run
         assert result is not None
         labels = [_run_label(item) for item in result.runs]
-        styles = list(zip(labels, cycle_colors(colors, len(labels)), cycle(_DASHES)))
+        styles = list(zip(labels, _run_colors(colors, len(labels)), cycle(_DASHES)))
         rotary = result.rotary
         force_unit, force = ("N·m", 1.0) if rotary else self.unit("force")
         length_unit, length = ("°", np.pi / 180) if rotary else self.unit("length")
@@ -609,6 +615,11 @@ def _curves(rows: Iterable[np.ndarray], styles: Iterable[tuple[Any, ...]]) -> li
     return [Curve(values, *style) for values, style in zip(rows, styles, strict=True)]
 
 
+def _run_colors(colors: Colors, count: int) -> list[str]:
+    """Colors of `count` policies or energies, none of which is unit 1's or 2's."""
+    return [colors.curves[2 + i % (len(colors.curves) - 2)] for i in range(count)]
+
+
 def _run_label(run: PolicyResult) -> str:
     """Label of a run: its policy, or "reached" for a schedule."""
     return run.policy or "reached"
@@ -628,5 +639,5 @@ def _energies(table: Table, rows: np.ndarray, colors: Colors) -> list[Curve]:
         "stored in fluid and muscles": total("stored_fluid", "stored_muscles"),
         "work on the load": total("account_pull"),
     }
-    palette = (colors.ink, colors.curves[1], colors.curves[2], colors.curves[0])
+    palette = (colors.ink, *_run_colors(colors, 3))
     return _curves(terms.values(), zip(terms, palette, _DASHES, strict=False))

@@ -26,6 +26,7 @@ _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a pe
 _STRAIN_STEP = 0.001  # of a slider: two pixels
 WHOLE_ROW: dict[str, Any] = {"css_classes": ["whole-row"]}  # of a "pairs" column
 _SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
+_INVALID_CSS = ".bk-input { border: 2px solid var(--bad); }"
 SWEEP_STEPS = 80  # from one end to the other
 # in a message of the library
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
@@ -216,15 +217,21 @@ class Field:
         text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
         self._unit, self._text = unit, text
         self.input.value = self._text
+        self._clear()
+
+    def _clear(self) -> None:
+        """Take back the error, if there is one."""
         self.message.show("")
+        self.input.stylesheets = [WIDGET_CSS]
 
     def show_error(self, error: ValueError | str) -> None:
-        """Show an `error` below the field, in its unit and by its label."""
+        """Show an `error` below the field, whose border is red, in its unit and by its label."""
+        self.input.stylesheets = [WIDGET_CSS, _INVALID_CSS]
         self.message.show(error, {self._dimension: self._unit}, **{self.name: self.label})
 
     def _on_input(self, text: str) -> None:
         if text == self._text:  # the page's own, or typed again after an error
-            self.message.show("")
+            self._clear()
             return
         try:
             value = None

@@ -226,6 +226,16 @@ def test_states_that_cannot_carry_a_load_have_their_nearest_force():
     assert other.force > load
 
 
+def test_the_nearest_force_of_a_state_is_its_least_or_largest():
+    bundle, strain = VIEW.bundle, 0.2
+    levels = np.linspace(0.0, float(bundle.supply_pressure), 20_001)
+    forces = np.asarray(bundle.force(np.c_[np.full_like(levels, levels[-1]), levels], strain))
+    rows, _ = bundle_curves.recruitments(bundle, float(forces.min()) - 5, strain, True, "isobaric")
+    (row,) = (row for row in rows if row.state == 2 and not row.reached)
+    # N: the scan's own step, below which the search goes
+    assert forces.min() - 5e-3 < row.force <= forces.min()
+
+
 def test_fluid_of_compliant_ends_is_not_known():
     muscle = SIX.replace(ends=Compliant(end_compliance=1e-6))
     bundle = fs.Bundle([fs.MotorUnit(muscle)], SUPPLY)
@@ -319,3 +329,15 @@ def test_efficiency_without_a_path_has_no_figure():
     assert not tab.message.text and not any(button.disabled for button in tab.downloads)
     tab.session.change(path="isotonic")
     assert not tab.efficiency.message.text and tab.efficiency.figure.visible
+
+
+def test_a_contraction_that_is_not_drawn_is_refused_at_its_field_and_the_next_one_clears_it():
+    tab = bundle_tab(load=50.0)
+    before = tab.session.view
+    tab._load_strain.input.value = "-1"
+    assert tab._load_strain.message.text and tab.session.view is before
+    assert len(tab._load_strain.input.stylesheets) == 2  # a red border
+    assert not tab.message.text and not any(button.disabled for button in tab.downloads)
+    tab._load_strain.input.value = "0.05"
+    assert not tab._load_strain.message.text and tab.session.view.strain == 0.05
+    assert len(tab._load_strain.input.stylesheets) == 1 and tab._solution_column.visible

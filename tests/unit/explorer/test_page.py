@@ -17,7 +17,7 @@ from fascicle.plot.theme import DARK, LIGHT
 @pytest.fixture
 def header():
     session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
-    return Header(session, "default", False, print)
+    return Header(session, "default", False, print, print)
 
 
 def test_a_message_on_a_link_goes_with_the_next_change(header):
@@ -154,3 +154,18 @@ def test_a_cell_of_a_bundle_and_of_an_unknown_name():
     assert panel(fs.example("kim2021_bundle_1_1"), theme="dark").select(pn.Tabs)
     with pytest.raises(OSError, match="kim2021_figure_66"):
         panel("kim2021_figure_66")
+
+
+def test_a_record_that_is_opened_in_the_header_goes_to_the_tab_data():
+    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
+    page = Page(session)
+    rows = b"".join(b"100,%g,%g\n" % (i / 50, 10 - i) for i in range(8))
+    raw = b"pressure [kPa],strain [-],force [N]\n" + rows
+    page.header.file.param.update(value=raw, filename="mine.CSV")
+    data = page._views["data"]
+    assert session.view.tab == "data" and len(data.record) == 8
+    assert data.file_name == "mine.CSV" and not page.header.message.text
+    page.header.file.param.update(value=b"no record", filename="bad.csv")
+    assert data.record is None and data.message.text and not page.header.message.text
+    page.header.file.param.update(value=raw, filename="again.csv")
+    assert len(data.record) == 8 and not data.message.text
