@@ -9,8 +9,10 @@ import asyncio
 import contextlib
 import copy
 import logging
+import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -174,11 +176,12 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
         try:
             if scheduler is None:
                 make: Any = LocalCluster
-                cluster = make(
-                    n_workers=workers, threads_per_worker=1, memory_limit=0, security=True,
-                    dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False},
-                    silence_logs=logging.CRITICAL,
-                )  # fmt: skip
+                with _without_interrupts():
+                    cluster = make(
+                        n_workers=workers, threads_per_worker=1, memory_limit=0, security=True,
+                        dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False},
+                        silence_logs=logging.CRITICAL,
+                    )  # fmt: skip
                 stack.enter_context(cluster)
             else:
                 asyncio.run(check_scheduler(scheduler))
@@ -189,3 +192,18 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
             reason = " ".join(str(error).split())[:120] or type(error).__name__
             raise ConnectionError(f"{scheduler or 'this machine'}: {reason}") from None
         yield client
+
+
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Context in which new threads and processes ignore Ctrl-C: this process ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # else each start of a process would begin it, and let the signal through again
+    resource_tracker.ensure_running()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
