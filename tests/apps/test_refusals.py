@@ -256,7 +256,7 @@ def test_a_file_that_is_not_regular_is_not_read(fascicle, tmp_path, line):
 
 
 WRITTEN = [
-    f"force {SIX} --out {{}}.csv", f"force {SIX} --out {{}}.zarr", f"force {SIX} --csv={{}}",
+    f"force {SIX} --out {{}}.csv", f"force {SIX} --out {{}}.zarr",
     f"force {SIX} --plot {{}}.png", "simulate lift_gas --report {}.html", f"record {SIX} -o {{}}",
     f"calibrate d.csv -m {SIX} -o {{}}", "design t.toml -o {}", "init {}",
     "reproduce kim2021 -o {}", "sweep t.toml --workers 0 -o {}",
