@@ -6,7 +6,7 @@ controller knows the nominal muscles. Air, isothermal, valves of 1e-9 m³/(s Pa)
 dips over the model's dip D, counted up to the demand that the truth can hold. Simulated: nothing
 here was measured on a bench.
 
-    python benchmarks/hand_over_random_muscles.py delays|durations|shapes [truths]
+    python benchmarks/hand_over_random_muscles.py late|durations|shapes [truths]
 """
 
 import sys
@@ -26,7 +26,7 @@ from fascicle.core.module import with_fields
 SUPPLY, DT, LENGTH = 413.7e3, 1e-3, 0.127
 SHAPE = (81, 121)  # of the muscles' tables: a quarter of the memory, and as good for a dip
 CASES = ((1, 0.15), (1, 0.2), (4, 0.15), (4, 0.2))
-DELAYS = (("valves by 20 ms", 20e-3, 0.0), ("measurement by 20 ms", None, 20e-3))
+LAG = 20e-3  # s, of late valves, which the controller knows
 REPORT = 2026  # seed of the docs' tables
 NOMINAL = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_KIM2021)
 
@@ -161,16 +161,16 @@ def make_demand(shape: str, duration: float, first: float) -> np.ndarray:
 
 
 def study(
-    count: int, strain: float, truths: int, lag: float | None = None, delay: float = 0.0,
+    count: int, strain: float, truths: int, lag: float | None = None,
     duration: float = 4.0, shape: str = "ramp", seed: int = 1,
     declared: tuple[float | None, float] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Results of `threshold` and `hand_over`, for random `truths`.
 
-    `declared`: lag and delay [s] that the controller is told; left out, the true ones.
+    `declared`: lag and delay [s] that the controller is told; left out, the true `lag`.
     """
     plants = [make_plant(m, count, strain, lag) for m in draw_muscles(truths, seed)]
-    declared_lag, declared_delay = (lag, delay) if declared is None else declared
+    declared_lag, declared_delay = (lag, 0.0) if declared is None else declared
     model = make_plant(NOMINAL, count, strain, declared_lag)
     state = control.transition(model.bundles[0], strain)
     first, depth = float(state.largest_force), float(state.dip)
@@ -195,22 +195,6 @@ def study(
         force, _, air = fleet.run(controllers, demand)
         results[policy] = result(force, air)
     return results
-
-
-def identify_lateness(lag: float | None, delay: float, seed: int) -> tuple[float | None, float]:
-    """Lag and delay [s] that `control.identify` finds in a truth's recorded step, from 250 kPa on:
-    the flow into an empty muscle is far from (K7).
-    """
-    plant = make_plant(draw_muscles(1, seed)[0], 1, 0.0, lag)
-    commands = np.zeros((400, 2))
-    commands[50:, 0] = 1.0
-    start = dynamics.equilibrium_state(plant, [250e3, 0.0])
-    run = dynamics.simulate(plant, commands, dt=DT, start=start, substeps=2)
-    late, pressure = round(delay / DT), np.asarray(run.outputs.pressures)[:400, 0]
-    pressure = np.r_[np.full(late, pressure[0]), pressure[: 400 - late]]
-    response = control.identify(run.time[:400], commands[:, 0], pressure)
-    delay = round(response.delay / DT) * DT
-    return (response.lag if response.lag > DT else None), delay
 
 
 def forecast(count: int, strain: float, shape: str, duration: float) -> str:
@@ -246,14 +230,10 @@ def _print_row(label: str, result: dict[str, Any]) -> None:
 
 def main(table: str, truths: int) -> None:
     """Print a table of the docs."""
-    if table == "delays":
-        for label, lag, delay in DELAYS:
-            declared = identify_lateness(lag, delay, REPORT)
-            print(f"{label}: identified lag {declared[0]}, delay {declared[1]:.3f} s")
-            for count, strain in CASES:
-                options: Any = {"seed": REPORT, "declared": declared}
-                result = study(count, strain, truths, lag, delay, **options)
-                _print_row(f"1 + {count} | {strain:.2f} | {label}", result)
+    if table == "late":
+        for count, strain in CASES:
+            result = study(count, strain, truths, LAG, seed=REPORT)
+            _print_row(f"1 + {count} | {strain:.2f}", result)
     elif table == "durations":
         for count, strain in CASES:
             for duration in (0.3, 1.0, 4.0, 12.0):

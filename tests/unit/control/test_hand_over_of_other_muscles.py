@@ -31,9 +31,8 @@ def test_random_muscles_are_handed_over_with_small_dips(study):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("lag", "delay"), [(20e-3, 0.0), (None, 20e-3)])
-def test_late_loops_hand_over_better_than_threshold(study, lag, delay):
-    result = study.study(1, 0.2, 6, lag, delay)
+def test_late_valves_hand_over_better_than_threshold(study):
+    result = study.study(1, 0.2, 6, 20e-3)
     plain, handed = result["threshold"], result["hand_over"]
     assert np.all(handed.dip < plain.dip) and np.quantile(handed.dip, 0.9) <= 0.3
 
