@@ -56,7 +56,7 @@ def test_from_youngs_modulus_keeps_latexs_ratio():
             r"^`youngs_modulus` must be positive and finite, got nan",
         ),
         ({"poisson_ratio": 0.6}, r"^`poisson_ratio` must lie in \[0, 0\.5\].*, got 0\.6"),
-        ({"poisson_ratio": "0.5"}, r"^`poisson_ratio` takes dimensionless numbers, got '0\.5'\.$"),
+        ({"poisson_ratio": "half"}, r"^`poisson_ratio` must be .*, got 'half'"),
     ],
 )
 def test_refuses_what_is_no_rubber(change, message):
