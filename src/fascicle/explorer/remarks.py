@@ -128,7 +128,7 @@ def tuning_note(muscle: Muscle, unit: str) -> str:
         return ""
     return (
         f"This muscle is tuned: {', '.join(changes)}. To see the curve without it, choose"
-        " untuned under Compare with."
+        " untuned among the laws in Compare."
     )
 
 
