@@ -14,11 +14,8 @@ from jax.lax import stop_gradient
 
 from ..jax import jax
 from .array_namespace import where
-from .roots import SHORT_STEP, STEPS, Residual, init_search, polish_root, safe_slope, search_step
+from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
-
-
-_NEWTON_STEPS = 4  # from the start of the free strain; that of collapse needs two
 
 
 @cache
@@ -38,10 +35,7 @@ def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> An
     """
 
     def call(*values: Any) -> Any:
-        # in single precision only arguments and results are; the computation is not
-        values = jax.tree.map(
-            lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), values
-        )
+        values = jax.tree.map(np.asarray, values)
         return jax.tree.map(lambda x, spec: np.asarray(x, spec.dtype), function(*values), result)
 
     return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
@@ -62,16 +56,6 @@ def search_root(
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
 
-    # from a law's start Newton's method alone mostly finds the root, in fewer passes over memory
-    x, done = start, start < -jnp.inf
-    for _ in range(_NEWTON_STEPS):
-        value, slope = residual(theta, x)
-        falls = (slope < 0) & (slope > -jnp.inf)
-        target = x - value / where(falls, slope, -1.0)
-        is_near = jnp.abs(target - x) <= SHORT_STEP * (1 + jnp.abs(x))
-        done = falls & (low <= target) & (target <= high) & is_near
-        x = jnp.clip(target, low, high)
-
     def step(state: tuple) -> tuple:
         n, search = state
         return n + 1, search_step(search, *residual(theta, search.x))
@@ -80,7 +64,7 @@ def search_root(
         n, search = state
         return (n < STEPS) & ~jnp.all(search.done)
 
-    search = init_search(low, high, x)._replace(done=done)
+    search = init_search(low, high, start)
     return lax.while_loop(is_unfinished, step, (0, search))[1].x
 
 

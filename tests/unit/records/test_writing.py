@@ -68,8 +68,10 @@ def test_sources_and_notes_go_along():
 def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
     path = tmp_path / "r.csv"
     path.write_text("before")
-    monkeypatch.setattr("pathlib.Path.replace", lambda *_: (_ for _ in ()).throw(OSError("full")))
-    with pytest.raises(OSError, match="full"):
+    monkeypatch.setattr(
+        "pathlib.Path.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "full"))
+    )
+    with pytest.raises(OSError, match=r"r\.csv: can't be written: full\."):
         write(random_record(), path)
     monkeypatch.undo()
     assert path.read_text() == "before"
