@@ -97,12 +97,8 @@ def check(capsys, monkeypatch, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_command_lines(check):
-    check(0, 180)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("seed", range(1, 6))
-def test_many_command_lines(check, seed):
-    check(seed, 1000)
+@pytest.mark.parametrize(
+    ("seed", "count"), [(0, 180), pytest.param(1, 5000, marks=pytest.mark.slow)]
+)
+def test_command_lines(check, seed, count):
+    check(seed, count)

@@ -88,11 +88,8 @@ def check(seed, count, path):
     assert 0.01 * count < taken < 0.9 * count
 
 
-def test_records(tmp_path):
-    check(0, 300, tmp_path / "x.csv")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1, 7))
-def test_many_records(tmp_path, seed):
-    check(seed, 1000, tmp_path / "x.csv")
+@pytest.mark.parametrize(
+    ("seed", "count"), [(0, 300), pytest.param(1, 6000, marks=pytest.mark.slow)]
+)
+def test_records(tmp_path, seed, count):
+    check(seed, count, tmp_path / "x.csv")

@@ -110,15 +110,10 @@ def test_on_a_full_disk_the_former_file_stays(tmp_path, linked):
     assert not any(name.startswith(".") for name in names(tmp_path))
 
 
-@pytest.mark.parametrize("kind", ["loop", "pipe", "folder"])
-def test_what_is_no_regular_file_is_refused(tmp_path, kind):
+@pytest.mark.parametrize("make", [lambda path: path.symlink_to(path), os.mkfifo, os.mkdir])
+def test_what_is_no_regular_file_is_refused(tmp_path, make):
     path = tmp_path / "x"
-    if kind == "loop":
-        path.symlink_to(path)
-    elif kind == "pipe":
-        os.mkfifo(path)
-    else:
-        path.mkdir()
+    make(path)
     with pytest.raises(OSError, match=r"x: can't be written: "):
         atomic.write_text(path, "x")
     assert names(tmp_path) == ["x"]
@@ -135,8 +130,8 @@ def fill(**texts):
 def test_an_existing_file_is_refused_unless_it_may_be_overwritten(tmp_path):
     atomic.check_overwrite(tmp_path / "d.csv")
     (tmp_path / "d.csv").write_text("measured")
-    with pytest.raises(FileExistsError, match=r"d\.csv: already exists; use --replace"):
-        atomic.check_overwrite(tmp_path / "d.csv", flag="--replace")
+    with pytest.raises(FileExistsError):
+        atomic.check_overwrite(tmp_path / "d.csv")
     atomic.check_overwrite(tmp_path / "d.csv", overwrite=True)
 
 

@@ -50,10 +50,6 @@ def test_csv_of_a_transposed_variable():
     assert [row[-1] for row in rows[1:]] == [row[2] for row in rows[1:]]
 
 
-def test_csv_of_coordinates_alone():
-    assert results.to_csv({"pressure": VARIABLES["pressure"]}).startswith("pressure [Pa]\n0.0\n")
-
-
 def test_datasets_have_unit_meaning_and_source():
     data = results.dataset(VARIABLES, title="a test", source="ourselves")
     assert data["force"].attrs == {
@@ -78,21 +74,6 @@ def test_written_results_read_back(tmp_path, name):
         assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-def test_text_formats_by_their_ending(tmp_path):
-    results.write(VARIABLES, tmp_path / "x.csv")
-    results.write(VARIABLES, tmp_path / "x.JSON")
-    assert (tmp_path / "x.csv").read_text() == results.to_csv(VARIABLES)
-    assert (tmp_path / "x.JSON").read_text() == results.to_json(VARIABLES) + "\n"
-
-
-def test_missing_zarr_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(
-        ValueError, match=r"needs the package zarr: pip install 'fascicle\[sweep\]'"
-    ):
-        results.check_result_path(tmp_path / "x.zarr")
-
-
 def test_folder_without_a_store_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
     (tmp_path / "x.zarr").mkdir()
@@ -100,22 +81,12 @@ def test_folder_without_a_store_is_kept(tmp_path, monkeypatch):
         results.check_result_path(tmp_path / "x.zarr")
 
 
-def test_failure_leaves_the_former_file(tmp_path):
-    path = tmp_path / "x.nc"
-    path.write_bytes(b"old")
-    broken = VARIABLES | {"bad": Variable(("pressure",), np.zeros(7), "-")}
-    with pytest.raises(ValueError, match="conflicting sizes"):
-        results.write(broken, path)
-    assert path.read_bytes() == b"old"
-    assert [entry.name for entry in tmp_path.iterdir()] == ["x.nc"]
-
-
-@pytest.mark.parametrize("name", ["x.xls", "x", "x.nc.txt"])
-def test_refuses_other_endings(tmp_path, name):
-    with pytest.raises(ValueError, match="must end in"):
-        results.write(VARIABLES, tmp_path / name)
-    with pytest.raises(ValueError, match=r"only \.nc and \.zarr"):
-        results.read(tmp_path / name)
+def test_refuses_other_endings(tmp_path):
+    for name in ("x.xls", "x", "x.nc.txt"):
+        with pytest.raises(ValueError, match=name):
+            results.write(VARIABLES, tmp_path / name)
+        with pytest.raises(ValueError, match=name):
+            results.read(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 

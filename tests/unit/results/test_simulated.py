@@ -1,6 +1,5 @@
 """A short run as labelled values, as a picture, and as a page."""
 
-import json
 import re
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.dynamics import audit
 from fascicle.files import example_text, loads_scenario
-from fascicle.plot.trajectory import MOST, energy_balances, sides, thinned, traces
+from fascicle.plot.trajectory import MOST, sides, thinned
 from fascicle.reports.simulation import report
 
 
@@ -59,14 +58,6 @@ def test_a_table_of_a_joint_has_radians():
     assert "balance" not in table
 
 
-def test_run_table_as_csv_and_json(ran):
-    table = fs.tables.simulated(ran[0].plant, *ran[1:])
-    head, *rows = table.to_csv().splitlines()
-    assert head.startswith("time [s],position [m],velocity [m/s]") and len(rows) == 41
-    assert "pressure_2 [Pa]" in head
-    assert json.loads(table.to_json())["closes"] == [True] * 5
-
-
 def test_thinned_curve_keeps_its_peak():
     values = np.sin(np.linspace(0, 40, 100_000))
     values[31_415], values[77_777] = 3.0, -2.0
@@ -85,22 +76,10 @@ def test_negative_terms_change_sides(ran):
     assert small == ["tiny"]
 
 
-def test_pictures_are_labelled(ran):
-    read, run, audited = ran
-    figure = traces(read.plant, run)
-    labels = [ax.get_ylabel() for ax in figure.axes]
-    assert labels[:3] == ["Position q [mm]", "Pressure P [kPa]", "Force F [N]"]
-    drawn = energy_balances([one for one in audited.balances if one.unit == "J"])
-    texts = [text.get_text() for text in drawn.axes[0].texts]
-    assert any(re.match(r"supplied .* J, 1?[0-9.]+ %", text) for text in texts)
-
-
 def test_page_reports_whether_the_balances_close(ran):
     read, run, audited = ran
     page = report(read, run, audited, [], "2026-05-04")
-    for part in ("All 5 balances close", "nothing on this page was measured", "made up",
-                 "exergy of the fluid", "of the largest term", "✓"):  # fmt: skip
-        assert part in page
+    assert "All 5 balances close" in page and "This run can't be trusted." not in page
     assert "http" not in re.sub(r'href="data:[^"]*"|src="data:[^"]*"', "", page)
     doubted = report(read, run, None, ["`chamber` is <a fit>"], "2026-05-04")
     assert "This run can't be trusted." in doubted
