@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fascicle.records import Record, averaged
+from fascicle.records import Record, averaged, loop_of
 
 
 WIDTH = 6.0  # N, between the branches
@@ -78,8 +78,20 @@ def test_one_branch_is_kept_as_it_is():
 
 
 def test_what_it_refuses():
-    with pytest.raises(ValueError, match="`points` must be at least 2"):
-        averaged(loops(), points=1)
     t = np.linspace(0, 1, 300)
-    with pytest.raises(ValueError, match="no runs"):
-        averaged(Record.of(4e5 * t, 0.2 * t, t))
+    for record, points in ((loops(), 1), (Record.of(4e5 * t, 0.2 * t, t), 50)):
+        with pytest.raises(ValueError, match=r"`points`|no runs"):
+            averaged(record, points=points)
+
+
+def test_widths_are_those_that_were_put_in():
+    P, strain = np.array([1e5, 3e5])[:, None], np.linspace(0, 0.2, 101)
+    F, half = P * 1e-3 * (1 - strain / 0.3), np.array([3.0, 9.0])[:, None]
+    both, branch = np.concatenate([F - half, F + half], axis=1), np.repeat([1, -1], strain.size)
+    loop = loop_of(Record.of(P, np.tile(strain, 2), both, branch=branch))
+    assert_allclose(loop.pressure, [1e5, 3e5])
+    assert_allclose(loop.width, [6, 18], rtol=1e-9)
+    assert_allclose(loop.widest, [6, 18], rtol=1e-9)
+    assert_allclose(loop.share, 0.06, rtol=1e-9)
+    assert_allclose(loop.half, np.sqrt((9 + 81) / 2), rtol=1e-9)
+    assert loop_of(Record.of(1e5, strain, 100 * (1 - strain), branch=1)) is None  # one way

@@ -22,12 +22,6 @@ def test_readings_broadcast_and_are_ones_own():
     assert (len(record), record.branch.dtype, record.censored.dtype) == (2, np.int8, bool)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_readings_are_finite(bad):
-    with pytest.raises(ValueError, match=f"`force` must be finite, got {bad} in reading 2"):
-        Record.of(1e5, [0.0, 0.1], [1.0, bad])
-
-
 def test_some_of_them():
     timed = Record.of(1e5, [0.0, 0.1], [50, 20], time=np.array([0.0, 1.0]), notes=("n",))
     some = timed.only([False, True], "the last")
@@ -42,33 +36,25 @@ def test_joined():
     )
     for records in ([ONE, strains_only], [strains_only, ONE]):
         both = join(records)
-        assert len(both) == 3
         # strains alone are taken to refer to the same length
-        assert (both.rest_length, both.synthetic, both.time, both.notes) == (
-            0.3,
-            True,
-            None,
-            ("n",),
-        )
+        assert (len(both), both.rest_length, both.synthetic) == (3, 0.3, True)
+        assert (both.time, both.notes) == (None, ("n",))
     assert [source.name for source in both.sources] == ["b", "a"]
-    with pytest.raises(ValueError, match=r"one rest length, got \['0.3', '0.4'\] m"):
+    with pytest.raises(ValueError, match="one rest length"):
         join([ONE, Record.of(1e5, 0.1, 5, rest_length=0.4)])
 
 
 def test_the_same_readings_twice_are_told():
     copied = replace(ONE, sources=(Source("copy", "1"),), rest_length=None)
-    told = "a and copy hold the same readings, which count twice: leave one out"
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match="a and copy hold the same readings"):
         both = join([ONE, Record.of(2e5, 0.1, 5), copied])
-    assert len(both) == 5 and both.notes == ("n", told)
-    with pytest.warns(UserWarning, match="record 1 and record 2 hold the same"):
-        join([Record.of(1e5, 0.1, 5)] * 2)
+    assert len(both) == 5
     with_noise = Record.of(1e5, [0.0, 0.1], [50, 20.1])
     assert join([ONE, with_noise]).notes == ("n",)  # no warning: they are errors here
 
 
-def test_masked_readings_are_refused():
-    force = np.ma.masked_less([1.0, -9.0], 0)
+@pytest.mark.parametrize("force", [[1.0, np.nan], [1.0, np.inf], np.ma.masked_less([1.0, -9.0], 0)])
+def test_readings_that_are_no_numbers_are_refused(force):
     with pytest.raises(InvalidInputError) as error:
         Record.of(1e5, [0.0, 0.1], force)
     assert error.value.argument == "force"

@@ -49,34 +49,9 @@ def test_floats_at_the_ends_of_their_range():
     assert np.signbit(back.force[0])
 
 
-def test_the_file_says_that_it_is_synthetic():
-    assert dumps(random_record(synthetic=True)).startswith("# synthetic: ")
-    assert "synthetic" not in dumps(random_record())
-
-
 def test_sources_and_notes_go_along():
-    record = random_record(
-        sources=(Source("raw.csv", "ab" * 32),), notes=("a note\nof two lines", "another")
-    )
-    text = dumps(record)
-    assert f"# source: raw.csv sha256 {'ab' * 32}\n# note: a note of two lines\n" in text
-    notes = loads(text, source="m.csv").notes
+    source = Source("raw.csv", "ab" * 32)
+    record = random_record(sources=(source,), notes=("a note\nof two lines", "another"))
+    notes = loads(dumps(record), source="m.csv").notes
     for note in (f"source: raw.csv sha256 {'ab' * 32}", "note: a note of two lines"):
         assert f"m.csv: {note}" in notes
-
-
-def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
-    path = tmp_path / "r.csv"
-    path.write_text("before")
-    monkeypatch.setattr(
-        "pathlib.Path.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "full"))
-    )
-    with pytest.raises(OSError, match=r"r\.csv: can't be written: full\."):
-        write(random_record(), path)
-    monkeypatch.undo()
-    assert path.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [path]
-    with pytest.raises(OSError, match="it is a folder"):
-        write(random_record(), tmp_path)
-    with pytest.raises(OSError, match="can't be written: no such folder"):
-        write(random_record(), tmp_path / "none" / "r.csv")
