@@ -4,14 +4,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.calibrate.data import (
     MAX_READINGS,
-    MIN_PUSHES,
     assign_levels,
     fit_table,
     pulling_only,
     select_fit_data,
 )
-from fascicle.calibrate.messages import fit_data_lines
-from fascicle.calibrate.parameters import FACTOR_NAMES
 from fascicle.records.record import Record
 
 
@@ -42,13 +39,6 @@ def test_a_swept_pressure_is_cut_in_fine_steps():
     # 0.5 % of the highest pressure, and the rounding of the cut
     assert max(widths) <= 0.005 * 4e5 * (1 + 1e-12)
     assert levels.max() >= 199
-
-
-def test_a_sweep_beside_steps_leaves_the_steps_alone():
-    P = np.concatenate([np.repeat([1e5, 2e5], 5), np.linspace(3e5, 4e5, 101)])
-    levels = assign_levels(P)
-    assert_array_equal(levels[:10], np.repeat([0, 1], 5))
-    assert np.unique(levels[10:]).size >= 50
 
 
 def test_short_rows_hold_the_readings_as_they_were():
@@ -91,23 +81,6 @@ def test_clipped_readings_are_never_averaged_with_others():
     kinds = np.asarray(made.censored)[0][count > 0]
     assert kinds.sum() == (~kinds).sum() > 0
     assert_array_equal(force[count > 0], np.where(kinds, 0.0, 7.0))
-
-
-def test_averages_stay_in_their_step_of_strain():
-    n, longest = 3000, 20
-    strain = np.linspace(0, 0.3, n)
-    made = fit_table(Record.of(1e5, strain, strain), longest).grid
-    assert made.count.shape == (1, longest)
-    # the middles of twenty even steps
-    step = 0.3 / longest
-    assert_allclose(made.strain[0], step * (np.arange(20) + 0.5), atol=0.3 / n)
-    assert_allclose(made.force, made.strain, rtol=1e-13)
-
-
-def test_a_long_stay_at_one_strain_is_one_average():
-    made = fit_table(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0))).grid
-    assert_array_equal(made.count, [[500]])
-    assert_allclose(made.strain, [[0.1]], rtol=1e-14)
 
 
 def test_branches_are_never_averaged_with_each_other():
@@ -167,10 +140,6 @@ def test_small_forces_past_the_pull_are_noise(rows, pressures, noise):
     assert [np.flatnonzero(row).tolist() for row in seen(*rows, pressures=pressures)] == noise
 
 
-def test_as_many_readings_must_push_as_resistance_has_factors():
-    assert len(FACTOR_NAMES) == MIN_PUSHES
-
-
 def test_readings_that_do_not_pull_are_not_said_to_be_clipped():
     force = np.array([PULLS, [*PULLS[:-1], -2.0]])
     P = np.array([[1e5], [2e5]]) + 0 * force
@@ -179,4 +148,3 @@ def test_readings_that_do_not_pull_are_not_said_to_be_clipped():
         data = pulling_only(data)
         assert (data.pushes_clipped, data.clipped, data.counts()["clipped"]) == (1, 0, 0)
         assert data.record.censored.sum() == 1
-        assert not any(" are clipped:" in line for line in fit_data_lines(data))

@@ -12,9 +12,7 @@ from fascicle.calibrate import fit
 from fascicle.calibrate.diagnostics import (
     Residuals,
     autocorrelation_inflation,
-    discrepancy_sizes,
     find_trends,
-    residuals_of,
 )
 from fascicle.calibrate.least_squares import NORMAL
 from fascicle.records.record import Record
@@ -90,14 +88,6 @@ def test_intervals_with_a_discrepancy_hold_the_truth(bowed, found):
     inside, from_noise = coverage(bowed)
     assert from_noise < 0.5
     assert least_coverage(bowed) < inside <= 1
-
-
-def test_the_discrepancy_has_its_true_size(bowed):
-    sizes = [discrepancy_sizes(residuals_of(c), c.diagnosis)[0] for c in bowed]
-    assert all(3 <= orders <= 6 for _, orders in sizes)
-    # a variance of four or so orders scatters by 70 %; three deviations of the mean
-    tolerance = 3 * 0.7 / np.sqrt(len(sizes))
-    assert_allclose(np.mean([variance for variance, _ in sizes]), (3 * SIGMA) ** 2, rtol=tolerance)
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """Whole fits of synthetic records; each fixture is one compiled search, and many look at it."""
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +8,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, fit
-from fascicle.calibrate.calibration import largest_force
-from fascicle.calibrate.fitting import _with_tables
 from fascicle.calibrate.least_squares import NORMAL
-from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import provenance_of
-from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
-from fascicle.records.record import Record, Source
+from fascicle.records.record import Record
 
 
 TRUE = fs.example("kim2021_slenderness_10")
@@ -54,21 +49,6 @@ def unbuckled():
 
 
 # ---- the paper's tuning
-
-
-def test_the_tuning_says_how_it_ended(tuned):
-    assert tuned.method == "tuning"
-    assert tuned.names == (
-        "youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
-        "hinge_stiffness_slope", "transition_rate",
-    )  # fmt: skip
-    assert tuned.status.startswith("converged")
-    # four wide starts, four about their best, and two beside it along the one factor that this
-    # record doesn't determine, each with its words
-    unknown = [estimate for estimate in tuned.parameters if not estimate.identifiable]
-    assert len(tuned.starts) == 4 + 4 + 2 * len(unknown) == 10
-    assert all("converged" in line or "stopped" in line for line in tuned.starts)
-    assert (tuned.points, tuned.censored) == (7 * 60, 0)
 
 
 def test_factors_are_recovered_within_their_intervals(many):
@@ -250,11 +230,6 @@ def test_clipped_readings_are_spoken_of(constants, found):
     assert_array_equal(np.isnan(constants.residual).reshape(-1), constants.record.censored)
 
 
-def test_the_best_is_the_muscles_own_force(constants):
-    mine = constants.muscle.force(P5, STRAIN)
-    assert_allclose(constants.force, mine, rtol=1e-9, atol=1e-9)
-
-
 def test_a_prior_is_weighed_against_the_data(constants):
     tight = fit(clipped(), NOMINAL, NAMES, {"outer_radius": Prior(6e-3, 1e-5)})
     # the data know the radius to 0.09 mm: a hundredth of a millimeter holds it, near enough
@@ -321,7 +296,7 @@ def test_a_robust_loss_takes_no_notice_of_outliers(loss):
     ],
 )
 def test_unknown_choices_are_refused(names, options, argument):
-    with pytest.raises(fs.InvalidInputError, match="is unknown") as error:
+    with pytest.raises(fs.InvalidInputError) as error:
         fit(clipped(), NOMINAL, names, **options)
     assert error.value.argument == argument
 
@@ -330,19 +305,11 @@ def test_records_that_tell_nothing_are_refused():
     record = clipped()
     still = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
     rounded = replace(still, force=-4.4e-15 * record.strain)
-    flipped = replace(record, force=-np.abs(record.force), sources=(Source("d.csv", ""),))
-    for bad, rule in (
-        (record.only(slice(0, 1)), "holds 1 readings for 2 parameters"),
-        (still, "holds no force but 0 N"),
-        (rounded, "holds no force but 0 N"),
-        (flipped, "of d.csv holds no force that pulls, the largest is 0 N"),
-    ):
-        with pytest.raises(fs.InvalidInputError, match=rule) as error:
+    flipped = replace(record, force=-np.abs(record.force))
+    for bad in (record.only(slice(0, 1)), still, rounded, flipped):
+        with pytest.raises(fs.InvalidInputError) as error:
             fit(bad, NOMINAL, NAMES)
         assert error.value.argument == "record"
-    # without pressure it may be that only pushes were measured
-    pushes = Record.of(0.0, flipped.strain, flipped.force - 1.0, rest_length=0.127)
-    assert largest_force(pushes) == np.max(1.0 - flipped.force)
 
 
 def test_priors_that_no_muscle_can_have_are_refused():
@@ -358,26 +325,3 @@ def test_a_wide_prior_is_still_a_prior():
     # 54 ± 3 deg: half of it lies past 54.7 deg, and still it says more than nothing
     made = fit(clipped(), NOMINAL, NAMES, {"braid_angle": Prior(np.radians(54), np.radians(3))})
     assert made.problem.deviation[0] < 20
-
-
-def test_a_slope_may_fall_beforehand():
-    from fascicle.calibrate.fitting import _with_priors
-    from fascicle.calibrate.parameters import select_parameters
-
-    falling = {"hinge_stiffness_slope": Prior(-1e-7, 1e-6)}
-    free = select_parameters(["hinge_stiffness_slope"], DRAWN)
-    assert _with_priors(DRAWN, free, falling).tuning.hinge_stiffness_slope < 0
-
-
-def test_a_factor_that_was_fitted_far_out_is_told_with_its_interval_alone(tuned):
-    far = with_fields(
-        tuned.muscle,
-        tuning=with_fields(tuned.muscle.tuning, hinge_stiffness_factor=np.float64(151.0)),
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        made = _with_tables(far, tuned.readings)
-    assert float(made.tuning.hinge_stiffness_factor) == 151.0
-    # one that is given is warned of
-    with pytest.warns(UserWarning, match="`hinge_stiffness_factor` of 151 is unusual"):
-        Tuning(hinge_stiffness_factor=151.0)

@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 import fascicle as fs
 from fascicle.calibrate.data import Grid
-from fascicle.calibrate.least_squares import LOSSES, Problem, starts_beside
+from fascicle.calibrate.least_squares import LOSSES, Problem
 from fascicle.calibrate.parameters import select_parameters
 
 
@@ -31,20 +31,6 @@ def problem(force, censored=False, count=1.0, weight=1.0, loss="linear", **more)
         np.full(F.shape, weight), SIGMA, full["center"], full["deviation"],
         full["parameters"], full["rest_length"], loss=loss,
     )  # fmt: skip
-
-
-def test_a_measured_force_misses_by_its_deviations():
-    F, mu = np.array([3.0, -1.0, 0.0]), np.array([2.0, 1.0, 0.0])
-    r = problem(F).misfits(np.atleast_2d(mu))[0]
-    assert_allclose(r[0], (F - mu) / SIGMA, rtol=1e-15)
-    # the mean of n readings scatters by sigma/sqrt(n); a weight stands before it all
-    r = problem(F, count=9.0, weight=0.5).misfits(np.atleast_2d(mu))[0]
-    assert_allclose(r[0], 0.5 * 3 * (F - mu) / SIGMA, rtol=1e-15)
-
-
-def test_a_place_that_is_filled_up_says_nothing():
-    mu = np.array([[5.0, -8.0]])
-    assert_array_equal(problem([1.0, 2.0], count=0.0).misfits(mu)[0], 0)
 
 
 # in deviations, from "as sure as can be" to far where the model pulls and nothing was seen
@@ -113,27 +99,3 @@ def test_losses_are_smooth_through_zero(loss):
     assert_allclose(2 * (r * slope)[:4], 2 * mu[:4] / SIGMA**2, rtol=1e-9)
     # and everywhere it is the difference's
     assert_allclose(slope, (of(mu + 1e-6)[0] - of(mu - 1e-6)[0]) / 2e-6, rtol=1e-7)
-
-
-def test_the_prior_closes_the_residuals_and_no_loss_touches_it():
-    made = problem([0.0], loss="cauchy", center=np.asarray([1.0]), deviation=np.asarray([0.01]))
-    r = made.residuals(np.array([1.2]), np.zeros((1, 1)))
-    assert_allclose(r, [0.0, 20.0], rtol=1e-13, atol=1e-15)
-
-
-def test_strains_refer_to_the_length_they_were_measured_on():
-    free = select_parameters(["active_length"], muscle)
-    made = problem([0.0], parameters=free, rest_length=np.asarray(0.15))
-    half = made.muscle_at(np.log(np.asarray([0.075])))
-    assert_allclose(made.strain(half), 0.2, rtol=1e-14)
-    assert_allclose(problem([0.0], parameters=free).strain(half), 0.1, rtol=0)
-
-
-def test_starts_lie_beside_a_point_along_what_the_data_do_not_determine():
-    free = select_parameters(["hinge_stiffness_slope", "transition_rate", "c10"], muscle)
-    made, point = problem([0.0], parameters=free), np.array([0.5, 1.0, 2.0])
-    # a unit of the slope's coordinate is ten of the others', which are logarithms
-    starts = starts_beside(made, point, np.diag([101.0, 0.9, 4.0]))
-    steps = [[10, 0, 0], [0, 0, 1], [-10, 0, 0], [0, 0, -1]]
-    assert_array_equal(starts, point + steps)
-    assert len(starts_beside(made, point, np.diag([99.0, 0.9, 0.9]))) == 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.calibrate.intervals import _CRITICAL, profiles
+from fascicle.calibrate.intervals import profiles
 from fascicle.calibrate.least_squares import NORMAL
 
 
@@ -16,10 +16,6 @@ def made(straight):
 @pytest.fixture(scope="module")
 def found(made):
     return profiles(made)
-
-
-def test_critical_is_ninety_percent():
-    assert_allclose(_CRITICAL, NORMAL**2, rtol=1e-12)
 
 
 def test_a_quadratic_problems_interval_is_walds(made, found):

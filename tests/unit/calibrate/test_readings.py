@@ -174,12 +174,6 @@ def test_the_order_is_as_high_as_the_data_ask(order, seeds):
     assert_allclose(smooth.mean(axis=0)[1:], free[1:], rtol=1e-3)
 
 
-def test_without_pressure_nothing_is_read(noisy):
-    found, smooth, _, _ = noisy
-    assert not np.any(np.asarray(found.valid)[:, 0])
-    assert_array_equal(smooth[:, 0], 0.0)
-
-
 def test_two_readings_that_pull_are_enough():
     strain = np.array([0.0, 0.03])
     force, free, blocked = measured(np.ones(P.size), 0.9, strain)
@@ -212,20 +206,6 @@ def test_clipped_readings_are_not_read():
     found = read_curves(muscle, gridded(np.where(clipped, 0.0, force), clipped))
     assert_allclose(found.free_strain[1:], free[1:], rtol=1e-8)
     assert_allclose(found.blocked_force[1:], blocked[1:], rtol=1e-8)
-
-
-def test_where_all_is_clipped_nothing_is_valid():
-    force = np.zeros((P.size, STRAIN.size))
-    found = read_curves(muscle, gridded(force, np.ones(force.shape, bool)))
-    assert not np.any(found.valid)
-
-
-def test_a_level_that_only_pushes_is_not_valid():
-    force, _, _ = measured(np.ones(P.size), 0.95)
-    force[2] = -5.0 - np.linspace(0, 1, STRAIN.size)
-    found = read_curves(muscle, gridded(force))
-    assert not bool(found.valid[2])
-    assert np.all(np.asarray(found.valid)[3:])
 
 
 def test_averages_weigh_what_they_average():

@@ -9,21 +9,12 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate.calibration import Estimate, Profile
 from fascicle.calibrate.data import select_fit_data
-from fascicle.calibrate.findings import calibration_findings
 from fascicle.calibrate.fitting import fit
-from fascicle.calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
+from fascicle.calibrate.messages import interval_texts
 from fascicle.calibrate.model_selection import select_model
-from fascicle.calibrate.readings import _polynomial
 from fascicle.calibrate.verdict import FITS, judge
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
-from fascicle.reports.calibration_words import (
-    actions,
-    cause_words,
-    verdict_lines,
-    warnings_by_topic,
-    words_of,
-)
 
 
 MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, math.radians(26))
@@ -68,13 +59,6 @@ def test_readings_between_levels_are_still_ramps():
         np.concatenate([made.force[:90], 0 * ramp, made.force[90:]]),
     )
     assert select_fit_data(joined).left_out == {"on ramps between sweeps": 10}
-
-
-def test_values_without_scatter_have_a_polynomial():
-    share, value = np.array([0.2, 0.5, 1.0]), np.array([1.0, 2.0, 4.0])
-    fitted = _polynomial(share, value, np.array([0.0, 0.1, 0.0]), 1, 2)
-    assert np.all(np.isfinite(fitted.coefficients))
-    assert np.all(np.isfinite(fitted.covariance))
 
 
 def test_a_muscle_as_given_has_a_calibration_without_constants():
@@ -144,13 +128,6 @@ def test_the_verdict_follows_from_the_size_of_the_error_and_its_pattern(noise, l
     assert verdict.fit == expected and verdict.fit in FITS
     assert math.isnan(verdict.resisting_rmse) and math.isnan(verdict.left_out_rmse)
     assert verdict.pulling_rmse == pytest.approx(verdict.rmse)
-    first, last = verdict_lines(fitted)
-    assert len(first) + len(last) <= 8
-    words = [words_of(finding) for finding in calibration_findings(fitted)]
-    ranked = sorted(words, key=lambda entry: entry.rank)
-    assert actions(fitted) == tuple(entry.action for entry in ranked if entry.action)[:2]
-    lines = [line for lines in warnings_by_topic(fitted).values() for line in lines]
-    assert sorted(lines) == sorted(entry.line for entry in words)
 
 
 @pytest.mark.parametrize(("noise", "expected"), [(0.03, "roughly"), (0.15, "poorly")])
@@ -164,14 +141,15 @@ def test_large_errors_without_a_pattern_are_no_good_fit(noise, expected, found):
     assert found(fitted)["fit.noisy"] == {"relative_rmse": verdict.relative_rmse}
 
 
-def test_large_errors_of_a_wrong_size_are_no_good_fit(found):
+@pytest.mark.parametrize(("noise", "expected"), [(0.5, "other sizes"), (40.0, "roughly")])
+def test_sizes_that_are_not_the_muscles_are_named(noise, expected, found):
     built = MUSCLE.replace(outer_radius=13e-3)
-    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=40.0, muscle=built)
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=noise, muscle=built)
     fitted = fit(data, MUSCLE, ("outer_radius",), whole=False)
-    assert 0.02 < fitted.relative_rmse < 0.05
-    verdict = judge(fitted)
-    assert verdict.fit == "roughly"
-    assert found(fitted)["use.other_size"]["constant"] == "outer_radius"
+    assert (0.02 < fitted.relative_rmse < 0.05) == (noise > 1)
+    assert judge(fitted).fit == expected
+    size = found(fitted)["use.other_size"]
+    assert (size["constant"], size["nominal"]) == ("outer_radius", MUSCLE.outer_radius)
 
 
 def test_a_few_readings_at_one_pressure_are_no_verdict(found):
@@ -191,8 +169,6 @@ def test_causes_that_the_data_can_not_distinguish_are_all_named():
     model = ideal.replace(tension="klute_hannaford")
     fitted = fit(record(P, strain, force), model, ("c10", "c01", "dead_band"), whole=False)
     assert {"load_cell_zero", "rubber"} <= {cause.code for cause in fitted.diagnosis.causes}
-    judgment = verdict_lines(fitted)[0][0]
-    assert all(cause_words(vars(cause))[0] in judgment for cause in fitted.diagnosis.causes)
 
 
 def test_one_cycle_of_friction_is_not_taken_for_a_drift_alone():
@@ -218,24 +194,6 @@ def test_a_limit_beyond_the_prior_is_unknown():
         assert factor.high < 1e3
 
 
-def test_sizes_that_are_not_the_muscles_are_named(found):
-    built = MUSCLE.replace(outer_radius=13e-3)
-    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=0.5, muscle=built)
-    fitted = fit(data, MUSCLE, ("outer_radius",), whole=False)
-    assert judge(fitted).fit == "other sizes"
-    assert found(fitted)["use.other_size"]["nominal"] == MUSCLE.outer_radius
-
-
-def test_branches_that_are_one_have_no_loop():
-    record = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=2.0)
-    made = fit(record, MUSCLE, ("c10", "c01"), whole=False)
-    assert made.friction.law is None
-    made.loop.width[0] = -0.02  # of noise
-    assert "No hysteresis loop" in hysteresis_message(made)
-    assert "-0.02" not in "".join((hysteresis_message(made), *verdict_lines(made)[0]))
-    assert "%" not in hysteresis_message(made)
-
-
 def test_many_readings_of_one_least_number_are_clipped_there():
     made = sweeps([0.0, 5e4, 1e5, 2e5], [0.05, 0.3, 0.35, 0.4], noise=0.3)
     floor = float(np.quantile(made.force, 0.2))
@@ -243,7 +201,6 @@ def test_many_readings_of_one_least_number_are_clipped_there():
     data = record(made.pressure, made.strain, np.maximum(made.force, floor), made.branch)
     of = select_fit_data(data)
     assert of.clipped == np.sum(made.force <= floor) > 20
-    assert f"{floor:.4g} N" in " ".join(fit_data_lines(of))
     fitted = fit(data, MUSCLE, ("c10", "c01", "youngs_modulus_factor"))
     # a clipped reading asks the law to be no higher: it is no force of exactly -8.74 N
     assert fitted.rmse == pytest.approx(0.3, rel=0.15)
@@ -251,12 +208,8 @@ def test_many_readings_of_one_least_number_are_clipped_there():
 
 def test_a_coarse_load_cell_has_no_floor():
     made = sweeps([0.0, 5e4, 1e5, 2e5], [0.05, 0.3, 0.35, 0.4], noise=0.3)
-    assert (
-        select_fit_data(
-            record(made.pressure, made.strain, np.round(made.force), made.branch)
-        ).clipped
-        == 0
-    )
+    coarse = record(made.pressure, made.strain, np.round(made.force), made.branch)
+    assert select_fit_data(coarse).clipped == 0
 
 
 @pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
@@ -272,10 +225,3 @@ def test_another_law_past_the_free_strain_is_no_error_of_a_gauge(truth, model):
     right = fit(data, slender.replace(buckling=truth), free)
     assert not right.diagnosis.resisting_law_in_doubt
     assert all(estimate.identifiable for estimate in right.parameters)
-
-
-def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
-    made = sweeps([1e5, 2e5], [0.05, 0.1], noise=0.01)
-    with pytest.raises(ValueError, match="--push-positive") as refused:
-        fit(record(made.pressure, made.strain, -made.force), MUSCLE, ("c10", "c01"))
-    assert "\n" not in str(refused.value)

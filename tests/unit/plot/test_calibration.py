@@ -1,10 +1,8 @@
 """Figures of a calibration: they draw no more than was measured."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from fascicle.plot import calibration, to_bytes
 from fascicle.plot.calibration import FitPlot, ProfilePlot, ReadingsPlot, profiles
@@ -76,17 +74,6 @@ def test_one_pressure_without_a_band_can_be_drawn():
         assert to_bytes(draw(data), "png").startswith(b"\x89PNG")
 
 
-def test_residuals_stand_between_lines_of_twice_the_noise():
-    left, right, _ = calibration.residuals(FIT).axes
-    for ax in (left, right):
-        flat = {line.get_ydata()[0] for line in ax.lines if line.get_linestyle() == "--"}
-        assert flat == {-0.2, 0.2}
-    # each level's points keep clear of the next level's
-    ends = [(line.get_xdata().min(), line.get_xdata().max()) for line in points(right, "o")]
-    assert len(ends) > 1
-    assert all(a[1] < b[0] for a, b in itertools.pairwise(ends))
-
-
 def test_readings_are_drawn_with_their_errors():
     curve = np.stack([np.linspace(0, 2, 9) + shift for shift in (-0.1, 0, 0.1)])
     read = ReadingsPlot(
@@ -98,14 +85,6 @@ def test_readings_are_drawn_with_their_errors():
         (bars,) = ax.containers
         ends = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
         np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, half)
-
-
-@pytest.mark.parametrize("count", [1, 4, 5])
-def test_each_parameter_has_its_panel(count):
-    figure = profiles([replace(PROFILE, name=f"p_{i}") for i in range(count)])
-    panels = [ax for ax in figure.axes if ax.get_visible()]
-    assert len(panels) == count
-    assert "p 0" in panels[0].get_title(loc="left")
 
 
 def test_an_unidentifiable_parameter_is_named_so_over_decades():

@@ -6,7 +6,7 @@ import pytest
 import fascicle as fs
 from fascicle import plot
 from fascicle.bundle.reversal import free_strain_curve, reversal
-from fascicle.plot.curves import free_strain_states, split_at_jumps
+from fascicle.plot.curves import free_strain_states
 
 
 SUPPLY = 344.7e3
@@ -37,39 +37,6 @@ def test_a_curve_is_open_where_it_jumps(count):
     assert turn.get_ydata()[0] == pytest.approx(exact.free_strain, abs=1e-5)
     assert "unit 2" in ax.get_xlabel() and "kPa" in ax.get_xlabel()
     assert labels == ["$P_{1}$ = 344.7 kPa", "computed", "jump", "reversal point"]
-
-
-def test_states_of_the_other_units_are_curves_of_their_own():
-    P = np.linspace(0.0, SUPPLY, 5)
-    states = np.array([(first, second) for first in (200e3, 300e3) for second in P[::-1]])
-    ax, labels = draw(states, resistance=False)
-    assert labels == ["$P_{1}$ = 200 kPa", "$P_{1}$ = 300 kPa", "computed"]
-    assert all(np.all(np.diff(line.get_xdata()) > 0) for line in ax.get_lines())
-
-
-def test_a_muscle_has_no_unit():
-    muscle = fs.example("kim2021_figure_6")
-    P = np.linspace(0.0, SUPPLY, 4)
-    ax = free_strain_states(muscle, P, muscle.free_strain(P)).axes[0]
-    assert ax.get_xlabel() == "Pressure P [kPa]"
-    assert np.isfinite(ax.get_lines()[0].get_ydata()).all()
-
-
-def test_a_steep_curve_does_not_jump_and_every_jump_is_noticed():
-    x = np.linspace(0.0, 1.0, 11)
-
-    def steep(x):
-        return np.tanh((x - 0.33) * 1e4)
-
-    def stairs(x):
-        return np.floor(3.5 * x)
-
-    (_, y), jumps = split_at_jumps(x, steep(x), steep)
-    assert not jumps and np.isfinite(y).all()
-    (pressures, y), jumps = split_at_jumps(x, stairs(x), stairs)
-    assert np.isnan(y).sum() == len(jumps) == 3
-    np.testing.assert_allclose([ends[0] for ends, _ in jumps], np.arange(1, 4) / 3.5)
-    assert np.all(np.diff(pressures) >= 0)
 
 
 def test_a_curve_that_turns_by_a_jump_is_open_there():

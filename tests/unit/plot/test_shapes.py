@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from fascicle import plot
 from fascicle.files import example
 from fascicle.plot.shapes import _fibers, outlines
 
@@ -34,11 +33,3 @@ def test_walls_touch_at_the_hinge_of_a_tube_that_keeps_its_radius():
     assert height.min() == pytest.approx(2 * 1.6e-3)
     assert height[0] == pytest.approx(2 * COLLAPSED.radius)
     assert pytest.approx(CRITICAL.radius) == COLLAPSED.radius
-
-
-def test_states_are_drawn_to_one_scale():
-    figure = plot.shapes(MUSCLE, {"rest": (0.0, 0.0), "collapsed": (34.5e3, 0.25)})
-    (axes,) = figure.axes
-    spans = np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
-    across, up = figure.get_size_inches() / spans
-    assert across == pytest.approx(up)

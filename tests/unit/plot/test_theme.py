@@ -8,18 +8,11 @@ import pytest
 from fascicle import plot
 from fascicle.core.errors import InvalidInputError
 from fascicle.files import example
-from fascicle.plot.theme import SINGLE, in_kilopascals, new_figure
+from fascicle.plot.theme import in_kilopascals, new_figure
 
 
 MUSCLE = example("kim2021_figure_6")
 PRESSURES, STRAINS = np.array([0.0, 34.5e3, 137.9e3]), np.linspace(0.0, 0.3, 31)
-
-
-def test_a_figure_has_its_printed_sizes_outside_of_the_style():
-    figure, axes = new_figure(width=SINGLE)
-    figure.canvas.draw()
-    assert {label.get_fontsize() for label in axes[0, 0].get_xticklabels()} == {7.0}
-    assert figure.get_figwidth() * 25.4 == pytest.approx(88)
 
 
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])

@@ -13,7 +13,7 @@ from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.diagnostics import Diagnosis
 from fascicle.calibrate.least_squares import Linearization, Minimum, Problem, SearchEnds
 from fascicle.calibrate.parameters import coordinates, select_parameters
-from fascicle.calibrate.plot_data import figures, fit_plot, profiles_plot, readings_plot
+from fascicle.calibrate.plot_data import figures, fit_plot, readings_plot
 from fascicle.calibrate.posterior import Posterior
 from fascicle.files import provenance
 from fascicle.files.calibration_files import provenance_of
@@ -90,35 +90,11 @@ def page(fit, profiles, plots):
     return re.sub(r">\s+<", "><", html)
 
 
-def test_warnings_come_first_then_what_the_data_cant_tell(page):
-    heads = re.findall(r"<h2[^>]*>([^<]*)</h2>", page)
-    assert heads[:3] == ["Warnings", "Not determined by the data", "Parameters"]
-    assert "Nothing past the free strain was measured" in page
+def test_the_page_names_what_was_fitted_and_how(page, fit):
+    assert "a &lt;b&gt;.csv" in page and SHA in page and "a &lt;law&gt;" in page
+    assert f"{fit.points} readings at 3 pressures from 100 to 300 kPa" in page
     undetermined = page[page.index('id="undetermined"') : page.index('id="parameters"')]
     assert "outer_radius" in undetermined and "c10" not in undetermined
-    assert "clipped readings" in undetermined
-
-
-def test_the_page_says_what_was_fitted(page, fit):
-    assert "column <code>F</code> read as force" in page
-    assert "Synthetic: a model made these readings" in page
-    assert "a &lt;b&gt;.csv" in page and SHA in page
-    assert f"{fit.points} readings at 3 pressures from 100 to 300 kPa" in page
-
-
-def test_parameters_carry_units_intervals_and_a_word(page, fit):
-    first, second = (
-        re.findall(rf"<tr><td><code>{name}</code><br>.*?</tr>", page)[0] for name in fit.names
-    )
-    entry = fit.parameters[0]
-    assert units.pretty(entry.value, "pressure") in first and "kPa to " in first and "yes" in first
-    assert "80 kPa to ∞" in first and "−∞ to ∞" in second and "no</span>" in second
-
-
-def test_every_start_law_and_chain_is_there(page):
-    assert "start 2: stopped after" in page
-    assert "a &lt;law&gt;" in page and "<td>1.25 N</td><td>-</td>" in page
-    assert "Not converged yet" in page and "1.2500" in page and "3 divergences" in page
 
 
 def test_nothing_is_asked_for_from_outside(page):
@@ -148,16 +124,9 @@ def test_the_band_holds_the_curve_and_is_wider_than_the_noise(fit):
     )
 
 
-def test_profiles_are_shown_in_handy_units(fit, profiles):
-    first, second = profiles_plot(fit, profiles)
-    assert (first.unit, second.unit) == ("kPa", "mm")
-    assert first.estimate == pytest.approx(fit.parameters[0].value / 1e3)
-    assert first.crosses == (80.0, np.inf)
-
-
 def test_a_fit_of_constants_has_no_readings_to_show(fit, plots):
     assert set(plots) == {"fit", "residuals", "profiles"}
-    with pytest.raises(ValueError, match="has no readings"):
+    with pytest.raises(ValueError, match="readings"):
         readings_plot(fit)
 
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from fascicle.reports.interactive import Axis, objective_axis, parallel_coordinates, scatter
+from fascicle.reports.interactive import Axis, parallel_coordinates, scatter
 
 
 VALUES = np.array([1.0, 3.0, 2.0])
@@ -48,8 +48,3 @@ def test_the_background_lies_behind_and_stretches_the_axes():
     assert svg.count('class="background"') == 2
     assert svg.rindex('class="background"') < svg.index('class="mark"')
     assert {">0<", ">8<"} <= set(re.findall(r">\d<", svg))
-
-
-def test_lengths_are_shown_in_millimeters():
-    axis = objective_axis(np.array([0.05]), "envelope", "m")
-    assert axis.label == "envelope [mm]" and axis.values[0] == 50.0

@@ -3,7 +3,7 @@ import re
 import pytest
 from jinja2 import UndefinedError
 
-from fascicle.reports import data_uri, prose, render, verdict
+from fascicle.reports import data_uri, prose, render
 from fascicle.reports.page import Picture, downloads
 
 
@@ -60,9 +60,3 @@ def test_a_page_loads_nothing_from_outside(page):
 def test_a_missing_value_is_an_error(page):
     with pytest.raises(UndefinedError):
         render("design.html", title="t")
-
-
-@pytest.mark.parametrize("word", ["holds", "differs", "fails", "chosen", "by definition"])
-def test_a_verdict_has_a_sign_beside_its_color(word):
-    style = word.split()[-1].replace("definition", "defined")
-    assert re.fullmatch(rf'<span class="{style}">\S\xa0{word}</span>', verdict(word))
