@@ -61,11 +61,8 @@ def test_a_scenario_and_a_task_name_it(folder):
     ("text", "key"),
     [
         ('muscle = "nowhere.toml"', "muscle"),
-        ('muscle = "kim2021_bundle_1_1"', "muscle"),
         ('muscle = "b.toml"', "muscle"),  # itself: a named file names no files
         (f'{UNIT}muscle = "nowhere.toml"', "bundle.motor_unit[0].muscle"),
-        (f'muscle = "fit/muscle.toml"\n{UNIT}muscle = "nowhere"', "bundle.motor_unit[0].muscle"),
-        ("muscle = 3", "muscle"),
     ],
 )
 def test_what_names_none_is_one_line(folder, text, key):

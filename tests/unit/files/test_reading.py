@@ -82,10 +82,6 @@ def test_a_factor_on_any_collapse_law(law):
     assert (loads(text).collapse.name, float(loads(text).collapse.factor)) == (law, 0.785)
 
 
-def test_a_factor_without_a_law_is_on_the_default_one():
-    assert loads(MUSCLE + COLLAPSE + "factor = 2").collapse.name == loads(MUSCLE).collapse.name
-
-
 def test_a_material_of_its_own():
     inline = 'material = { c10 = "118.4 kPa", c01 = "105.7 kPa", youngs_modulus = "1.78 MPa" }'
     material = loads(MUSCLE + inline).material
@@ -143,31 +139,21 @@ def test_windows_files_and_byte_order_marks(tmp_path):
         # keys
         ("length", "lenght", 'muscle.lenght: unknown key, did you mean "length"?'),
         ("[muscle]", "[musle]", 'musle: unknown key, did you mean "muscle"?'),
-        ("[muscle]", "colour = 3\n[muscle]", "colour: unknown key, choose one of bundle, calib"),
         ('length = "127 mm"\n', "", 'muscle.length: missing, write length = "127 mm".'),
-        ("format = 1\n", "", "format: missing, write format = 1."),
         ("format = 1", "format = 2", "format = 2: must be 1, the format that this version"),
-        ("format = 1", "format = true", "format = true: must be 1"),
         # units
         ('"127 mm"', "127", "muscle.length = 127: `length` must be a length, such as"),
-        ('"127 mm"', '"127"', 'muscle.length = "127": `length` must be a length, such as'),
         ('"127 mm"', '"127 kPa"', "'kPa' is no unit of length"),
         ('"127 mm"', '"nan mm"', "it must be finite"),
-        ('"127 mm"', "nan", "muscle.length = NaN: `length` must be a length"),
         ('"127 mm"', '["127 mm"]', "muscle.length: `length` must be a length"),
         # sizes: the constructors' own rules
-        ('"127 mm"', '"-127 mm"', 'muscle.length = "-127 mm": `length` must be positive'),
         ('"127 mm"', '"0 mm"', 'muscle.length = "0 mm": `length` must be positive'),
         ("1.6 mm", "6.35 mm", 'muscle.wall_thickness = "6.35 mm": `wall_thickness` must be less'),
         ("33 deg", "54.7357 deg", 'muscle.braid_angle = "54.7357 deg": `braid_angle` must lie in'),
-        ("33 deg", "0 deg", 'muscle.braid_angle = "0 deg": `braid_angle` must lie in'),
-        ("33 deg", "-5 deg", 'muscle.braid_angle = "-5 deg": `braid_angle` must lie in'),
         # TOML
         ("[muscle]", "[muscle", "not TOML: Expected ']'"),
         ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", "length is repeated on"),
         ("[muscle]", "x = " + "[" * 5000 + "\n[muscle]", "not TOML: "),
-        (MUSCLE, "format = 1\nmuscle = 5", "muscle = 5: must be a table of keys"),
-        (MUSCLE, "", "format: missing"),
     ],
 )
 def test_refuses(old, new, message):
@@ -179,55 +165,23 @@ def test_refuses(old, new, message):
     ("more", "message"),
     [
         ('material = "silicon"', "muscle.material = \"silicon\": `material` 'silicon' is unknown"),
-        ("material = 3", "muscle.material = 3: must be a name in quotes"),
         ('material = { c10 = "1 kPa" }', "muscle.material.c01: `c01` is missing"),
         ('material = { c10 = "1 kPa", c01 = "-1 kPa" }', 'material.c01 = "-1 kPa": `c01` must be'),
-        ('material = { c20 = "1 kPa" }', 'muscle.material.c20: unknown key, did you mean "c10"?'),
-        ('buckling = "elastca"', "muscle.buckling = \"elastca\": `buckling` 'elastca' is unknown"),
-        ('tension = "none"', 'muscle.tension = "none": `tension`'),
-        (
-            'tension = { law = "none" }',
-            "muscle.tension.law = \"none\": `tension` 'none'",
-        ),
-        ("tension = {}", 'muscle.tension.law: missing, write law = "klute_hannaford".'),
         (TONDU + "k = 1 }", "muscle.tension.k = 1: not a parameter of tondu_lopez, choose one of"),
         (TONDU + "strain_factor = -1 }", "tension.strain_factor = -1: `strain_factor` must be"),
-        (TONDU + "strain_factor_rise = -1 }", "tension.strain_factor_rise = -1: `strain_factor_r"),
         (TONDU + "decay_pressure = 1 }", "tension.decay_pressure = 1: `decay_pressure` must be"),
-        (TONDU + "force_factor = 1 }", "tension.force_factor = 1: not a parameter of tondu_lopez"),
-        ('tension = { law = "ideal", force_factor = 1 }', "of ideal: it has none, drop it."),
-        (
-            'tension = { law = "kothera2009", pressure_term = "idea" }',
-            "muscle.tension.pressure_term = \"idea\": `pressure_term` 'idea' is unknown: did you",
-        ),
-        ('post_collapse = "print"', 'muscle.post_collapse = "print": `post_collapse`'),
         (COLLAPSE + 'law = "wod1958"', "muscle.collapse.law = \"wod1958\": `collapse` 'wod1958'"),
-        (COLLAPSE + 'law = "wod1958"\nfactor = 2', "muscle.collapse.law"),
         (COLLAPSE + "factor = -2", "muscle.collapse.factor = -2: `factor` must be positive"),
-        (COLLAPSE + "transition_rate = 0", "collapse.transition_rate = 0: `transition_rate` must"),
-        (COLLAPSE + "beta = 1", "muscle.collapse.beta = 1: not a parameter of kim2021"),
         (TUNING + "dead_band = 12", "tuning.dead_band = 12: `dead_band` must be a pressure"),
         (TUNING + 'dead_band = "-1 Pa"', 'tuning.dead_band = "-1 Pa": `dead_band` must lie in'),
-        (TUNING + 'pressure = ["1 kPa", "2"]', 'tuning.pressure[1] = "2": `pressure` must be'),
         (TUNING + 'pressure = ["1 kPa"]', "muscle.tuning.pressure: `pressures`, `c1` and `c2`"),
-        (TUNING + 'pressure = "1 kPa"', 'muscle.tuning.pressure = "1 kPa": must be a list'),
-        (TUNING + "hinge_stiffness_factor = { rate = 1 }", "hinge_stiffness_factor.rate: unknown"),
         (
             TUNING + 'hinge_stiffness_factor = { slope = "-1 1/bar" }',
             'muscle.tuning.hinge_stiffness_factor.slope = "-1 1/bar": `hinge_stiffness_slope`',
         ),
         ("[bundle]\n", "bundle.motor_unit: `motor_units` must hold at least one"),
-        ("[bundle]\nmotor_unit = []", "bundle.motor_unit: `motor_units` must hold at least one"),
         ("[bundle]\nsize = 2", "bundle.size: unknown key"),
-        ('[bundle]\nscheme = "batsh"\n' + UNIT, "bundle.scheme = \"batsh\": `scheme` 'batsh'"),
-        ("[bundle]\nsupply_pressure = 5\n" + UNIT, "bundle.supply_pressure = 5: `supply_pressure`"),
-        ('[bundle]\nsupply_pressure = "5 MPa"\n' + UNIT, 'bundle.supply_pressure = "5 MPa": '),
         ("[bundle]\n" + UNIT + "count = 0", "bundle.motor_unit[0].count = 0: `count` must be"),
-        ("[bundle]\n" + UNIT + "count = 1.5", "bundle.motor_unit[0].count = 1.5: must be a whole"),
-        (
-            "[bundle]\n" + UNIT + "cuont = 2",
-            "motor_unit[0].cuont: unknown key, did you mean",
-        ),
         ("[bundle]\n" + UNIT + 'muscle = "thin"', 'bundle.motor_unit[0].muscle = "thin": no such'),
     ],
 )
@@ -241,10 +195,6 @@ def test_several_muscles_need_a_bundle_that_names_them():
     assert nameless.startswith("bundle.motor_unit[0].muscle: missing, write the name of its muscle")
     wrong = refusal(TWO + "[bundle]\n" + UNIT + 'muscle = "thinn"\n')
     assert 'muscle = "thinn": no such muscle in the file, did you mean "thin"?' in wrong
-
-
-def test_says_which_muscle_is_wrong():
-    assert refusal(TWO.replace('"9 mm"', '"1 mm"')).startswith("muscle.thick.wall_thickness")
 
 
 def test_names_what_cannot_be_read(tmp_path):
@@ -270,10 +220,7 @@ def test_names_what_cannot_be_read(tmp_path):
 def test_examples_load_and_name_their_source(name):
     text = example_text(name)
     assert isinstance(example(name), Bundle if "bundle" in name else Muscle)
-    comments = [line for line in text.splitlines() if line.startswith("#")]
-    assert any("Source: Actuators 10, 42 (2021)" in line for line in comments)
-    assert any("Not claimed:" in line for line in comments)
-    assert len(examples()[name]) < 100
+    assert "# Source: Actuators 10, 42 (2021)" in text and len(examples()[name]) < 100
 
 
 def test_examples_are_the_papers():
@@ -297,8 +244,3 @@ def test_examples_are_the_papers():
         for name in ("1_1", "1_4", "five")
     ]
     assert counts == [[1, 1], [1, 4], [1] * 5]
-
-
-def test_an_unknown_example_suggests_the_nearest():
-    with pytest.raises(ValueError, match="did you mean kim2021_figure_6"):
-        example("kim2021_fig_6")

@@ -12,7 +12,6 @@ from fascicle.files import dumps, loads, provenance
 from fascicle.files.calibration_files import (
     calibrated_files,
     calibrated_text,
-    round_to_uncertainty,
     rounded_muscle,
 )
 from fascicle.io.toml import parse_toml
@@ -75,13 +74,6 @@ def test_log_is_rounded_to_the_uncertainty(noisy):
         for name in ("value", "low", "high"):
             off = parse(row[name], one.dimension) - getattr(one, name)
             assert abs(off) <= 0.01 * width, name
-
-
-def test_constant_is_rounded_to_its_interval():
-    assert round_to_uncertainty(0.1234567, "length", 0.1) == "123 mm"
-    assert round_to_uncertainty(0.1234567, "length", 1e-3) == "123.46 mm"
-    assert round_to_uncertainty(0.1234567, "length", 0.0) == "123.4567 mm"
-    assert round_to_uncertainty(1 / 3, "number", 0.0) == repr(1 / 3)
 
 
 def test_file_has_the_fitted_length(noisy, tmp_path):

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle import fluid
 from fascicle.dynamics.muscles import ExactMuscles
-from fascicle.files import example_text, loads_scenario, scenarios
+from fascicle.files import example_text, loads_scenario
 from fascicle.files.scenario import scenario_from_dict
 
 
@@ -133,12 +133,8 @@ MOVED = "\n".join(
 @pytest.mark.parametrize(
     ("text", "edits", "message"),
     [
-        # the list
         (GAS, [("b = 0.3", "b = 1.2")], "valve.b = 1.2: `b` must lie in (0, 1)"),
-        (GAS, [("b = 0.3", "b = 0")], "valve.b = 0: `b` must lie in (0, 1)"),
-        (GAS, [("0.1 L/(s*bar)", "0 L/(s*bar)")], "valve.C = \"0 L/(s*bar)\": `C` must be"),
         (GAS, [("413.7 kPa", "0 kPa")], "supply.pressure = \"0 kPa\": `pressure` must lie above"),
-        (GAS, [("413.7 kPa", "-20 kPa")], "must lie above the room's"),
         (GAS, [('dt = "1 ms"', 'dt = "0 ms"')], 'run.dt = "0 ms": must be positive'),
         (GAS, [('"2 mL"', '"-2 mL"')], "fluid.dead_volume: `dead_volume` must lie in [0, inf) m³"),
         (GAS, [('time = "2 s"', 'time = "1 s"')], "schedule[2].time = \"1 s\": times must rise"),
@@ -149,37 +145,16 @@ MOVED = "\n".join(
             [('"10 kg"', '"1000 kg"'), ('low = "-20 mm"', "")],
             "load: `load` must be one that the bundle can hold at rest",
         ),
-        (
-            GAS,
-            [("conductance =", 'room_pressure = "0 kPa"\nconductance =')],
-            "fluid.room_pressure = \"0 kPa\": `room_pressure` is absolute",
-        ),
-        (GAS, [('mass = "10 kg"', "mass = 10")], "load.mass = 10: `mass` must be a mass, such as"),
         (GAS, [("[run]", '[run]\nposition = "80 mm"')], "run.position = \"80 mm\": `pos"),
         (GAS, [(GAS[GAS.index("[load]") : GAS.index("[fluid]") + 7], MOVED)], "load: `position`"),
-        # what else may be wrong
         (GAS, [('dt = "1 ms"', 'dt = "7 ms"')], "whole steps of 0.007 s: take 5.999 s"),
         (GAS, [('dt = "1 ms"', 'dt = "1 ns"')], "more than 2000000: take a longer `dt`"),
-        (GAS, [('mass = "10 kg"', 'mas = "10 kg"')], 'load.mas: unknown key, did you mean "mass"?'),
-        (GAS, [('mass = "10 kg"', "")], "load.mass: missing, write mass ="),
-        (GAS, [('"hanging_mass"', '"hanging_mess"')], 'did you mean "hanging_mass"?'),
         (GAS, [('kind = "hanging_mass"', "")], "load.kind: missing, write kind = one of"),
-        (GAS, [("[run]", "[running]")], 'running: unknown key, did you mean "run"?'),
-        (GAS, [('medium = "air"', 'medium = "oil"')], "oil is a liquid: take chamber = liquid"),
-        (GAS, [("[1, 0]", "[1, 0, 0]")], "a list of one for each command, 2, got 3"),
-        (GAS, [('["2 mL", "8 mL"]', '["2 mL"]')], "one for each of the motor units, 2, got 1"),
-        (GAS, [('"constant"', '"accumulator"\nvolume = "1 L"\nprecharge = "1 bar"')], "a liq"),
         (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind = \"tank\": it holds a gas"),
-        (DRY, [('"200 kPa"', '"500 kPa"')], "supply.pressure = \"413.7 kPa\": `pressure` must lie"),
-        (DRY, [('"accumulator"', '"pumped"')], "supply.pump: missing, write [supply.pump]"),
-        (PUMPED, [('"200 kPa"', '"500 kPa"')], "supply.pressure = \"413.7 kPa\": `pressure` must"),
         (PUMPED, [("= 0.9\n", "= 1.9\n")], "pump.mechanical_efficiency = 1.9: `mechanical_e"),
         (PUMPED, [('"350 kPa"', '"450 kPa"')], "pump.switch_off = \"413.7 kPa\": `switch_off` m"),
-        (PUMPED, [('"350 kPa"', '"35 mm"')], "pump.switch_on = \"35 mm\": `switch_on` must be a p"),
-        (GAS, [('"-20 mm"', '"40 mm"')], "load.stop.low = \"40 mm\": `low` must be less than"),
         (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
         (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no stroke"),
-        (JOINT, [('["kim2021_bundle_1_1", ', "["), ], "bundle: must be a list of two for a joint"),
         (GAS, [("_1_4", "_1_5")], 'did you mean "kim2021_bundle_1_4"?'),
         (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle: must name a bundle or its file"),
         (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law = \"exat\": `law` 'exat' is unknown"),
@@ -192,22 +167,7 @@ def test_bad_input_is_one_line_with_its_key(text, edits, message):
     assert message in line and "\n" not in line
 
 
-@pytest.mark.parametrize(
-    "name", ["lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped"]
-)
-def test_named_scenarios_have_descriptions(name):
-    assert name in scenarios() and len(scenarios()[name]) > 30
-    assert "made up" in fs.example(name).source
-
-
-def test_a_scenario_is_no_muscle(tmp_path):
-    path = tmp_path / "a.toml"
-    path.write_text(GAS)
-    with pytest.raises(ValueError, match=r"load: a scenario, not a muscle or bundle: `fascicle"):
-        fs.files.loads(GAS)
-
-
-@pytest.mark.parametrize("kind", ["[]", "{}", "1", "true", '["constant"]'])
+@pytest.mark.parametrize("kind", ["{}", "1", '["constant"]'])
 @pytest.mark.parametrize(
     ("table", "key", "name"),
     [

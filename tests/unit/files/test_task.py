@@ -1,8 +1,5 @@
 """Task files: what they say reaches the task, the space and the chance."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -12,7 +9,6 @@ from fascicle.files.calibration_files import sample_muscles
 from fascicle.files.task import load_task, loads_task
 
 
-CHECKOUT = Path(__file__).parents[3]
 PLAIN = """format = 1
 [task]
 force = ["60 N", "10 lbf"]
@@ -124,30 +120,19 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     ("more", "message"),
     [
         ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must be"),
-        ("muscles = 2\n[limits]\nsafety = 95\n", "a share of the draws above 0 and below 1"),
         ('muscles = 2\n[limits]\nsafety = "100 %"\n', "a share of the draws above 0 and below 1"),
         ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "`wall_thickness` must lie in"),
-        ("muscles = 2\n[scatter]\ncalibrated = true\n", "needs a muscle file"),
-        ('muscles = 2\n[scatter]\nlength = "30 %"\n', "`length` must lie in"),
         ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
         ("muscles = 2.5\n", "must be a whole number, or a list of them"),
-        ('muscles = [3]\nsplits = ["1+4"]\n', "must be left out where the splits are written out"),
-        ("muscles = 2\n[limits]\nvalves = {}\n", "empty: write { at_most"),
-        ("muscles = 2\n[limits]\nvalves = 3\n", "must be a table"),
         ('muscles = 2\n[limits]\nmargin = "9 N"\n', "must be a share in [0, 10]"),
-        ("muscles = 2\n[limits]\nmargin = { warn_below = -1 }\n", "must be a share in [0, 10]"),
         ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
-        ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),
         (
             'muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n',
             "must lie in [0, 1)",
         ),
-        ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "no design can be both"),
         ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
-        ('muscles = 2\ndensity = "1 g/m^3"\n', "must lie in [1, 30000] kg/m^3"),
         ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "another price is in EUR"),
-        ('muscles = 2\n[prices]\nwater = "90 EUR"\n', "unknown key, choose one of air, energy"),
     ],
 )
 def test_invalid_task_files_are_one_line(more, message):
@@ -162,15 +147,7 @@ def test_invalid_task_files_are_one_line(more, message):
     [
         ("strain =", 'stroke = "25 mm"\nstrain =', 'task.stroke = "25 mm": `strain` is there too'),
         ('strain = [0.16, "5 %"]\n', "", "task.strain: missing, write strain = […] (or stroke"),
-        ('strain = [0.16, "5 %"]', 'stroke = "25"', "write it with its unit"),
-        ('strain = [0.16, "5 %"]', 'stroke = "-2 mm"', "`stroke` must lie in [0, 10] m"),
         ('strain = [0.16, "5 %"]', 'stroke = "0 mm"', "this task does no work"),
-        (
-            'strain = [0.16, "5 %"]',
-            'stroke = ["2 mm", "3 mm", "4 mm"]',
-            "`stroke` and `weight` must",
-        ),
-        ('scheme = "batch"', 'fluid = "aire"', "did you mean 'air'?"),
     ],
 )
 def test_invalid_demands_are_refused(old, new, message):
@@ -210,25 +187,11 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
     assert_allclose([stiff.std(), strong.std()], [0.01, 0.2], rtol=4 / np.sqrt(8000))
 
 
-def test_a_muscle_without_a_calibration(tmp_path):
-    fs.save(fs.example("kim2021_figure_6"), tmp_path / "plain.toml")
-    with pytest.raises(ValueError, match="has no \\[calibration\\] with a covariance"):
-        sample_muscles(tmp_path / "plain.toml")
-
-
 def test_sixty_muscles_of_few_units_are_a_space():
     bundle = PLAIN + "muscles = 60\n"
     assert len(loads_task(f"{bundle}[limits]\nvalves = {{ at_most = 3 }}\n").space) == 1771
     with pytest.raises(ValueError, match=r"muscles.*splits, more than 2000000.*5 motor units"):
         loads_task(bundle)
-
-
-def test_the_thin_bundle_from_the_field():
-    folder = Path(os.environ.get("FASCICLE_DATA") or CHECKOUT.parent / "shared" / "data")
-    path = folder / "field-cases" / "14_thin_bundle.toml"
-    if not path.is_file():
-        pytest.skip(f"no {path.name} in FASCICLE_DATA or beside the checkout")
-    assert len(load_task(path).space) == 489_406
 
 
 def test_safety_and_scatter_are_read_and_switched_off():
