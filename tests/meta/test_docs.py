@@ -88,23 +88,3 @@ def test_an_outside_request_is_seen(asks):
 )
 def test_a_link_for_the_reader_is_no_request(quiet):
     assert not extension("offline").requests(quiet)
-
-
-def test_pages_that_are_known_to_take_long_are_there():
-    for name in extension("pages")._LONG:
-        assert (DOCS / f"{name}.md").exists()
-
-
-def test_each_page_of_the_gallery_has_a_question_a_picture_and_an_answer():
-    pages = sorted((DOCS / "gallery").glob("*.md"))
-    grid, hidden = re.findall(
-        r"((?:^gallery/.*\n)+)", (DOCS / "gallery.md").read_text("utf-8"), re.MULTILINE
-    )
-    assert grid == hidden and sorted(grid.split()) == [f"gallery/{page.stem}" for page in pages]
-    for page in pages:
-        text = page.read_text(encoding="utf-8")
-        assert re.search(r"^# .*\?$", text, re.MULTILINE)
-        [cell] = re.findall(r"^```\{code-cell\} python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-        assert cell.count("plt.subplots()") == 1
-        assert "{" in cell.rpartition("print(")[2]  # the answer has computed numbers
-        assert f"{{nb-download}}`{page.stem}.ipynb`" in text

@@ -63,6 +63,14 @@ def test_help_loads_no_jax():
     loaded(COMMAND.format(lines=[["--help"]], without=without))
 
 
+def test_dips_need_no_jax():
+    modules = loaded(
+        "import fascicle as fs\nfrom fascicle import control\n"
+        f"bundle = fs.example({BUNDLE!r})\ncontrol.needed_reserve(bundle, 0.2, 10.0, 0.1)"
+    )
+    assert not modules & WITHOUT
+
+
 def test_importing_leaves_the_environment_alone():
     loaded(
         "import os, jax\nbefore = dict(os.environ)\n"  # JAX has settings of its own

@@ -84,23 +84,6 @@ assert fs.load("toy.toml") == muscle and float(muscle.tension.loss) == 30.0
     assert "tension.loss = 30: `loss` must be a force" in refused.stderr
 
 
-def test_nothing_is_imported_that_is_not_named(template):
-    """Neither the package nor the list of packages."""
-    _, target = template
-    done = run(target, "-c", LOAD + """
-from fascicle.cli import main
-import fascicle.calibrate.comparison
-try:
-    main("force kim2021_figure_6 --pressure 100kPa --strain 0.1".split())
-except SystemExit as end:
-    assert not end.code
-assert not {"fascicle_linear_loss"} & sys.modules.keys()
-from fascicle.muscle.laws import LAWS
-assert not LAWS["tension"]._listed and not LAWS["tension"]._installed
-""")  # fmt: skip
-    assert done.returncode == 0, done.stderr
-
-
 def test_a_broken_package_is_named_in_one_line_and_breaks_nothing(tmp_path):
     install(tmp_path, "bad-laws", "bad = bad_laws:Bad", "1 / 0")
     install(tmp_path, "odd-laws", "odd = odd_laws:odd", "odd = 3")

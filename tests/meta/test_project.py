@@ -17,11 +17,6 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
-def test_the_core_install_is_small():
-    names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
-    assert names == {"numpy", "scipy", "attrs", "pydantic", "pint", "tomlkit", "typer", "rich"}
-
-
 def imported() -> set[str]:
     """Names of others' packages that a module of ours imports, at its top or in a function."""
     found = set()
@@ -71,19 +66,6 @@ def test_zenodo_and_citation_agree():
     assert papers == [citation["preferred-citation"]["doi"]]
 
 
-def test_the_changelog_has_the_form_of_keep_a_changelog():
-    """The newest changes stand under "Unreleased", or under this version and its date."""
-    text = (ROOT / "CHANGELOG.md").read_text()
-    first, *sections = re.split(r"^## ", text, flags=re.MULTILINE)[1:]
-    date = r"\d{4}-\d{2}-\d{2}"
-    version = re.escape(fascicle.__version__)
-    assert re.match(rf"\[(Unreleased|{version}\] - {date}$)", first, re.MULTILINE)
-    assert all(re.match(rf"\[[\d.]+\] - {date}$", one, re.MULTILINE) for one in sections)
-    kinds = set(re.findall(r"^### (.+)$", text, re.MULTILINE))
-    assert kinds <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
-    assert len(first.splitlines()) <= 60
-
-
 def test_the_lock_covers_what_is_declared():
     lock = (ROOT / "requirements.lock").read_text().lower()
     extras = PROJECT["optional-dependencies"]
@@ -107,15 +89,6 @@ def test_workflows_call_targets_that_exist_on_supported_pythons():
     pythons = test["jobs"]["core"]["strategy"]["matrix"]["python"]
     tested = {f"Programming Language :: Python :: {version}" for version in pythons}
     assert {c for c in PROJECT["classifiers"] if ":: Python ::" in c} <= tested
-
-
-def test_templates_of_issues_can_be_filled_in():
-    templates = list((ROOT / ".github/ISSUE_TEMPLATE").glob("*.yml"))
-    assert templates
-    for path in templates:
-        form = yaml.safe_load(path.read_text())
-        assert form["name"] and form["description"]
-        assert all(field["attributes"]["label"] for field in form["body"])
 
 
 def test_each_extra_is_tried_in_a_fresh_environment():

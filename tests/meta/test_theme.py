@@ -1,27 +1,8 @@
-"""Colors, typeface and spacing stand in one file, `plot.theme`; text can be read where it is."""
-
-import ast
-import re
-from pathlib import Path
+"""Text can be read on the colors that it stands on, and every face has the theme's."""
 
 import pytest
 
-import fascicle
 from fascicle.plot import theme
-
-
-SOURCE = Path(fascicle.__file__).parent
-DOCS = Path(__file__).parents[2] / "docs"
-COLOR = re.compile(
-    r"#(?:[0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})(?![0-9a-zA-Z_-])"
-    r"|\b(?:rgba?|hsla?)\(\s*\d|(?<![\w-])(?:black|white|gray|grey)(?=[;\"'])"
-)
-TYPEFACE = re.compile(r"DejaVu|Verdana|Segoe|system-ui|Helvetica|Arial|sans-serif|(?<!-)monospace")
-
-
-def written(text: str) -> list[str]:
-    """Colors and typefaces in a text."""
-    return [found.group() for pattern in (COLOR, TYPEFACE) for found in pattern.finditer(text)]
 
 
 def contrast(first: str, second: str) -> float:
@@ -36,46 +17,6 @@ def contrast(first: str, second: str) -> float:
 
     low, high = sorted((luminance(first), luminance(second)))
     return (high + 0.05) / (low + 0.05)
-
-
-def strings(path: Path) -> list[str]:
-    """All of a module's strings that aren't docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    told = {
-        id(node.body[0].value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
-        and node.body
-        and isinstance(node.body[0], ast.Expr)
-    }
-    return [
-        f"'{node.value}'"
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told
-    ]
-
-
-@pytest.mark.parametrize("folder", [SOURCE, DOCS], ids=["src", "docs"])
-def test_no_module_writes_a_color_or_typeface(folder):
-    found = {
-        path.name: several
-        for path in folder.rglob("*.py")
-        if path.name != "theme.py"
-        and (several := [one for text in strings(path) for one in written(text)])
-    }
-    assert found == {}
-
-
-@pytest.mark.parametrize("path", [*(DOCS / "_static").glob("*.css")], ids=lambda path: path.name)
-def test_no_style_sheet_writes_a_color_or_typeface(path):
-    assert written(path.read_text(encoding="utf-8")) == []
-
-
-@pytest.mark.parametrize(
-    "text", ["'#16191d'", "'color: #fff;'", "rgba(0, 0, 0, 0.1)", "'white'", "font: DejaVu Sans"]
-)
-def test_what_would_be_found_is(text):
-    assert written(text)
 
 
 @pytest.mark.parametrize("colors", [theme.LIGHT, theme.DARK], ids=["light", "dark"])

@@ -169,32 +169,6 @@ def test_registered_laws_give_units(law):
             assert UNIT.search(inspect.getdoc(function) or ""), name
 
 
-def test_the_reader_sees_a_missing_unit():
-    def good(pressure, strain) -> float:
-        """**Arguments:**
-
-        - `pressure`: gauge [Pa].
-        - `strain`: contraction [-].
-
-        **Returns:** force [N].
-        """
-
-    def bad(pressure, strain) -> float:
-        """**Arguments:**
-
-        - `pressure`: gauge [kPa].
-
-        **Returns:** force.
-        """
-
-    assert not faults(good)
-    assert faults(bad) == [
-        "`pressure` has no unit",
-        "`strain` is not among its arguments",
-        "its result has no unit",
-    ]
-
-
 def test_no_docstring_lost_a_backslash():
     # "\alpha" in a plain string is a bell and "lpha"
     control = re.compile(r"[\x00-\x08\x0b-\x1f]")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Catalog, Product, Space, Task, search
-from fascicle.design.catalog import cheapest, describe_cheapest
+from fascicle.design.catalog import cheapest
 
 
 TASK = Task.of([40.0, 150.0], [0.2, 0.1], 413.7e3)
@@ -35,9 +35,6 @@ def cheapest_label(result, catalog):
 
 def test_without_prices_valves_count_first_then_muscles(result):
     assert cheapest_label(result, Catalog()) == ("small", "2")
-    assert describe_cheapest(Catalog(), result.space.drawings).startswith(
-        "fewest valves, then fewest muscles"
-    )
 
 
 def test_known_prices_decide(result):
@@ -45,9 +42,6 @@ def test_known_prices_decide(result):
         {"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR", 5.0
     )
     assert cheapest_label(result, dear) == ("large", "2")
-    assert describe_cheapest(dear, result.space.drawings).startswith(
-        "lowest price of muscles and valves"
-    )
     prices = dear.price(result.all_designs(np.arange(12)))
     assert prices.min() == 2 * 9.0 + 5.0 and prices.max() == 3 * 50.0 + 3 * 5.0
 
@@ -61,7 +55,6 @@ def test_missing_price_is_nan(result):
     muscles = Catalog({"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR")
     assert muscles.known_prices(result.space.drawings) == (True, False)
     assert cheapest_label(result, muscles) == ("large", "2")
-    assert "no price of a valve" in describe_cheapest(muscles, result.space.drawings)
 
 
 def test_cheap_valves_do_not_make_muscles_free(muscle):
@@ -100,14 +93,13 @@ def test_excluded_products(space):
     catalog = Catalog({"small": Product("s", largest_pressure=400e3),
                        "large": Product("l", largest_strain=0.02 / 0.127)})  # fmt: skip
     assert list(catalog.excluded(space.drawings, task)) == ["small"]
-    assert "its maker allows 400 kPa" in catalog.excluded(space.drawings, task)["small"]
     result = search(space, task, ONE_VALVE, catalog=catalog)
     assert set(result.designs.kind[: len(result.front)]) == {1}
     # none is left, though all reach it
     catalog = Catalog({name: Product(name, largest_strain=0.1) for name in space.drawings})
     result = search(space, task, ONE_VALVE, catalog=catalog)
     assert result.recommended is None and np.all(result.reaches_task)
-    assert "contraction of 15.748 %, its maker allows 10 %" in result.excluded_products["large"]
+    assert set(result.excluded_products) == {"small", "large"}
 
 
 def test_a_limit_is_not_rounded_to_what_exceeds_it():

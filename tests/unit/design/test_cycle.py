@@ -90,10 +90,8 @@ def test_slow_run_takes_the_time_of_the_sizing(muscle, hose):
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        ((0.0, 1.0), "time"),
         ((1.0, 61.0), "per_minute"),
         ((1.0, 60.0, -1.0), "hose_length"),
-        ((1.0, 60.0, 1.0, 1.0), "b"),
     ],
 )
 def test_invalid_cycles_are_refused(arguments, name):

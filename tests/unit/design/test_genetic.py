@@ -95,13 +95,6 @@ def test_every_genome_gives_a_design_of_the_space(space):
         assert len(decoder.designs(corner)) == 1
 
 
-def test_no_more_units_than_valves(muscle):
-    space = Space({"m": muscle}, (6,), most_units=2)
-    decoder = GenomeDecoder(space, continuous=True)
-    designs = decoder.designs(np.random.default_rng(1).uniform(size=(50, decoder.genes)))
-    assert designs.units.max() == 2 and np.all(designs.counts.sum(axis=1) == 6)
-
-
 def test_unsupported_spaces_are_refused(muscle):
     with pytest.raises(ValueError, match="`drawings` must hold one"):
         GenomeDecoder(Space({"a": muscle, "b": muscle}, (2,)), continuous=True)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design.exhaustive_search import as_minimization, hypervolume, non_dominated
+from fascicle.design.exhaustive_search import hypervolume, non_dominated
 
 
 def plain_front(points):
@@ -18,11 +18,6 @@ def test_front_matches_the_definition(objectives):
     # whole numbers: many ties and equal points
     points = rng.integers(0, 6, (700, objectives)).astype(float)
     assert non_dominated(points).tolist() == plain_front(points)
-
-
-def test_a_nan_is_worse_than_all():
-    assert non_dominated(np.array([[np.nan, 0.0], [1.0, 1.0]])).tolist() == [False, True]
-    assert non_dominated(np.array([[np.nan]])).tolist() == [False]
 
 
 def test_hypervolume_of_boxes():
@@ -48,10 +43,3 @@ def test_hypervolume_against_counting(objectives):
         dominated |= np.all(tried >= point, axis=1)
     # five deviations of a share of 200 000 draws are 0.0056
     assert hypervolume(points, np.ones(objectives)) == pytest.approx(dominated.mean(), abs=6e-3)
-
-
-def test_maximized_objectives_change_sign():
-    values = {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 4.0]), "c": np.zeros(2)}
-    assert as_minimization(values, {"b": "max", "a": "min"}).tolist() == [[-3.0, 1.0], [-4.0, 2.0]]
-    with pytest.raises(ValueError, match="`a` 'less' is unknown"):
-        as_minimization(values, {"a": "less"})
