@@ -67,15 +67,6 @@ def test_coefficients_agree_with_each_other_and_with_choked_flow_of_iec_60534():
     assert_allclose(C * 1e5, choked, rtol=0.1)
 
 
-def test_published_factors_of_1_4_and_1_62_are_wrong():
-    """A public page has Kv = 1.40 C and Cv = 1.62 C, C in dm³/(s·bar): the conductance of a valve
-    would be 0.71 where the definition of Kv gives more than 4 with any b of a valve.
-    """
-    for b in (0.1, 0.3, 0.5):
-        C = fluid.conductance_from_kv(CUBIC_METERS_PER_HOUR, b) / LITER_PER_SECOND_BAR
-        assert C > 4 > 5 / 1.40
-
-
 def test_arrays_and_invalid_figures():
     assert np.shape(fluid.conductance_from_kv(np.array([1e-5, 2e-5]), 0.3)) == (2,)
     for call, name in (

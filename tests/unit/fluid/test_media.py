@@ -7,11 +7,6 @@ from fascicle import fluid
 
 
 ROOM, WARM = 101325.0, 293.15
-MEDIA = [fluid.AIR, fluid.NITROGEN, fluid.OIL, fluid.WATER]
-
-
-def test_each_says_where_its_numbers_are_from():
-    assert all(one.source for one in MEDIA)
 
 
 def test_air_is_as_dense_as_known():

@@ -5,7 +5,6 @@ import pickle
 import subprocess
 import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -223,13 +222,3 @@ def test_environments_of_forked_processes_step(tmp_path):
         [sys.executable, tmp_path / "async.py"], capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stderr[-2000:]
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no processes")
-@pytest.mark.parametrize("mode", ["warm", "fresh"])
-def test_the_script_of_the_field_runs(mode):
-    data = os.environ.get("FASCICLE_DATA") or Path(__file__).resolve().parents[4] / "shared/data"
-    if not (path := Path(data) / "field-cases" / "15_async_vector.py").exists():
-        pytest.skip(f"{path} is not in this checkout")
-    done = subprocess.run([sys.executable, path, mode], capture_output=True, text=True, timeout=300)
-    assert f"{mode} ok" in done.stdout, done.stderr[-2000:]
