@@ -134,17 +134,13 @@ def test_gradients_by_gains_are_finite(bench, ramp, start):
         ({"policy": "handover"}, "policy"),
         ({"policy": "hand_over", "of": "speed"}, "of"),
         ({"policy": "threshold", "band": 0.0}, "band"),
-        ({"policy": "threshold", "band": -1.0}, "band"),
         ({"policy": "orderly", "gains": Gains(force=-1.0)}, "force gain"),
-        ({"policy": "orderly", "gains": Gains(pressure_time=0.0)}, "pressure_time"),
-        ({"policy": "orderly", "sample_time": 0.0}, "sample_time"),
         ({"policy": "orderly", "sample_time": 1.5e-3}, "sample_time"),
         ({"policy": "orderly", "delay": -1e-3}, "delay"),
         (
             {"policy": "orderly", "highest_pressure": 5e5},
             "highest_pressure",
         ),
-        ({"policy": "orderly", "flow_limit": 2.0}, "flow_limit"),
         ({"policy": "orderly", "of": "position"}, "of"),
     ],
 )

@@ -93,10 +93,3 @@ def test_a_loop_faster_than_its_valves_warns(pair):
     assert len(hasty.warnings) == 1 and hasty.gains.pressure_time == 3e-3
     slow = control.cascade(plant, "hand_over", gains=Gains(pressure_time=30e-3))
     assert slow.warnings == () and slow.gains.pressure_time == 30e-3
-
-
-def test_without_delay_the_fastest_time_constant_applies(pair):
-    plain = control.cascade(plant_of(pair), "hand_over")
-    assert plain.gains.pressure_time == 3e-3
-    rare = control.cascade(plant_of(pair), "hand_over", sample_time=10e-3)
-    assert_allclose(rare.gains.pressure_time, 20e-3, rtol=1e-12)

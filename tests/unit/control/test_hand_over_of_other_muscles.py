@@ -8,9 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fascicle import control
-from fascicle.control import Gains
-
 
 @pytest.fixture(scope="module")
 def study():
@@ -63,13 +60,3 @@ def test_force_withheld_from_a_fast_sine_comes_before_the_demand_falls(study, mo
     monkeypatch.setattr(study, "draw_muscles", lambda *_: muscles)
     handed = study.study(4, 0.2, 3, duration=1.0, shape="sine")["hand_over"]
     assert np.all(handed.least == 0) and handed.dip.max() <= 0.25
-
-
-def test_the_observer_is_one_of_policies_that_hand_over(study):
-    plant = study.make_plant(study.NOMINAL, 1, 0.2)
-    assert control.cascade(plant, "hand_over").gains.observer_time == 5e-3
-    assert control.cascade(plant, "threshold").gains.observer_time == np.inf
-    chosen = control.cascade(plant, "threshold", gains=Gains(observer_time=0.02))
-    assert chosen.gains.observer_time == 0.02
-    with pytest.raises(ValueError, match="observer_time"):
-        control.cascade(plant, "threshold", gains=Gains(observer_time=0.0))

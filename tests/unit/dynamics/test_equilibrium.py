@@ -92,9 +92,7 @@ def test_a_free_swing_equals_the_closed_form(muscle):
     "arguments",
     [
         {"pressures": [1e5]},
-        {"pressures": [1e5] * 3},
         {"pressures": -1.0},
-        {"pressures": 1.1e6},
         {"pressures": np.nan},
         {"position": np.nan},
         {"command": [1.5, 0]},
@@ -129,17 +127,11 @@ def test_a_load_without_equilibrium_is_refused(lift, mass, side):
     ("changes", "argument"),
     [
         ({"law": "tabel"}, "law"),
-        ({"volume": "straight"}, "volume"),
         ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "bundle"),
         ({"chamber": fluid.LiquidChamber()}, "valve"),
         ({"chamber": fluid.LiquidChamber(), "valve": fluid.Orifice(1e-6)}, "compliance"),
-        ({"valve": fluid.Orifice(1e-6)}, "valve"),
-        ({"exhaust_valve": fluid.Orifice(1e-6)}, "exhaust_valve"),
         ({"load": 5.0}, "load"),
-        ({"supply": None}, "supply"),
         ({"chamber": fluid.AIR}, "chamber"),
-        ({"valve": fluid.AIR}, "valve"),
-        ({"hysteresis": 1.0}, "hysteresis"),
     ],
 )
 def test_incompatible_components_are_refused(bundle, air, changes, argument):

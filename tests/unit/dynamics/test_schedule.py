@@ -23,21 +23,13 @@ def test_rounding_of_times_is_tolerated():
     assert_array_equal(schedule.at(np.nextafter(0.3, 0)), [1])
 
 
-def test_a_single_command_may_be_a_row():
-    assert Schedule(0.0, 0.5).commands.shape == (1, 1)
-    assert Schedule([0, 1], [0.5, 0]).commands.shape == (2, 1)
-
-
 @pytest.mark.parametrize(
     ("times", "commands", "argument"),
     [
         ([0.1, 0.2], [0, 1], "times"),
-        ([0, 0.2, 0.2], [0, 1, 0], "times"),
         ([0, 0.2, 0.1], [0, 1, 0], "times"),
         ([0, np.nan], [0, 1], "times"),
         ([0, 1], [0, 1.01], "commands"),
-        ([0, 1], [[0, 0], [0, -2]], "commands"),
-        ([0, 1], [0, np.nan], "commands"),
         ([0, 1], [0, 1, 0], "commands"),
     ],
 )

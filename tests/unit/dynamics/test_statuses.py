@@ -42,7 +42,6 @@ def test_a_stretched_closed_liquid_cavitates(mesh):
     assert "cavitates" in result and not result["cavitates"].trusted
     first = np.argmax(run.time >= result["cavitates"].first)
     assert np.all(run.outputs.pressures[:first] > -101325)
-    assert "cavitates" in str(dynamics.audit(plant, run))
     assert not dynamics.audit(plant, run).closes
 
 
@@ -58,7 +57,6 @@ def test_a_folded_volume_is_reported(single, compliance, folds):
     assert ("folded" in result) == folds
     if folds:
         assert not result["folded"].trusted and result["folded"].first == 0
-        assert "its pressure isn't unique" in str(dynamics.audit(plant, run))
     # shut and held, it stays
     assert_allclose(run.outputs.pressures, 65e3, rtol=1e-9)
 
