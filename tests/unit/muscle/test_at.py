@@ -86,14 +86,14 @@ def test_it_is_compiled_batched_and_differentiated():
 
 def test_what_is_off_the_domain_is_refused():
     muscle = made({})
-    with pytest.raises(ValueError, match="`pressure` must lie in"):
-        muscle.at(2e6)
-    with pytest.raises(ValueError, match="`strain` must lie in"):
-        muscle.at(P).force(0.7)
-    with pytest.raises(ValueError, match="`strain` must lie in"):
-        muscle.at(P).shape(np.array([0.1, np.nan]))
-    with pytest.raises(ValueError, match="`points` must be at least 3"):
-        muscle.at(P).shape(0.1, 2)
+    for argument, call in (
+        ("pressure", lambda: muscle.at(2e6)),
+        ("strain", lambda: muscle.at(P).force(0.7)),
+        ("strain", lambda: muscle.at(P).shape(np.array([0.1, np.nan]))),
+    ):
+        with pytest.raises(fs.InvalidInputError) as error:
+            call()
+        assert error.value.argument == argument
     with pytest.warns(UserWarning, match="held constant above"):
         made({"tuning": TUNING}).at(5e5)
 

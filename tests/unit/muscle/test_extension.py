@@ -8,7 +8,6 @@ import pytest
 
 import fascicle as fs
 from fascicle.muscle.laws import LAWS
-from fascicle.muscle.validation import proportions_message
 
 
 MUSCLE = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, math.radians(25))
@@ -55,11 +54,6 @@ def test_a_small_extension_and_a_contraction_do_not(name):
         CALLS[name](np.array([-0.01, 0.2]))
 
 
-def test_the_warning_names_the_limit_of_the_braid():
-    with pytest.warns(UserWarning, match=r"straight at -0\.1034"):
-        MUSCLE.force("2 bar", -0.1)
-
-
 @pytest.mark.parametrize(("kind", "name"), [(kind, law) for kind in LAWS for law in LAWS[kind]])
 @pytest.mark.filterwarnings("ignore")
 def test_subnormal_pressures_have_finite_forces(kind, name):
@@ -100,10 +94,3 @@ def test_each_row_of_muscles_has_its_own_domain(name):
 def test_strains_that_fit_no_rows_are_refused_by_their_shapes(shape):
     with pytest.raises(fs.InvalidInputError, match="broadcast"):
         ROWS.force(2e5, np.full(shape, 0.1))
-
-
-def test_a_radius_beyond_the_length_warns_with_both():
-    with pytest.warns(UserWarning, match=r"`length` 0\.127 m is .* `outer_radius` 0\.14 m"):
-        fs.Muscle.from_dimensions(0.127, 0.14, 1e-3, math.radians(33))
-    assert proportions_message(0.127, 0.14)
-    assert not proportions_message(0.127, 6.35e-3)

@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.muscle.materials import LATEX, MATERIALS, SILICONE_KIM2021
+from fascicle.muscle.materials import LATEX
 
 
 def test_energy_of_a_stretch():
@@ -30,13 +30,6 @@ def test_modulus_is_the_slope_of_uniaxial_tension():
     assert_allclose(LATEX.youngs_modulus, 1.3446e6, rtol=1e-12)
 
 
-def test_named_materials():
-    assert MATERIALS["latex"] is LATEX is fs.materials.LATEX
-    assert (LATEX.c10, LATEX.c01, LATEX.poisson_ratio) == (118.4e3, 105.7e3, 0.5)
-    silicone = SILICONE_KIM2021
-    assert (silicone.c10, silicone.c01, silicone.youngs_modulus) == (88.8e3, 79.3e3, 1.78e6)
-
-
 def test_from_youngs_modulus_keeps_latexs_ratio():
     rubber = fs.MooneyRivlin.from_youngs_modulus(2e6, 0.45)
     assert_allclose(6 * (rubber.c10 + rubber.c01), 2e6, rtol=1e-15)
@@ -47,18 +40,11 @@ def test_from_youngs_modulus_keeps_latexs_ratio():
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"c10": 0.0}, r"^`c10` must be positive and finite, got 0 Pa\.$"),
-        ({"c01": -1.0}, r"^`c01` must be positive and finite, got -1 Pa\.$"),
-        (
-            {"youngs_modulus": float("nan")},
-            r"^`youngs_modulus` must be positive and finite, got nan",
-        ),
-        ({"poisson_ratio": 0.6}, r"^`poisson_ratio` must lie in \[0, 0\.5\].*, got 0\.6"),
-        ({"poisson_ratio": "half"}, r"^`poisson_ratio` must be .*, got 'half'"),
-    ],
-)
-def test_refuses_what_is_no_rubber(change, message):
-    with pytest.raises(ValueError, match=message):
-        fs.MooneyRivlin(**{"c10": 1e5, "c01": 1e5} | change)
+    ("argument", "value"),
+    [("c10", 0.0), ("c01", -1.0), ("youngs_modulus", float("nan")), ("poisson_ratio", 0.6),
+     ("poisson_ratio", "half")],
+)  # fmt: skip
+def test_refuses_what_is_no_rubber(argument, value):
+    with pytest.raises(fs.InvalidInputError) as error:
+        fs.MooneyRivlin(**{"c10": 1e5, "c01": 1e5, argument: value})
+    assert error.value.argument == argument

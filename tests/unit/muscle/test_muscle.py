@@ -112,67 +112,6 @@ def test_laws_by_name_object_or_class():
     assert silicone.material is fs.materials.SILICONE_KIM2021
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"length": -0.1}, r"^`length` must be positive and finite, got -0\.1 m\.$"),
-        ({"length": math.nan}, r"^`length` must be positive and finite, got nan m\.$"),
-        ({"length": "127"}, r"^`length` must be a length, such as \"127 mm\", got the bare number"),
-        ({"outer_radius": 0}, r"^`outer_radius` must be positive and finite, got 0 m\.$"),
-        (
-            {"wall_thickness": 7e-3},
-            r"^`wall_thickness` must be less than `outer_radius`, got 0\.007 m",
-        ),
-        ({"wall_thickness": 6.35e-3}, r"^`wall_thickness` must be less than `outer_radius`"),
-        (
-            {"braid_angle": 33},
-            r"^`braid_angle` must lie in \(0, 54\.7356\) deg to contract, got 1890",
-        ),
-        ({"braid_angle": math.radians(54.7357)}, r"^`braid_angle` must lie in .* to contract"),
-        ({"braid_angle": 0.0}, r"^`braid_angle` must lie in .*, got 0 deg\.$"),
-        (
-            {"braid_angle": "33 mm"},
-            r"^`braid_angle` must be an angle, such as \"33 deg\", got '33 mm'",
-        ),
-        ({"transition_rate": -25.0}, r"^`transition_rate` must be positive and finite, got -25"),
-        ({"material": "latx"}, r"^`material` 'latx' is unknown: did you mean 'latex'\?"),
-        (
-            {"buckling": "euler"},
-            r"^`buckling` 'euler' is unknown: .*choose one of elastica, kim2021\.$",
-        ),
-        ({"tension": "hooke"}, r"^`tension` 'hooke' is unknown"),
-        ({"collapse": "wood"}, r"^`collapse` 'wood' is unknown: did you mean 'wood1958'\?"),
-        (
-            {"post_collapse": "derive"},
-            r"^`post_collapse` 'derive' is unknown: did you mean 'derived'\?",
-        ),
-    ],
-)
-def test_refuses_a_muscle_that_cannot_be(change, message):
-    with pytest.raises(ValueError, match=message) as caught:
-        fs.Muscle.from_dimensions(**SIZES | change)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("pressure", "strain", "message"),
-    [
-        (-1.0, 0.1, r"^`pressure` must lie in \[0, 1e6\] Pa .*, got -1 Pa\.$"),
-        (1.1e6, 0.1, r"^`pressure` must lie in .*, got 1\.1e6 Pa\.$"),
-        (math.nan, 0.1, r"^`pressure` must lie in .*, got nan Pa\.$"),
-        ("34.5 mm", 0.1, r"^`pressure` must be a pressure, such as \"34\.5 kPa\", got '34\.5 mm'"),
-        (1e5, 0.61, r"^`strain` must lie in \(-0\.192363, 0\.6\].*, got 0\.61"),
-        (1e5, LOWEST, r"^`strain` must lie in .*fibers straight.*, got -0\.192363"),
-        (1e5, [0.1, math.nan], r"^`strain` must lie in .*, got nan"),
-    ],
-)
-def test_refuses_what_is_off_the_domain(pressure, strain, message):
-    for method in (latex.force, latex.response, latex.moment, latex.deflection, latex.shape):
-        with pytest.raises(ValueError, match=message) as caught:
-            method(pressure, strain)
-        assert "\n" not in str(caught.value)
-
-
 @pytest.mark.parametrize("buckling", BUCKLING_LAWS)
 @pytest.mark.parametrize("law", POST_COLLAPSE_LAWS)
 def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
@@ -187,9 +126,37 @@ def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
         assert_allclose(one, (every.z[place], every.y[place]), atol=1e-12)
 
 
-def test_refuses_a_shape_of_too_few_points():
-    with pytest.raises(ValueError, match=r"^`points` must be at least 3, got 2\.$"):
-        latex.shape(1e5, 0.1, points=2)
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [
+        ("length", -0.1), ("length", math.nan), ("length", "127"), ("outer_radius", 0),
+        ("wall_thickness", 7e-3), ("wall_thickness", 6.35e-3), ("braid_angle", 33),
+        ("braid_angle", math.radians(54.7357)), ("braid_angle", 0.0), ("braid_angle", "33 mm"),
+        ("transition_rate", -25.0), ("material", "latx"), ("buckling", "euler"),
+        ("tension", "hooke"), ("collapse", "wood"), ("post_collapse", "derive"),
+    ],
+)  # fmt: skip
+def test_refuses_a_muscle_that_cannot_be(argument, value):
+    with pytest.raises(fs.InvalidInputError) as error:
+        fs.Muscle.from_dimensions(**SIZES | {argument: value})
+    assert error.value.argument == argument
+
+
+@pytest.mark.parametrize(
+    ("argument", "pressure", "strain"),
+    [
+        ("pressure", -1.0, 0.1), ("pressure", 1.1e6, 0.1), ("pressure", math.nan, 0.1),
+        ("pressure", "34.5 mm", 0.1), ("strain", 1e5, 0.61), ("strain", 1e5, LOWEST),
+        ("strain", 1e5, [0.1, math.nan]),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize(
+    "name", ["force", "response", "moment", "deflection", "shape", "conjugate_volume"]
+)
+def test_refuses_what_is_off_the_domain(name, argument, pressure, strain):
+    with pytest.raises(fs.InvalidInputError) as error:
+        getattr(latex, name)(pressure, strain)
+    assert error.value.argument == argument
 
 
 @pytest.mark.parametrize("law", ["klute_hannaford", "sarosi_10"])

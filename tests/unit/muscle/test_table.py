@@ -1,6 +1,5 @@
 """A muscle as a table of its co-energy: one potential, its error, its ends."""
 
-import re
 import subprocess
 import sys
 
@@ -150,15 +149,16 @@ def test_jax_agrees_and_is_differentiated(table, points):
 
 
 @pytest.mark.parametrize(
-    ("call", "rule"),
+    ("argument", "call"),
     [
-        (lambda t: t.force(1e5, 0.5), "`strain` must lie in [-0.14"),
-        (lambda t: t.force(5e5, 0.1), "`pressure` must lie in [-101325, 4137"),
-        (lambda _: SIX.table(-1.0), "`supply_pressure` must lie in (0, 1e6]"),
-        (lambda _: SIX.table(TOP, (0.1, 0.3)), "`strains` must enclose 0"),
-        (lambda _: SIX.table(TOP, shape=(2, 9)), "`shape` must be two whole"),
+        ("strain", lambda table: table.force(1e5, 0.5)),
+        ("pressure", lambda table: table.force(5e5, 0.1)),
+        ("supply_pressure", lambda _: SIX.table(-1.0)),
+        ("strains", lambda _: SIX.table(TOP, (0.1, 0.3))),
+        ("shape", lambda _: SIX.table(TOP, shape=(2, 9))),
     ],
 )
-def test_what_it_can_t_say_is_refused(table, call, rule):
-    with pytest.raises(fs.InvalidInputError, match=re.escape(rule)):
+def test_what_it_can_t_say_is_refused(table, argument, call):
+    with pytest.raises(fs.InvalidInputError) as error:
         call(table)
+    assert error.value.argument == argument

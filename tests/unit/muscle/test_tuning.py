@@ -136,59 +136,40 @@ def test_tables_may_be_differentiated_into():
     assert_allclose(jax.jit(jax.grad(force))(jnp.array([2.0])), [-1.0], rtol=1e-13)
 
 
+def row(pressures, c1, c2):
+    return {"pressures": pressures, "c1": c1, "c2": c2}
+
+
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("argument", "given"),
     [
-        (
-            {"pressures": [1e5], "c1": [1.0, 2.0], "c2": [1.0]},
-            r"lists of equal length, got 1, 2 and 1",
-        ),
-        (
-            {"pressures": [2e5, 1e5], "c1": [1, 2], "c2": [1, 1]},
-            r"^`pressures` must rise from 0 Pa",
-        ),
-        ({"pressures": [-1.0], "c1": [1.0], "c2": [1.0]}, r"^`pressures` must rise from 0 Pa"),
-        ({"pressures": [1e5, 1e5], "c1": [1, 2], "c2": [1, 1]}, r"^`pressures` must rise"),
-        (
-            {"pressures": [0.0], "c1": [1.0], "c2": [1.0]},
-            r"must be 0 N and 1 at zero pressure, got 1 N",
-        ),
-        (
-            {"pressures": [1e5], "c1": [math.nan], "c2": [1.0]},
-            r"^`c1` must lie in .*, got nan N\.$",
-        ),
-        (
-            {"pressures": [1e5], "c1": [1.0], "c2": [0.0]},
-            r"^`c2` must be positive and finite, got 0\.$",
-        ),
-        ({"youngs_modulus_factor": 0.0}, r"^`youngs_modulus_factor` must be positive"),
-        ({"collapse_moment_factor": -1.0}, r"^`collapse_moment_factor` must be positive"),
-        ({"hinge_stiffness_factor": math.inf}, r"^`hinge_stiffness_factor` must be positive"),
-        ({"hinge_stiffness_slope": math.nan}, r"^`hinge_stiffness_slope` must lie in"),
-        (
-            {"hinge_stiffness_slope": -2e-6},
-            r"^`hinge_stiffness_slope` must leave .* got a factor of -1",
-        ),
-        ({"transition_rate": 0.0}, r"^`transition_rate` must be positive"),
-        ({"dead_band": -1.0}, r"^`dead_band` must lie in \[0, 1e6\) Pa, got -1 Pa\.$"),
-        ({"dead_band": 1e6}, r"^`dead_band` must lie in"),
+        ("pressures", row([1e5], [1.0, 2.0], [1.0])),
+        ("pressures", row([2e5, 1e5], [1, 2], [1, 1])),
+        ("pressures", row([-1.0], [1.0], [1.0])),
+        ("c1", row([0.0], [1.0], [1.0])),
+        ("c1", row([1e5], [math.nan], [1.0])),
+        ("c2", row([1e5], [1.0], [0.0])),
+        ("youngs_modulus_factor", {"youngs_modulus_factor": 0.0}),
+        ("collapse_moment_factor", {"collapse_moment_factor": -1.0}),
+        ("hinge_stiffness_factor", {"hinge_stiffness_factor": math.inf}),
+        ("hinge_stiffness_slope", {"hinge_stiffness_slope": math.nan}),
+        ("hinge_stiffness_slope", {"hinge_stiffness_slope": -2e-6}),
+        ("transition_rate", {"transition_rate": 0.0}),
+        ("dead_band", {"dead_band": -1.0}),
+        ("dead_band", {"dead_band": 1e6}),
     ],
 )
-def test_refuses_what_cannot_be(arguments, message):
-    with pytest.raises(ValueError, match=message) as caught:
-        fs.Tuning(**arguments)
-    assert "\n" not in str(caught.value)
+def test_refuses_what_cannot_be(argument, given):
+    with pytest.raises(fs.InvalidInputError) as error:
+        fs.Tuning(**given)
+    assert error.value.argument == argument
 
 
-def test_a_pressure_past_the_table_is_told():
+def test_a_pressure_past_the_table_warns():
     tuning = fs.Tuning([1e5, 2e5], [0.1, 0.2], [1.0, 1.1], dead_band=1e4)
-    tuning.warn_extrapolation(2.1e5)  # the table is in effective pressures
-    with pytest.warns(UserWarning, match=r"measured up to 210 kPa.*is 220 kPa"):
-        tuning.warn_extrapolation(jnp.asarray([1e5, 2.2e5]))
-    fs.Tuning().warn_extrapolation(1e6)
-    # floats that need no check are answered at once, but not these
     muscle = fs.Muscle.from_dimensions(*SIZES, tuning=tuning)
-    muscle.force(2.1e5, 0.05)
-    with pytest.warns(UserWarning, match="is 220 kPa"):
-        muscle.force(2.2e5, 0.05)
-    jax.jit(lambda P: (tuning.warn_extrapolation(P), P)[1])(9e5)
+    muscle.force(2.1e5, 0.05)  # the table is in effective pressures
+    for pressure in (2.2e5, jnp.asarray([1e5, 2.2e5])):
+        with pytest.warns(UserWarning, match="is 220 kPa"):
+            muscle.force(pressure, 0.05)
+    jax.jit(lambda P: muscle.force(P, 0.05))(9e5)
