@@ -106,28 +106,3 @@ def test_a_compiled_batch_is_the_same():
     result = jax.jit(lambda bundle, pressures: bundle.free_strain(pressures))(row, P)
     # both searches end where two Newton steps leave nothing but rounding
     np.testing.assert_allclose(result, row.free_strain(P), rtol=0, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda bundle: fs.recruitment.recruit(bundle, 50.0, 0.1),
-        fs.reversal.reversal,
-        fs.energetics.average_efficiency,
-        fs.Bundle.plot,
-    ],
-)
-def test_functions_of_a_single_bundle_refuse_a_batch(ask):
-    units = BUNDLES["angles"](slice(None))
-    with pytest.raises(
-        fs.InvalidInputError, match=r"^`bundle` must be a single one here, got a batch of"
-    ):
-        ask(fs.Bundle(units, supply_pressure=300e3))
-
-
-def test_batches_of_unequal_length_are_refused():
-    units = [fs.MotorUnit(MUSCLE.replace(braid_angle=ANGLES[:n, 0])) for n in (2, 3)]
-    with pytest.raises(
-        fs.InvalidInputError, match=r"^`motor unit 2` must broadcast against `motor unit 1`"
-    ):
-        fs.Bundle(units).force([1e5, 1e5], 0.1)

@@ -207,32 +207,6 @@ def test_free_strain_differentiates_implicitly():
     assert_allclose(slopes(jnp.array([FULL, FULL]))[1].sum(), free_alone, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: fs.Bundle([]), "`motor_units` must hold at least one motor unit"),
-        (lambda: fs.MotorUnit(muscle, 0), "`count` must be a whole number of at least 1, got 0"),
-        (lambda: fs.MotorUnit(muscle, 1.5), "`count` must be a whole number"),
-        (lambda: fs.Bundle([fs.MotorUnit(muscle)], scheme="ordrly"), "did you mean 'orderly'"),
-        (lambda: fs.Bundle([fs.MotorUnit(muscle)], -1.0), r"`supply_pressure` must lie in"),
-        (lambda: pair.force([1e5], 0.1), "one pressure for each of the 2 motor units"),
-        (lambda: pair.force(1e5, 0.1), "got a single pressure"),
-        (lambda: pair.force([1e5, -1.0], 0.1), "`pressures` must lie in"),
-        (lambda: pair.force([1e5, 1e5], 0.7), "`strain` must lie in"),
-        (lambda: pair.free_strain([1e5, math.nan]), "`pressures` must lie in"),
-    ],
-)
-def test_invalid_input_is_refused(build, message):
-    with pytest.raises(ValueError, match=message) as error:
-        build()
-    assert "\n" not in str(error.value)
-
-
-def test_unequal_lengths_need_the_distance_of_the_plates():
-    with pytest.raises(ValueError, match=r"must hold muscles of one length.*give `length`"):
-        fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER))])
-
-
 def test_bundles_are_equal_by_their_values():
     """Whether made anew, used before, or of JAX's numbers; not where one thing differs."""
 
@@ -247,16 +221,3 @@ def test_bundles_are_equal_by_their_values():
     others = [made(3), made(supply=3e5), made(supply=None), made(scheme="batch"), made(length=0.13)]
     for unlike in (*others, fs.Bundle(one.motor_units[:1], 4e5), one.motor_units[0], "x"):
         assert (one == unlike) is False and (one != unlike) is True
-
-
-def test_methods_equal_the_functions():
-    made = fs.example("kim2021_bundle_1_4")
-    one, other = made.recruit(50.0, 0.1, scheme="batch"), fs.recruitment.recruit
-    assert_allclose(one.pressures, other(made, 50.0, 0.1, scheme="batch").pressures)
-    assert_allclose(made.workspace(levels=3).high, fs.recruitment.workspace(made, levels=3).high)
-    assert made.reversal(2) == fs.reversal.reversal(made, 2)
-    average = fs.energetics.average_efficiency(made, path="isobaric")
-    assert made.average_efficiency(path="isobaric") == average
-    strain = np.linspace(0.05, 0.1, 3)
-    maps = (made.efficiency_map(strain=strain), fs.energetics.efficiency_map(made, strain=strain))
-    assert_allclose(maps[0].efficiency, maps[1].efficiency)

@@ -119,20 +119,6 @@ def test_constant_cross_section_keeps_section_and_shape():
     assert_allclose(ratio, 0.25, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: energetics.average_efficiency(two, path="isobar"), "did you mean 'isobaric'"),
-        (lambda: energetics.average_efficiency(two, scheme="x"), "`scheme` 'x' is unknown"),
-        (lambda: energetics.efficiency_map(two, strain=[0.0]), "`strain` must be positive"),
-        (lambda: energetics.constant_cross_section(semu, 0), "`units` must be at least 1"),
-    ],
-)
-def test_invalid_input_is_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
 def test_an_efficiency_above_one_warns():
     """A fit of a wide muscle on a thin one works more than the thin one's fluid brings."""
     thin = fs.example("kim2021_figure_6").replace(tension="sarosi")

@@ -240,28 +240,6 @@ def test_without_resistance_no_unit_pushes():
     assert_allclose(bundle.force(result.pressures[1], 0.15, resistance=False), 30.0, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "options", "message"),
-    [
-        ((np.nan, 0.1), {}, "`force` must lie in"),
-        ((10.0, 0.7), {}, "`strain` must lie in"),
-        ((10.0, 0.1, -1.0), {}, "`supply_pressure` must lie in"),
-        ((10.0, 0.1), {"scheme": "ordrly"}, "`scheme` 'ordrly' is unknown: did you mean"),
-        ((10.0, 0.1), {"prefer": "cheap"}, "`prefer` 'cheap' is unknown"),
-        ((10.0, 0.1), {"prefer": "nearest"}, "`present` must be given in Pa"),
-        ((10.0, 0.1), {"prefer": "nearest", "present": [1e5]}, "one pressure for each of the 2"),
-    ],
-)
-def test_invalid_input_is_refused(arguments, options, message):
-    with pytest.raises(ValueError, match=message):
-        recruit(bundle, *arguments, **options)
-
-
-def test_refuses_a_bundle_without_a_supply():
-    with pytest.raises(ValueError, match="`supply_pressure` must be given"):
-        recruit(fs.Bundle(bundle.motor_units), 10.0, 0.1)
-
-
 def test_narrow_rise_of_steep_fibers_is_found():
     # the free strain of the steep muscle rises from 0.07 to 0.21 between 42 and 48 kPa, in which
     # the force of both rises and falls again

@@ -9,7 +9,7 @@ import fascicle as fs
 from fascicle.bundle.energetics import unit_work_along
 
 
-thin, thick = fs.example("kim2021_figure_6"), fs.example("kim2021_slenderness_8")
+thin = fs.example("kim2021_figure_6")
 LEVELS = np.array([0.0, 1e4, 2e5])
 STRAINS = np.array([0.3, 0.01, 0.19, -0.05])
 

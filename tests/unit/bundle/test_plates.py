@@ -95,13 +95,6 @@ def test_states_and_onset_are_those_of_the_sum():
     assert 0 < onset < FULL and at[1] < at[0] < at[2]
 
 
-def test_equal_lengths_need_no_ratios():
-    given = fs.Bundle(even.motor_units, FULL, length=SHORT)
-    assert jax.tree.structure(given) == jax.tree.structure(even)
-    assert float(given.length) == SHORT and given.ratios is None
-    assert float(bundle.length) == PLATES
-
-
 def test_a_file_holds_the_plates_distance(tmp_path):
     fs.save(bundle, tmp_path / "b.toml")
     text = (tmp_path / "b.toml").read_text()
@@ -132,19 +125,3 @@ def test_free_strain_differentiates_by_a_length():
     numeric = (both(LONG + step)[0] - both(LONG - step)[0]) / (2 * step)
     # a root's 1e-13 over a step of 1e-6
     assert_allclose(both(LONG)[1], numeric, rtol=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: fs.Bundle(bundle.motor_units, length=-1.0), "`length` must be positive"),
-        (lambda: fs.Bundle(bundle.motor_units, length=0.16), "unit 1's fibers are straight"),
-        (lambda: bundle.force([FULL, 0.0], 0.6), "seen from the plates"),
-        (lambda: bundle.force([FULL, 0.0], -0.17), "seen from the plates"),
-        (lambda: energetics.fluid_energy(bundle, -0.17, FULL, [1, 1]), "seen from the plates"),
-    ],
-)
-def test_invalid_input_is_refused(build, message):
-    with pytest.raises(ValueError, match=message) as error:
-        build()
-    assert "\n" not in str(error.value)

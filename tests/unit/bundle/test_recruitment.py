@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle.bundle import distinct_units
 from fascicle.bundle.recruitment import overlap, pressures_of, workspace
 
 
@@ -86,23 +85,3 @@ def test_area_is_that_of_the_outline():
     shoelace = 0.5 * abs(np.sum(strain * np.roll(force, -1) - np.roll(strain, -1) * force))
     # the trapezoids at the tips, where the overlap begins, are counted half more
     assert_allclose(result.area[0], shoelace, rtol=0.01)
-
-
-def test_distinct_units():
-    few, places = distinct_units(three)
-    assert len(few.motor_units) == 2 and places.tolist() == [0, 0, 1]
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: pressures_of(3, 1e5, SUPPLY, 2), r"`state` must lie in \[1, 2\], got 3"),
-        (lambda: pressures_of(1, 1e5, SUPPLY, 2, "bach"), "did you mean 'batch'"),
-        (lambda: workspace(fs.Bundle(two.motor_units)), "`supply_pressure` must be given"),
-        (lambda: workspace(two, levels=[0.0, 5e5]), "`levels` must lie in"),
-        (lambda: workspace(two, supply_pressure=0.0), "`supply_pressure` must lie in"),
-    ],
-)
-def test_invalid_input_is_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

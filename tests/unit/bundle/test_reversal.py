@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle.reversal import free_strain_curve, onset_pressure, reversal
-from fascicle.bundle.states import check_single
 
 
 SUPPLY = 344.7e3
@@ -70,20 +69,3 @@ def test_onset_in_a_bundle_of_two_lengths(unit):
     P[:, unit - 1] = [0.0, 0.999 * result, 1.001 * result]
     none, below, above = mixed.force(P, strain)
     assert below < none < above
-
-
-def test_refuses_a_unit_that_does_not_exist():
-    with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
-        onset_pressure(even, 0.1, unit=3)
-    with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
-        reversal(even, unit=3)
-
-
-def test_unit_must_be_a_number():
-    with pytest.raises(ValueError, match=r"`unit` must be a whole number.* got '3 bar'"):
-        reversal(even, unit="3 bar")
-
-
-def test_bundle_must_be_a_bundle():
-    with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: build one"):
-        check_single(even.motor_units[0].muscle)

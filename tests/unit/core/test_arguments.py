@@ -11,6 +11,11 @@ from fascicle import energetics, recruitment, reversal
 
 MUSCLE = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
 BUNDLE = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(MUSCLE, 4)], supply_pressure=413.7e3)
+LONGER = MUSCLE.replace(length=0.131)
+PLATES = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(LONGER)], 4e5, length=0.13)
+BATCH = BUNDLE.replace(
+    motor_units=[fs.MotorUnit(MUSCLE.replace(braid_angle=np.array([0.55, 0.6])))]
+)
 SUPPLIES = [1e5, 2e5]
 
 
@@ -37,6 +42,39 @@ SUPPLIES = [1e5, 2e5]
         ("strain", lambda: reversal.onset_pressure(BUNDLE, [0.1, 0.2])),
         ("units", lambda: energetics.constant_cross_section(MUSCLE, 1.5)),
         ("units", lambda: energetics.constant_cross_section(MUSCLE, "two")),
+        ("units", lambda: energetics.constant_cross_section(MUSCLE, 0)),
+        ("motor_units", lambda: fs.Bundle([])),
+        ("motor_units", lambda: fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(LONGER)])),
+        ("length", lambda: fs.Bundle(PLATES.motor_units, length=-1.0)),
+        ("length", lambda: fs.Bundle(PLATES.motor_units, length=0.17)),
+        ("count", lambda: fs.MotorUnit(MUSCLE, 0)),
+        ("count", lambda: fs.MotorUnit(MUSCLE, 1.5)),
+        ("scheme", lambda: BUNDLE.replace(scheme="ordrly")),
+        ("supply_pressure", lambda: BUNDLE.replace(supply_pressure=-1.0)),
+        ("pressures", lambda: BUNDLE.force([1e5], 0.1)),
+        ("pressures", lambda: BUNDLE.force(1e5, 0.1)),
+        ("pressures", lambda: BUNDLE.free_strain([1e5, math.nan])),
+        ("strain", lambda: BUNDLE.force([1e5, 1e5], 0.7)),
+        ("strain", lambda: PLATES.force([1e5, 1e5], 0.7)),
+        ("strain", lambda: energetics.fluid_energy(PLATES, -0.25, 4e5, [1, 1])),
+        ("force", lambda: BUNDLE.recruit(math.nan, 0.1)),
+        ("strain", lambda: BUNDLE.recruit(10.0, 0.7)),
+        ("scheme", lambda: BUNDLE.recruit(10.0, 0.1, scheme="ordrly")),
+        ("prefer", lambda: BUNDLE.recruit(10.0, 0.1, prefer="cheap")),
+        ("present", lambda: BUNDLE.recruit(10.0, 0.1, prefer="nearest")),
+        ("supply_pressure", lambda: fs.Bundle(BUNDLE.motor_units).recruit(10.0, 0.1)),
+        ("supply_pressure", lambda: fs.Bundle(BUNDLE.motor_units).workspace()),
+        ("levels", lambda: BUNDLE.workspace(levels=[0.0, 5e5])),
+        ("state", lambda: recruitment.pressures_of(3, 1e5, 4e5, 2)),
+        ("unit", lambda: BUNDLE.reversal(3)),
+        ("unit", lambda: reversal.onset_pressure(BUNDLE, 0.1, unit="3 bar")),
+        ("path", lambda: BUNDLE.average_efficiency(path="isobar")),
+        ("strain", lambda: BUNDLE.efficiency_map(strain=[0.0])),
+        ("bundle", lambda: BATCH.recruit(50.0, 0.1)),
+        ("bundle", BATCH.reversal),
+        ("bundle", BATCH.average_efficiency),
+        ("bundle", BATCH.plot),
+        ("bundle", lambda: reversal.reversal(MUSCLE)),
         ("points", lambda: MUSCLE.shape(1e5, 0.3, 2)),
         ("points", lambda: MUSCLE.shape(1e5, 0.3, math.nan)),
         ("points", lambda: MUSCLE.at(1e5).shape(0.3, None)),

@@ -10,7 +10,6 @@ from fascicle.muscle.tension import Kothera2009
 
 
 L0, R0, T0, ANGLE, E = 0.127, 6.35e-3, 1.6e-3, math.radians(33), 1.78e6
-ANNULUS = math.pi * (R0**2 - (R0 - T0) ** 2)
 
 
 def muscle(law, wall=T0):
