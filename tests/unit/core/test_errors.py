@@ -30,14 +30,6 @@ def test_an_error_has_argument_rule_value_and_remedy():
     assert (error.argument, error.value) == ("supply_pressure", "34.5")
 
 
-def test_the_text_is_one_sentence():
-    assert str(InvalidInputError("a", "must be b", None)) == "`a` must be b."
-    assert str(InvalidInputError("a", ", `b` must be c", 3)) == "`a`, `b` must be c, got 3."
-    assert str(InvalidInputError("a", "must be b", "c", "do d")) == "`a` must be b, got 'c': do d."
-    assert str(InvalidInputError("a", "b", 3, "c", shown="")) == "`a` b: c."
-    assert str(error_of(lambda: units.parse("3 KPA", "pressure"))).endswith("mean 'kPa'?")
-
-
 @pytest.mark.parametrize("duplicate", [copy.copy, lambda x: pickle.loads(pickle.dumps(x))])  # noqa: S301
 def test_the_error_of_a_worker_arrives_with_its_fields(duplicate):
     error = InvalidInputError("length", "must be short", 3.0, "cut it", shown="3 m")

@@ -80,16 +80,3 @@ OPTION = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=10
 def test_the_loops_option_replaces_no_other(before, after):
     code = "import fascicle.jax, os; print(os.environ['XLA_FLAGS'])"
     assert run(code, XLA_FLAGS=before) == [after]
-
-
-@pytest.mark.parametrize("first", ["", "import fascicle as fs, jax; fs.Muscle"])
-def test_dynamics_sets_the_loops_option_before_xla_compiles(first):
-    code = f"""
-{first}
-import fascicle.dynamics, os
-import jax, jax.numpy as jnp
-text = jax.jit(lambda x: jax.lax.fori_loop(0, 9, lambda _, x: jnp.sin(x) + x[::-1] @ x, x)).lower(
-    jnp.ones(500)).compile().as_text()
-print("xla_cpu_small_call" in text)
-"""
-    assert run(code) == ["True"]

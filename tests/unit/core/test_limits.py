@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.core.validation import RANGES, check_size
+from fascicle.core.validation import RANGES
 
 
 SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}
@@ -16,20 +16,6 @@ SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "br
 
 def muscle(**changes):
     return fs.Muscle.from_dimensions(**(SIZES | changes))
-
-
-@pytest.mark.parametrize("name", [*RANGES])
-def test_every_range_is_in_order_and_named_in_errors(name):
-    limits = RANGES[name]
-    assert limits.least <= limits.low < limits.high <= limits.largest
-    for value in (limits.low, limits.high, 0.5 * (limits.low + limits.high)):
-        if value > 0:
-            assert check_size(value, name) == value
-    with pytest.raises(ValueError, match=rf"^`{name}` must lie in \[.*: check its unit\.$"):
-        check_size(np.array([0.5 * (limits.low + limits.high), 2 * limits.largest]), name)
-    if limits.largest > limits.high:
-        with pytest.warns(UserWarning, match=rf"^`{name}` of .* is unusual, most lie in \["):
-            check_size(1.01 * limits.high, name)
 
 
 @pytest.mark.parametrize(
@@ -77,15 +63,21 @@ def test_existing_muscles_do_not_warn(values):
         assert np.isfinite(muscle(**values).force(2e5, 0.05))
 
 
+def test_an_unusual_size_warns():
+    with pytest.warns(UserWarning, match=r"^`outer_radius` of"):
+        muscle(outer_radius=1.01 * RANGES["outer_radius"].high, length=5.0)
+
+
 def test_a_muscle_shorter_than_wide_warns():
     with pytest.warns(UserWarning, match="is 1.57 times `outer_radius`"):
         muscle(length=0.01)
 
 
 @pytest.mark.parametrize("degrees", [0.5, 1e-9])
-def test_fibers_along_the_axis_are_refused_in_degrees(degrees):
-    with pytest.raises(ValueError, match=r"`braid_angle` must lie in \[1, inf\] deg, got"):
+def test_fibers_along_the_axis_are_refused(degrees):
+    with pytest.raises(fs.InvalidInputError) as error:
         muscle(braid_angle=math.radians(degrees))
+    assert error.value.argument == "braid_angle"
 
 
 def test_traced_values_are_not_checked():

@@ -1,34 +1,12 @@
-"""Modules: values that are equal, hashed and copied by their numbers, whatever they cache."""
+"""Modules: values that are equal, hashed and copied by their numbers."""
 
 import copy
 import pickle
-from functools import cached_property
 
 import jax
 import numpy as np
 
 import fascicle as fs
-from fascicle.core.module import Module
-
-
-class Counter(Module):
-    size: float
-
-    @cached_property
-    def square(self):
-        """Square of the size."""
-        evaluations.append(self.size)
-        return self.size**2
-
-
-evaluations: list[float] = []
-
-
-def test_a_cached_property_is_computed_once_for_each_module():
-    evaluations.clear()
-    a, b = Counter(2.0), Counter(3.0)
-    assert [a.square, a.square, b.square, a.square] == [4.0, 4.0, 9.0, 4.0]
-    assert evaluations == [2.0, 3.0]
 
 
 def test_a_used_muscle_is_equal_to_a_fresh_one_and_compiles_once():

@@ -104,20 +104,19 @@ def test_strains_and_forces_are_accepted_with_their_units():
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("argument", "call"),
     [
-        (lambda: MUSCLE.force("2 mm", 0.1), "'2 mm': 'mm' is no unit of pressure"),
-        (lambda: MUSCLE.force(2 * ureg.mm, 0.1), "got 2 millimeter"),
-        (lambda: MUSCLE.force("2", 0.1), "the bare number 2: write it with its unit"),
-        (lambda: MUSCLE.force("20 bar", 0.1), r"must lie in \[0, 1e6\] Pa \(gauge\), got 2e6 Pa"),
-        (lambda: fs.Muscle(**SIZES, braid_angle=33), 'numbers are in rad, write "33 deg"'),
-        (lambda: fs.Muscle(**SIZES, braid_angle="60 deg"), "to contract, got 60 deg"),
+        ("pressure", lambda: MUSCLE.force("2 mm", 0.1)),
+        ("pressure", lambda: MUSCLE.force(2 * ureg.mm, 0.1)),
+        ("pressure", lambda: MUSCLE.force("2", 0.1)),
+        ("pressure", lambda: MUSCLE.force("20 bar", 0.1)),
+        ("braid_angle", lambda: fs.Muscle(**SIZES, braid_angle="60 deg")),
     ],
 )
-def test_another_quantity_is_refused_in_one_line(call, message):
-    with pytest.raises(fs.InvalidInputError, match=message) as error:
+def test_another_quantity_is_refused(argument, call):
+    with pytest.raises(fs.InvalidInputError) as error:
         call()
-    assert "\n" not in str(error.value)
+    assert error.value.argument == argument
 
 
 @pytest.mark.parametrize(
