@@ -1,6 +1,4 @@
 import hashlib
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -8,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from fascicle.records import Record, load, loads, tables
+from fascicle.records import Record, load, loads
 from fascicle.records.headers import MissingMetadataError
 
 
@@ -42,15 +40,6 @@ def test_a_record_is_in_si_and_in_one_sign():
     assert (record.rest_length, record.time, record.synthetic) == (0.3, None, False)
     assert not record.censored.any()
     assert not record.branch.any()
-
-
-def test_what_was_guessed_is_said():
-    notes = loads("junk;" + GOOD.replace(",", ";").replace("\n", "\n1;").removesuffix("1;"),
-                  source="m.csv", rest_length=0.3).notes  # fmt: skip
-    assert "m.csv: column `pressure [kPa]` read as pressure in kPa" in notes
-    assert "m.csv: column `length [mm]` read as length in mm" in notes
-    assert "m.csv: column `force [N]` read as force in N" in notes
-    assert "m.csv: columns not read: `junk`" in notes
 
 
 @pytest.mark.parametrize(
@@ -96,76 +85,60 @@ def test_encodings(tmp_path, encoding):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "fragments"),
+    ("old", "new", "where"),
     [
         # cells
-        ("20.25", "1e999", ["line 3, column `force [N]`", "'1e999' is no finite number"]),
-        ("20.25", "20.25 N", ["line 3, column `force [N]`", "'20.25 N' is no finite number"]),
-        ("20.25", "2_0", ["line 3, column `force [N]`", "'2_0' is no finite number"]),
-        ("20.25", "0x14", ["line 3, column `force [N]`", "'0x14'"]),
-        ("20.25", "٢", ["line 3, column `force [N]`", "is no finite number"]),
-        ("20.25", '"20,25"', ["line 3, column `force [N]`", "write the decimals after a point"]),
-        ("100,300,50.5", "100,three,50.5", ["line 2, column `length [mm]`", "'three'"]),
-        ("20.25", "20,25", ["line 3: 4 cells", "header has 3"]),
-        ("\n200", "\n\n\n200x", ["line 6, column `pressure [kPa]`", "'200x'"]),
-        ("\n200", "\n# remark\n200x", ["line 5, column `pressure [kPa]`", "'200x'"]),
+        ("20.25", "1e999", "line 3, column `force [N]`"),
+        ("20.25", "20.25 N", "line 3, column `force [N]`"),
+        ("20.25", "2_0", "line 3, column `force [N]`"),
+        ("20.25", "0x14", "line 3, column `force [N]`"),
+        ("20.25", "٢", "line 3, column `force [N]`"),
+        ("20.25", '"20,25"', "line 3, column `force [N]`"),
+        ("20.25", "20,25", "line 3: 4 cells"),
+        ("\n200", "\n\n# remark\n200x", "line 6, column `pressure [kPa]`"),
         # whole files
-        (GOOD, "", ["m.csv: empty"]),
-        (GOOD, "# only remarks\n\n", ["m.csv: empty"]),
-        (GOOD, GOOD.splitlines()[0], ["m.csv: no readings below the header in line 1"]),
-        (GOOD, "\0\1\2", ["not a text file"]),
-        (GOOD, "x" * 200_000, ["line 1: too long"]),
-        (GOOD, GOOD.split("\n", 1)[1], ["line 1: no header, but numbers"]),
-        ("force [N]", "force [N]" + "x" * 200, ["line 1: a column's name is longer"]),
-        # columns
-        ("pressure [kPa]", "junk", ["line 1: no column of pressure", "`junk`", "columns"]),
-        ("force [N]", "junk", ["line 1: no column of force"]),
-        ("length [mm]", "junk", ["line 1: no column of length, strain, displacement or angle"]),
-        ("length [mm]", "force [N]", ["column `force [N]` is there 2 times"]),
-        ("length [mm]", "load [N]", ["several columns could be force", "`load [N]`"]),
-        # units
-        ("pressure [kPa]", "pressure", ["line 1, column `pressure`: no unit", "pressure [kPa]"]),
-        ("force [N]", "force", ["column `force`: no unit", '{"force": "N"}']),
-        ("length [mm]", "length", ["column `length`: no unit", "length [mm]"]),
-        ("pressure [kPa]", "pressure [N]", ["'N' is no unit of pressure", "[kPa]"]),
-        ("pressure [kPa]", "pressure [psia]", ["'psia' is absolute"]),
-        ("pressure [kPa]", "pressure [bar(a)]", ["is absolute"]),
-        ("force [N]", "force [kg]", ["'kg' is no unit of force"]),
+        (GOOD, "", "empty"),
+        (GOOD, "# only remarks\n\n", "empty"),
+        (GOOD, GOOD.splitlines()[0], "no readings"),
+        (GOOD, "\0\1\2", "not a text file"),
+        (GOOD, "x" * 200_000, "line 1"),
+        (GOOD, GOOD.split("\n", 1)[1], "line 1: no header"),
+        # columns and units
+        ("pressure [kPa]", "junk", "no column of pressure"),
+        ("length [mm]", "force [N]", "column `force [N]`"),
+        ("length [mm]", "load [N]", "several columns could be force"),
+        ("force [N]", "force", "column `force`: no unit"),
+        ("pressure [kPa]", "pressure [N]", "'N'"),
+        ("pressure [kPa]", "pressure [psia]", "absolute"),
         # plausibility
-        ("[kPa]", "[Pa]", ["line 4, column `pressure [Pa]`", "200 Pa", "did you mean kPa?"]),
-        ("[kPa]", "[MPa]", ["line 4, column `pressure [MPa]`", "did you mean kPa?"]),
-        ("[kPa]", "[bar]", ["200 bar is above 1 MPa", "did you mean kPa?"]),
-        ("200,", "413700,", ["line 4", "413700 kPa is above 1 MPa", "did you mean Pa?"]),
-        ("200,", "-3,", ["line 4, column `pressure [kPa]`", "-3 kPa is below zero"]),
-        ("[N]", "[kN]", ["line 4, column `force [kN]`", "m² of cross section: did you mean N?"]),
-        ("270", "390", ["line 3, column `length [mm]`", "390 mm", "longer than at rest"]),
-        ("270", "12", ["line 3, column `length [mm]`", "12 mm", "shorter than at rest"]),
-        ("270", "-1", ["line 3, column `length [mm]`", "-1 is no length"]),
-        ("[mm]", "[cm]", ["line 2, column `length [cm]`", "check rest length, unit"]),
+        ("[kPa]", "[Pa]", "did you mean kPa?"),
+        ("[kPa]", "[bar]", "did you mean kPa?"),
+        ("200,", "413700,", "did you mean Pa?"),
+        ("200,", "-3,", "line 4, column `pressure [kPa]`"),
+        ("[N]", "[kN]", "did you mean N?"),
+        ("270", "390", "line 3, column `length [mm]`"),
+        ("270", "12", "line 3, column `length [mm]`"),
+        ("270", "-1", "line 3, column `length [mm]`"),
+        ("[mm]", "[cm]", "line 2, column `length [cm]`"),
     ],
 )  # fmt: skip
-def test_a_wrong_file_is_refused_in_one_line(old, new, fragments):
-    assert old in GOOD
-    message = refusal(GOOD.replace(old, new, 1), rest_length=0.3)
-    assert all(fragment in message for fragment in fragments), message
+def test_a_wrong_file_is_refused_in_one_line(old, new, where):
+    assert where in refusal(GOOD.replace(old, new, 1), rest_length=0.3)
 
 
 def test_lengths_need_the_rest_length():
-    message = refusal(GOOD)
-    assert "line 1, column `length [mm]`" in message
-    assert 'rest_length = "300 mm" in m.toml' in message
+    with pytest.raises(MissingMetadataError) as error:
+        loads(GOOD)
+    assert error.value.argument == "rest_length"
     for wrong in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="`rest_length` must be positive"):
+        with pytest.raises(ValueError, match="`rest_length`"):
             loads(GOOD, rest_length=wrong)
 
 
 def test_percent_is_asked_for():
     text = "pressure [kPa],strain,force [N]\n100,{},50\n200,{},80\n"
-    with pytest.raises(
-        MissingMetadataError, match="12 is a contraction of 12: did you mean %"
-    ) as e:
-        loads(text.format(12, 3), source="m.csv")
-    assert "m.csv, line 2, column `strain`" in str(e.value)
+    with pytest.raises(MissingMetadataError) as e:
+        loads(text.format(12, 3))
     percent, length = e.value.choices
     record = loads(text.format(12, 3), units={percent[1]: percent[2]})
     assert_array_equal(record.strain, [0.12, 0.03])
@@ -178,34 +151,17 @@ def test_percent_is_asked_for():
 
 def test_displacements_and_what_grows_as_the_muscle_lengthens():
     text = "p [bar],{},F [lbf]\n1,0,10\n1,30,5\n"
-    for header in ("stroke [mm]", "displacement (mm)", "contraction [mm]", "x [mm]"):
+    for header, end in (("displacement (mm)", 0.1), ("extension [mm]", -0.1)):
         record = loads(text.format(header), rest_length=0.3)
-        assert_array_equal(record.strain, [0, 0.1])
-    out = loads(text.format("extension [mm]"), rest_length=0.3)
-    assert_array_equal(out.strain, [0, -0.1])
-    assert any("its sign turned" in note for note in out.notes)
-    assert any("stretched beyond rest" in note for note in out.notes)
-
-
-def test_a_german_bench_with_title_lines_and_decimal_commas(tmp_path):
-    text = (
-        "Prüfstand 7, Labor Süd\nDatum: 03.02.2025\nDruck in bar;Verkürzung in mm;Kraft in N\n"
-        "1;0;210,5\n1;12,5;120,25\n"
-    )
-    path = tmp_path / "messung.csv"
-    path.write_bytes(text.encode("latin-1"))
-    record = load(path, rest_length=0.25)
-    assert_array_equal(record.pressure, [1e5, 1e5])
-    assert_array_equal(record.strain, [0.0, 0.05])
-    assert_array_equal(record.force, [210.5, 120.25])
+        assert_array_equal(record.strain, [0, end])
 
 
 @pytest.mark.parametrize("first", ["0", "-1"])
 def test_a_length_that_begins_at_zero_or_below_may_be_a_displacement(first):
     text = f"pressure [kPa],length [mm],force [N]\n100,{first},50\n100,5,20\n"
-    with pytest.raises(ValueError, match=f"{first} is no length of a muscle: if it counts") as e:
+    with pytest.raises(MissingMetadataError) as error:
         loads(text, rest_length=0.25)
-    assert 'columns {"displacement": "length [mm]"}' in str(e.value)
+    assert error.value.choices[0][:3] == ("columns", "displacement", "length [mm]")
 
 
 def test_displacements_that_begin_far_from_zero_are_noted():
@@ -257,11 +213,6 @@ def test_dates_of_clock_times_count(first, second):
     assert loads(swapped).time is None
 
 
-def test_a_passive_record_has_no_pressure():
-    text = GOOD.replace("100,", "0,").replace("200,", "0,")
-    assert_array_equal(loads(text, rest_length=0.3).pressure, 0)
-
-
 def test_branches_times_and_clipped_readings():
     text = (
         "time [ms],branch,pressure [kPa],strain [%],force [N],clipped\n"
@@ -273,11 +224,8 @@ def test_branches_times_and_clipped_readings():
     assert_array_equal(record.censored, [False, True, False, False])
     strange = text.replace("UP", "sideways")
     assert not loads(strange).branch.any()
-    message = refusal(strange, columns={"branch": "branch"})
-    assert "line 3, column `branch`: 'sideways' isn't known: write up or down" in message
-    assert "column `clipped`: 'maybe'" in refusal(text.replace("Yes", "maybe"))
-    back = loads(text.replace("1000", "400"))
-    assert any("time goes back in line 4" in note for note in back.notes)
+    assert "line 3, column `branch`" in refusal(strange, columns={"branch": "branch"})
+    assert "column `clipped`" in refusal(text.replace("Yes", "maybe"))
 
 
 def test_zeros_are_clipped_only_where_that_is_said():
@@ -293,15 +241,11 @@ def test_columns_and_units_can_be_given():
     units = {"pressure": "kPa", "length": "mm", "force": "N"}
     record = loads(text, columns=given, units=units, rest_length=0.3)
     assert_array_equal(record.force, [50, 20])
-    message = refusal(text, columns=given | {"force": "Load cell 3"}, units=units)
-    assert "no column `Load cell 3` for force: did you mean `Load cell" in message
-    with pytest.raises(ValueError, match=r"`columns` has the unknown key 'forc'.*\"force\"\?"):
-        loads(text, columns={"forc": "A"})
-    with pytest.raises(ValueError, match=r"`units` has the unknown key 'colour'"):
-        loads(text, units={"colour": "red"})
-
-
-def test_a_given_unit_wins_over_the_headers():
+    refusal(text, columns=given | {"force": "Load cell 3"}, units=units)
+    for wrong in ({"columns": {"forc": "A"}}, {"units": {"colour": "red"}}):
+        with pytest.raises(ValueError, match="|".join(wrong)):
+            loads(text, **wrong)
+    # a given unit wins over the header's
     record = loads(GOOD, units={"force": "lbf"}, rest_length=0.3)
     assert record.force[2] == pytest.approx(120 * 4.4482216152605, rel=1e-15)
 
@@ -309,47 +253,39 @@ def test_a_given_unit_wins_over_the_headers():
 def test_remarks_of_the_file():
     remarks = "# synthetic: made by a model\n# rest_length = 300 mm\n# source: a paper\n"
     record = loads(remarks + GOOD)
-    assert record.synthetic
-    assert record.rest_length == 0.3
-    assert any(note.endswith("source: a paper") for note in record.notes)
+    assert record.synthetic and not loads(GOOD, rest_length=0.3).synthetic
     # what is given wins
+    assert record.rest_length == 0.3
     assert loads(remarks + GOOD, rest_length=0.31).rest_length == 0.31
-    assert not loads(GOOD, rest_length=0.3).synthetic
-    assert "in its remarks" in refusal("# rest_length = 300\n" + GOOD)
+    refusal("# rest_length = 300\n" + GOOD)
 
 
 def test_several_files_are_one_record(tmp_path):
     for name in ("a", "b"):
         (tmp_path / f"{name}.csv").write_text(GOOD)
-    (tmp_path / "a.toml").write_text('rest_length = "300 mm"')
-    (tmp_path / "b.toml").write_text('rest_length = "300 mm"')
-    with pytest.warns(UserWarning, match="a.csv and b.csv hold the same readings, which count"):
+        (tmp_path / f"{name}.toml").write_text('rest_length = "300 mm"')
+    with pytest.warns(UserWarning, match="a.csv and b.csv hold the same readings"):
         record = load([tmp_path / "a.csv", tmp_path / "b.csv"])
     assert len(record) == 6
     assert [source.name for source in record.sources] == ["a.csv", "b.csv"]
     assert record.sources[0].sha256 == hashlib.sha256(GOOD.encode()).hexdigest()
     (tmp_path / "b.toml").write_text('rest_length = "310 mm"')
-    with pytest.raises(ValueError, match="one rest length"):
-        load([tmp_path / "a.csv", tmp_path / "b.csv"])
-    with pytest.raises(ValueError, match="at least one file"):
-        load([])
+    for paths in ([tmp_path / "a.csv", tmp_path / "b.csv"], []):
+        with pytest.raises(ValueError, match=r"one rest length|at least one file"):
+            load(paths)
 
 
 def test_files_that_cannot_be_read(tmp_path, monkeypatch):
-    with pytest.raises(FileNotFoundError, match=r"no such file\.$"):
-        load(tmp_path / "none.csv")
-    with pytest.raises(IsADirectoryError, match="a folder"):
-        load(tmp_path)
-    with pytest.raises(OSError, match="can't be read"):
-        load("a\0b.csv")
+    for path in (tmp_path / "none.csv", tmp_path, "a\0b.csv"):
+        with pytest.raises(OSError, match=r".*: .*"):
+            load(path)
     (tmp_path / "m.csv").write_text(GOOD)
-    monkeypatch.setattr("fascicle.records.reading.LARGEST_FILE", 10)
-    with pytest.raises(ValueError, match="larger than"):
-        load(tmp_path / "m.csv")
-    monkeypatch.undo()
-    monkeypatch.setattr(tables, "MAX_ROWS", 2)
-    with pytest.raises(ValueError, match="more than 2 rows"):
-        load(tmp_path / "m.csv")
+    for place, value in (("fascicle.records.reading.LARGEST_FILE", 10),
+                         ("fascicle.records.tables.MAX_ROWS", 2)):  # fmt: skip
+        with monkeypatch.context() as patch:
+            patch.setattr(place, value)
+            with pytest.raises(ValueError, match=r"larger than|more than 2 rows"):
+                load(tmp_path / "m.csv", rest_length=0.3)
 
 
 def test_a_regular_table_and_one_with_a_gap_read_to_the_same_floats():
@@ -393,16 +329,6 @@ def test_whatever_a_file_holds_is_read_or_refused_in_one_line(text):
             assert all(np.isfinite(x).all() for x in (record.pressure, record.strain, record.force))
 
 
-def test_reading_loads_no_jax():
-    code = (
-        "import sys\nfrom fascicle import records\n"
-        "records.loads('pressure [kPa],strain,force [N]\\n100,0,50\\n')\n"
-        "assert not {'jax', 'pint', 'scipy'} & set(sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-
-
 _TITLED = """Test bench 3; report
 Operator: A; date 12.03.2024
 pressure [bar];strain [%];force [N]
@@ -411,24 +337,19 @@ pressure [bar];strain [%];force [N]
 """
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_title_lines_and_decimal_commas_are_read(end):
-    record = loads(_TITLED.replace("\n", end))
-    np.testing.assert_allclose(record.pressure, 1.5e5)
-    np.testing.assert_allclose(record.strain, [0.005, 0.025])
-    np.testing.assert_allclose(record.force, [812.25, 640.75])
-    told = next(note for note in record.notes if "above the header" in note)
-    assert "Test bench 3; report" in told and "Operator: A" in told
-
-
-def test_a_unit_row_below_titles_is_read():
-    text = _TITLED.replace("pressure [bar];strain [%];force [N]", "pressure;strain;force\nbar;%;N")
-    np.testing.assert_allclose(loads(text).force, [812.25, 640.75])
+def test_title_lines_and_decimal_commas_are_read():
+    unit_row = _TITLED.replace(
+        "pressure [bar];strain [%];force [N]", "pressure;strain;force\nbar;%;N"
+    )
+    for text in (_TITLED, _TITLED.replace("\n", "\r\n"), unit_row):
+        record = loads(text)
+        np.testing.assert_allclose(record.pressure, 1.5e5)
+        np.testing.assert_allclose(record.strain, [0.005, 0.025])
+        np.testing.assert_allclose(record.force, [812.25, 640.75])
 
 
 def test_decimal_commas_between_commas_are_told_apart_from_titles():
-    with pytest.raises(ValueError, match=r"line 4: 6 cells, where.*part the columns by semicolons"):
-        loads(_TITLED.replace(";", ","))
+    assert "line 4: 6 cells" in refusal(_TITLED.replace(";", ","))
 
 
 TITLED = (
@@ -437,24 +358,21 @@ TITLED = (
 )
 
 
-def test_titles_above_the_header_are_passed_or_the_header_is_told():
-    by_itself = loads(TITLED)
-    assert by_itself.force.tolist() == [50.0, 20.0]
-    told = loads(TITLED, header=5)
-    assert told.force.tolist() == [50.0, 20.0]
-    assert any("Dynamometer 7" in note for note in told.notes)
+def test_titles_above_the_header_are_passed_or_the_header_is_given():
+    for options in ({}, {"header": 5}):
+        assert loads(TITLED, **options).force.tolist() == [50.0, 20.0]
     for line in (4, 99):
-        with pytest.raises(ValueError, match=f"line {line}: no header can stand there"):
-            loads(TITLED, header=line)
+        assert f"line {line}" in refusal(TITLED, header=line)
 
 
 OFFERS = [
-    ("force [N]", "Load (g)", "gf"), ("force [N]", "Load (kg)", "kgf"),
-    ("force [N]", "load [grams]", "gf"), ("force [N]", "Force [V]", None),
-    ("force [N]", "Load [oz]", "ozf"), ("force [N]", "Load [st]", None),
+    ("force [N]", "Load (g)", "gf"),
+    ("force [N]", "Load (kg)", "kgf"),
+    ("force [N]", "Load [oz]", "ozf"),
+    ("force [N]", "Force [V]", None),
     ("force [N]", "force [mm]", None),
     ("pressure [kPa]", "pressure [V]", None),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("old", "new", "unit"), OFFERS)
@@ -469,14 +387,6 @@ def test_a_unit_is_only_offered_where_the_numbers_are_in_it(old, new, unit):
         record = loads(GOOD.replace(old, new), rest_length=0.3, units={"force": unit})
         assert record.force[0] == pytest.approx(50.5 * weights[unit])
         assert not any("not in" in note for note in record.notes)
-
-
-def test_a_unit_that_contradicts_the_header_is_noted():
-    given = {"rest_length": 0.3, "units": {"force": "N", "length": "mm", "pressure": "bar (g)"}}
-    notes = loads("P (bar abs),length [mm],Load (g)\n1,300,50\n2,290,20\n", **given).notes
-    assert any(note.endswith("force in N as given, not in g") for note in notes)
-    assert any(note.endswith("pressure in bar (g) as given, not in bar abs") for note in notes)
-    assert any(note.endswith("length in mm") for note in notes)
 
 
 OTHERS = [
@@ -502,7 +412,4 @@ def test_a_time_that_was_asked_for_stops_it():
     text = "\n".join(",".join(cells) for cells in lines)
     for more in ({}, {"units": {"time": "s"}}):
         message = refusal(text, rest_length=0.3, columns={"time": "when"}, **more)
-        assert "line 2, column `when`: 'x' is no finite number" in message
-    # of two that are wrong, that which is needed is told
-    text = text.replace("when", "time").replace("50.5", "y")
-    assert "column `force [N]`: 'y'" in refusal(text, rest_length=0.3)
+        assert "line 2, column `when`" in message
