@@ -68,14 +68,6 @@ def test_sampled_pressure_sweeps_at_held_lengths():
     np.testing.assert_allclose([run.level for run in sweeps], np.repeat(lengths, 2))
 
 
-def test_ramps_are_mixed():
-    pressure, strain, number = sampled(ramp=40)
-    mixed = np.concatenate([run.points for run in runs(record_of(pressure, strain))
-                            if run.kind == "mixed"])  # fmt: skip
-    assert np.all(number[mixed] < 0)
-    assert mixed.size > 0.9 * np.count_nonzero(number < 0)
-
-
 def test_nothing_held_is_all_mixed():
     t = np.linspace(0, 1, 500)
     found = runs(record_of(4e5 * t, 0.2 * t))
