@@ -13,7 +13,6 @@ import pytest
 import fascicle as fs
 from fascicle import records, units
 from fascicle.cli import main
-from fascicle.cli.commands.calibrate import read_start
 from fascicle.files import provenance
 
 
@@ -204,16 +203,6 @@ def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monke
     alone, row = told("--tension", "ideal"), rows["ideal: braid_angle, outer_radius"]
     assert row["rmse"] == pytest.approx(alone["rmse"], rel=1e-6)
     assert row["status"] == alone["status"] and row["free"] == len(alone["parameters"])
-
-
-def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
-    muscle = fs.example(TEN)
-    fs.save(muscle, tmp_path / "tuned.toml", {"fitted_length": f"{float(muscle.length)} m"})
-    sizes = dict.fromkeys(("length", "outer_radius", "wall_thickness", "braid_angle"))
-    laws = dict.fromkeys(("material", "tension", "buckling", "collapse", "post_collapse"))
-    typed = {**sizes, **laws, "length": "300mm"}
-    with pytest.warns(UserWarning, match="127 mm .* 300 mm"):
-        assert float(read_start(str(tmp_path / "tuned.toml"), typed).length) == 0.3
 
 
 @pytest.mark.slow
