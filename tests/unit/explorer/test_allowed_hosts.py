@@ -81,11 +81,6 @@ def test_other_sites_may_link_here_and_no_more(site, mode, dest, expected):
     assert status(**headers) == expected
 
 
-@pytest.mark.parametrize("path", ["/autoload.js", "/components/this/x/css/y", "/metadata"])
-def test_unused_pages_of_panel_are_closed(path):
-    assert status(path=path) == 404
-
-
 @pytest.mark.parametrize(
     "query",
     ["units=" + "9" * 5000, "pressures=" + "9" * 5000, "utm=" + "9" * 16, "x=%C2%B2",

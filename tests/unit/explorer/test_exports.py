@@ -14,8 +14,7 @@ import panel as pn
 import pytest
 
 import fascicle as fs
-from fascicle.cli import main
-from fascicle.explorer.exports import EXPORTS, data, output_stem
+from fascicle.explorer.exports import EXPORTS, data
 from fascicle.explorer.measured import AUTOMATIC, TUNING, read_record
 from fascicle.explorer.page import Page
 from fascicle.explorer.state import TABS, Pin, Session, view_of
@@ -45,21 +44,6 @@ def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
         runpy.run_path(str(script), run_name="__main__")
     assert (tmp_path / f"{export.stem}.csv").read_bytes() == export.content("csv")
     assert is_svg(tmp_path / f"{export.stem}.svg")
-
-
-@pytest.mark.parametrize(
-    ("name", "command"),
-    [
-        ("muscle", ["force", "kim2021_slenderness_10"]),
-        ("bundle", ["space", "kim2021_bundle_1_1"]),
-    ],
-)
-def test_columns_are_the_command_lines(name, command, capsys):
-    with pytest.raises(SystemExit):
-        main([*command, "--csv"])
-    expected = capsys.readouterr().out.splitlines()[0].split(",")
-    columns = EXPORTS[name](VIEW, ()).content("csv").decode().splitlines()[0].split(",")
-    assert columns == expected
 
 
 @pytest.mark.parametrize("names", [(AUTOMATIC,), (TUNING,), ("c10", "outer_radius")], ids=str)
@@ -150,10 +134,3 @@ def test_a_file_that_cannot_be_made_is_told_on_the_page(tab, error, monkeypatch,
     assert message.pane in page.panel.select(pn.pane.HTML) and message.pane.visible
     reason = "no such muscle" if isinstance(error, ValueError) else "see the server"
     assert button.label in message.text and reason in message.text
-
-
-def test_no_output_has_the_name_of_a_file_that_was_read():
-    assert EXPORTS["muscle"](VIEW, ()).stem == "kim2021_bundle_1_1_force"
-    for name in ("mine.toml", "mine_force.toml", "mine_force.csv"):
-        stem = output_stem("mine.toml", "force", [name])
-        assert stem.startswith("mine_force") and f"{stem}.csv" != name

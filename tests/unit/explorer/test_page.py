@@ -1,7 +1,5 @@
 """The header, and the explorer in a notebook's cell."""
 
-from collections import Counter
-
 import numpy as np
 import panel as pn
 import pytest
@@ -20,15 +18,6 @@ def header():
     return Header(session, "default", False, print, print)
 
 
-def test_a_message_on_a_link_goes_with_the_next_change(header):
-    header.message.show("link: `strain` can't be read.")
-    header._session.change(tab="bundle")
-    header._session.change(display_units={"pressure": "kPa", "length": "mm", "force": "lbf"})
-    assert header.message.text
-    header._session.change(strain=0.2)
-    assert not header.message.text
-
-
 @pytest.mark.parametrize("answer", ["_replace", "_keep"])
 def test_an_example_does_not_replace_an_own_muscle_without_asking(header, answer):
     session = header._session
@@ -38,75 +27,20 @@ def test_an_example_does_not_replace_an_own_muscle_without_asking(header, answer
     session.open(own)
     header._example.value = "kim2021_figure_6"
     assert session.view is own and header.question.visible
-    assert "kim2021_figure_6 would replace mine.toml" in header._question.object
     getattr(header, answer)()
     assert not header.question.visible
     assert (session.view is own) == (answer == "_keep")
     assert header._example.value == ("(own)" if answer == "_keep" else "kim2021_figure_6")
 
 
-def test_a_measured_muscle_opens_as_it_was_fitted(header):
-    for name in fs.catalog:
-        header._example.value = name
-        assert header._session.view.name == name
-        assert header._session.view.muscle == fs.catalog[name].muscle
-
-
-def test_buttons_of_the_history_are_enabled_while_there_is_one(header):
-    assert header.undo.disabled and header.reset.disabled
-    header._session.change(strain=0.2)
-    assert not header.undo.disabled and not header.reset.disabled
-    header._session.undo()
-    assert header.undo.disabled and header.reset.disabled
-
-
-def page_of(theme):
-    """Page in a `theme` with a bundle, all of whose tabs were open, and its session."""
-    session = Session(view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4"))
-    session.change(load=20.0)
-    page = Page(session, theme)
-    for tab in TABS:
-        session.change(tab=tab)
-        if tab == "compare":
-            page._views[tab].pin_example()
-        elif tab == "data":
-            page._views[tab].open_example()
-    return page, session
-
-
-def colors_of(page):
-    """Numbers of all colors of the figures of the tabs that were open."""
-    colors = Counter()
-    for name, tab in page._views.items():
-        tab.refresh()
-        for pane in tab.panel.select(pn.pane.Bokeh):
-            for model in pane.object.references():
-                names = [name for name in model.properties() if name.endswith("_color")]
-                values = {name: getattr(model, name) for name in names}
-                values |= model.data if isinstance(model, ColumnDataSource) else {}
-                for key, value in values.items():
-                    texts = value if isinstance(value, list) else [value]
-                    colors.update(
-                        (name, type(model).__name__, key, text)
-                        for text in texts
-                        if isinstance(text, str) and text.startswith("#")
-                    )
-    return colors
-
-
-def test_another_theme_changes_all_colors_and_keeps_the_history():
-    page, session = page_of("default")
-    dark_page, _ = page_of("dark")
-    light, past = colors_of(page), session._past
-    assert light != colors_of(dark_page)
-    record = page._views["data"].record
-    for theme, expected in (("dark", colors_of(dark_page)), ("light", light)):
+def test_another_theme_keeps_the_history_and_the_record():
+    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
+    page = Page(session)
+    session.change(tab="data", strain=0.2)
+    page._views["data"].open_example()
+    record, past = page._views["data"].record, session._past
+    for paper in (DARK.paper, LIGHT.paper):
         page.header.theme_switch.clicks += 1
-        assert colors_of(page) == expected
-        assert (
-            f"Use {'light' if theme == 'dark' else 'dark'} page" == page.header.theme_switch.label
-        )
-        paper = DARK.paper if theme == "dark" else LIGHT.paper
         assert f"--paper: {paper}" in page.panel.stylesheets[-1]
     assert session._past is past and session.can_undo
     assert page._views["data"].record is record is not None
@@ -115,7 +49,7 @@ def test_another_theme_changes_all_colors_and_keeps_the_history():
 def test_an_empty_file_is_refused(header):
     before = header._session.view
     header.file.param.update(value=None, filename="none.toml")  # Panel's event of one
-    assert "none.toml: the file is empty, 0 bytes." in header.message.text
+    assert "none.toml" in header.message.text
     assert header._session.view is before
 
 

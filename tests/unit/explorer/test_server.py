@@ -4,8 +4,6 @@ import asyncio
 import gc
 import logging
 import socket
-import subprocess
-import sys
 
 import pytest
 
@@ -35,25 +33,6 @@ def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
         with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {used}"):
             asyncio.run(start(used))
     gc.collect()  # sockets
-
-
-def test_connections_send_each_message_at_once():
-    (listener,) = server._bind("127.0.0.1", 0)
-    with listener, socket.create_connection(listener.getsockname()[:2]) as client:
-        listener.setblocking(True)
-        connection, _ = listener.accept()
-        with connection:
-            assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
-        del client
-
-
-def test_no_table_of_another_library_is_changed():
-    code = (
-        "import panel.io.server; from bokeh.server.urls import per_app_patterns as patterns;"
-        "before = [*patterns]; import fascicle.explorer.server; print(before == patterns)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.stdout == "True\n", done.stderr
 
 
 def test_an_error_of_the_web_server_is_one_line_without_hidden_characters():

@@ -8,7 +8,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle.reversal import reversal
-from fascicle.explorer.state import Session, Unit, view_of
+from fascicle.explorer.state import Session, view_of
 from fascicle.explorer.story import TITLES, Story, scene_text, scene_view
 
 
@@ -63,23 +63,6 @@ def test_sentences_have_the_librarys_numbers():
     assert reach == pytest.approx(expected, **digits)
 
 
-def test_sentences_follow_the_view():
-    view = scene_view(VIEW, 2)
-    assert "bows out" in scene_text(view, 2)
-    straight = replace(view, strain=0.1)
-    assert "is straight and pulls" in scene_text(straight, 2)
-    assert "is collapsed" in scene_text(replace(view, strain=0.35), 2)
-    assert "no longer pulls" in scene_text(replace(view, strain=0.35), 1)
-    assert "is in tension" in scene_text(straight, 3)
-    fed = replace(scene_view(VIEW, 4), pressures=(413.7e3, 400e3))
-    assert "reaches only" not in scene_text(fed, 4)
-    assert "No pressure in unit 2" in scene_text(replace(fed, resistance=False), 4)
-    assert "Add a second unit" in scene_text(replace(fed, units=(Unit(),), pressures=(1e5,)), 4)
-    pounds = {**VIEW.display_units, "force": "lbf", "pressure": "psi"}
-    text = scene_text(replace(scene_view(VIEW, 1), display_units=pounds), 1)
-    assert "At 20 psi" in text and " lbf" in text and " N" not in text
-
-
 def test_the_inputs_come_back_at_the_end_and_pins_and_units_stay():
     before = replace(VIEW, strain=0.07, pressure=9e4, tab="compare", pressures=(4e5, 1e5))
     for leave in ("skip", "back", "done"):
@@ -123,18 +106,6 @@ def test_undo_stays_in_the_story_and_own_sizes_come_back():
     session.change(muscle=VIEW.muscle.replace(braid_angle=0.6))
     story.end()
     assert session.view == own and session.can_undo
-
-
-def test_the_text_names_its_scene_and_the_last_button_says_done():
-    session = Session(VIEW)
-    story = Story(session)
-    story.start()
-    for scene, title in enumerate(TITLES, 1):
-        assert f"{scene} of 4: {title}" in story._text.object
-        assert story.next.label == ("Done" if scene == 4 else "Next")
-        story._move(1)
-    session.change(strain=0.2)  # after the end the text stays
-    assert "4 of 4" in story._text.object
 
 
 def test_a_muscle_without_a_bundle_opens_where_the_reversal_shows():
