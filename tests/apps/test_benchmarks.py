@@ -46,20 +46,6 @@ def test_benchmark_runs(benchmark, name):
             assert list(numbers) == sorted(numbers)
 
 
-def test_table_has_every_benchmark(benchmark):
-    assert sorted(benchmark("run_all").MODULES) == MODULES
-
-
-def test_goals_are_lower_or_upper_bounds(benchmark):
-    timing = benchmark("timing")
-    two = timing.Quartiles(2.0, 2.0, 2.0)
-    assert timing.Row("rate", two, "×", at_least=1.0).met
-    assert not timing.Row("rate", two, "×", at_least=3.0).met
-    assert timing.Row("time", two, "s", at_most=3.0).met
-    assert timing.Row("time", two, "s", at_most=1.0).shortfall == 2.0
-    assert timing.Row("time", two, "s").met is None
-
-
 def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
     timing = benchmark("timing")
     seconds = {"a": timing.np.array([2.0, 4.0, 6.0]), "b": timing.np.array([1.0, 2.0, 2.0])}
@@ -67,12 +53,3 @@ def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
     assert (ratio.median, ratio.low, ratio.high) == (2.0, 2.0, 2.5)
     difference = timing.Times(seconds).difference("a", "b")
     assert (difference.median, difference.low, difference.high) == (2.0, 1.5, 3.0)
-
-
-def test_results_name_missed_goals(benchmark):
-    timing, run_all = benchmark("timing"), benchmark("run_all")
-    two = timing.Quartiles(2.0, 2.0, 2.0)
-    rows = [timing.Row("fast", two, "s", at_most=3), timing.Row("slow", two, "s", at_most=1)]
-    text = run_all.results_page(rows, "on a machine", 60.0, ["fast"])
-    assert "1 of 2 goals are met." in text and "- slow: by a factor of 2" in text
-    assert "Left out of this run: fast." in text

@@ -57,13 +57,8 @@ def interrupt(process):
     return process.returncode, err
 
 
-def moments(usual, slow):
-    """Moments [s] of a process, each most of a second of work: more of them by `make slow`."""
-    return [*usual, *(pytest.param(moment, marks=pytest.mark.slow) for moment in slow)]
-
-
 @needs_process_groups
-@pytest.mark.parametrize("moment", moments([0.05, 0.8], [0.02, 0.1, 0.2, 0.4, 1.6]))
+@pytest.mark.parametrize("moment", [0.05, 0.8])
 def test_control_c_is_quiet_from_the_first_moment(tmp_path, moment):
     process = start(tmp_path, "force", SIX, "-o", "x.json")
     time.sleep(moment)
@@ -72,12 +67,11 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, moment):
 
 
 @needs_process_groups
-@pytest.mark.parametrize("moment", moments([0.01], [0.0, 0.005, 0.02, 0.05, 0.1]))
-def test_control_c_after_the_last_line_changes_nothing(tmp_path, moment):
+def test_control_c_after_the_last_line_changes_nothing(tmp_path):
     process = start(tmp_path, "free-strain", SIX, "-p", "34.5kPa")
     while "34.5" not in process.stdout.readline():
         pass
-    time.sleep(moment)  # Python shuts down now
+    time.sleep(0.01)  # s: Python shuts down now
     assert interrupt(process) in [(130, ""), (0, "")]
 
 
@@ -168,24 +162,8 @@ def test_a_missing_device_is_one_line():
 
 def test_a_message_has_an_end(refused, tmp_path):
     (tmp_path / "m.toml").write_text("format = 1\n" + "".join(f"k{i} = 1\n" for i in range(5000)))
-    lines = ["force", "x" * 9000], ["force", SIX, "-p", "9" * 9000], ["--" + "x" * 9000]
-    for line in (*lines, ["force", "m.toml"], ["force", "a\u202etxt"], ["force", "a\x1b\x00b"]):
+    for line in (["force", "x" * 9000], ["force", "m.toml"], ["force", "a\x1b\x00b\u202e"]):
         assert len(refused(*line)) < 650  # and printable
-
-
-def test_more_motor_units_than_fit(refused, tmp_path):
-    muscle = """format = 1
-[muscle]
-length = "127 mm"
-outer_radius = "6.35 mm"
-wall_thickness = "1.6 mm"
-braid_angle = "33 deg"
-[bundle]
-supply_pressure = "413.7 kPa"
-"""
-    (tmp_path / "many.toml").write_text(muscle + 990 * "[[bundle.motor_unit]]\n")
-    for line in ("bundle many.toml -s 0", "free-strain many.toml", "space many.toml"):
-        assert "990 x 990" in refused(line)
 
 
 @pytest.mark.parametrize(("error", "expected", "texts"), [

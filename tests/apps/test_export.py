@@ -43,5 +43,3 @@ def test_a_page_is_written_once(fascicle, refused, tmp_path):
     assert "<h1>kim2021_figure_6</h1>" in text and 'value="100, 200"' in text
     assert "arm.html" in refused("export kim2021_figure_6 --page arm.html")
     assert fascicle("export", "kim2021_figure_6", "--page", "arm.html", "--overwrite")[0] == 0
-    assert "--page" in refused("export kim2021_figure_6 --table code -p 100kPa")
-    assert "--page" in refused("export ramp_hand_over --page ramp.html")

@@ -3,10 +3,7 @@
 import re
 
 import pytest
-from typer.main import get_command
 
-from fascicle.cli.commands import app
-from fascicle.cli.options import OUTPUTS
 from fascicle.results import labelled
 
 
@@ -30,7 +27,6 @@ valves = "min"
     [
         ["force", SIX, *ONE, "--out", "x.csv"],
         ["force", SIX, *ONE, "--plot", "x.png"],
-        ["recruit", PAIR, "--force", "40N", "--strain", "0.1", "--out", "x.csv"],
         ["record", SIX, "-p", "34.5kPa", "--samples", "4", "--out", "x.csv"],
         ["init", "x.toml"],
         ["export", SIX, "--table", "code"],
@@ -72,25 +68,9 @@ def test_a_folder_of_results_is_kept(fascicle, refused, tmp_path, command):
     assert (tmp_path / "made" / "mine.toml").read_text() == "mine"
 
 
-def test_a_reproduction_keeps_what_is_there(fascicle, refused, monkeypatch, tmp_path):
-    def run(folder, _progress):
-        (folder / "report.html").write_text("a report")
-        return []
-
-    monkeypatch.setattr("reproduction.kim2021.reproduction.run", run, raising=False)
-    (tmp_path / "made").mkdir()
-    (tmp_path / "made" / "report.html").write_text("mine")
-    assert "report.html" in refused("reproduce", "kim2021", "--out", "made")
-    assert fascicle("reproduce", "kim2021", "--out", "made", "--overwrite")[0] == 0
-    assert (tmp_path / "made" / "report.html").read_text() == "a report"
-
-
 # a command that reads `in.toml` or `in.csv`, an option that names an output, and its suffix
 READERS = [
     (["force", "in.toml", *ONE], "--out", "csv"),
-    (["force", "in.toml", *ONE], "--plot", "png"),
-    (["free-strain", "in.toml", "-p", "34.5kPa"], "--out", "nc"),
-    (["recruit", "in.toml", "-f", "4N", "-s", "0.1", "--supply", "99kPa"], "--out", "json"),
     (["simulate", "in.toml"], "--report", "html"),
     (["record", "in.toml", "-p", "34.5kPa"], "--out", "csv"),
     (["export", "in.toml"], "--fmu", "fmu"),
@@ -100,13 +80,9 @@ READERS = [
 @pytest.mark.parametrize(("command", "option", "suffix"), READERS)
 def test_an_input_is_not_replaced(fascicle, refused, tmp_path, command, option, suffix):
     """By whatever name: here a link."""
-    kind = {"simulate": ["--scenario"], "design": ["--task"]}.get(command[0], [])
-    path = tmp_path / ("in.csv" if "in.csv" in command else "in.toml")
-    if path.suffix == ".csv":
-        record = ["record", SIX, "-p", "34.5kPa", "--samples", "4", "-o", "in.csv"]
-        assert fascicle(*record)[0] == 0
-    else:
-        assert fascicle("init", "in.toml", *kind)[0] == 0
+    kind = ["--scenario"] if command[0] == "simulate" else []
+    path = tmp_path / "in.toml"
+    assert fascicle("init", "in.toml", *kind)[0] == 0
     (tmp_path / f"link.{suffix}").symlink_to(path.name)
     assert f"{option} link.{suffix}: " in refused(*command, f"{option}=link.{suffix}")
 
@@ -146,21 +122,11 @@ def test_a_file_that_an_input_names_is_not_replaced(fascicle, refused, tmp_path)
     assert "--out link.json: already exists" in refused("simulate s.toml --out=link.json")
 
 
-def test_the_muscle_that_a_fit_begins_with_is_not_replaced(fascicle, refused):
-    assert fascicle("record", SIX, "-p", "34.5kPa", "--samples", "9", "-o", "d.csv")[0] == 0
-    fit = ["calibrate", "d.csv", "--fit", "c10", "--no-profile"]
-    assert fascicle(*fit, "-m", SIX)[0] == 0
-    message = refused(*fit, "-m", "calibrated-d/muscle.toml")
-    assert "calibrated-d: already holds" in message
-
-
 @pytest.mark.parametrize(
     ("command", "options"),
     [
-        (["force", SIX, *ONE], ["--out=x.csv", "--plot=x.csv"]),
         (["force", SIX, *ONE], ["--out=x.json", "--plot=link.json"]),
         (["force", SIX, *ONE], ["--out=x.zarr", "--plot=x.zarr/x.png"]),
-        (["simulate", "lift_gas"], ["--report=x.html", "--plot=./x.html"]),
         (["export", SIX], ["--table=x", "--page=./x"]),
     ],
 )
@@ -170,14 +136,3 @@ def test_two_outputs_do_not_share_a_path(refused, tmp_path, command, options):
     for more in ([], ["--overwrite"]):
         message = refused(*command, *options, *more)
         assert all(option.partition("=")[0] in message for option in options)
-
-
-def test_every_option_that_names_an_output_is_known():
-    """By what its value is called in the help, which is how collisions are found."""
-    for command in get_command(app).commands.values():
-        for parameter in command.params:
-            text = getattr(parameter, "help", None) or ""
-            if parameter.param_type_name == "option" and parameter.metavar:
-                is_output = text.startswith(("Folder", "Result", "Figure", "CSV", "HTML"))
-                is_output |= text.startswith(("Functional", "Checkpoint", "Web page"))
-                assert (parameter.metavar in OUTPUTS) == is_output, (command.name, parameter.name)
