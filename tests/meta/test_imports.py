@@ -71,6 +71,17 @@ def test_dips_need_no_jax():
     assert not modules & WITHOUT
 
 
+def test_searches_for_designs_need_no_jax():
+    modules = loaded(
+        "import fascicle as fs\n"
+        "from fascicle.design import Space, Task, Uncertainty, judge_safety, search\n"
+        f"space = Space({{'m': fs.example({MUSCLE!r})}}, (2, 3))\n"
+        "found = search(space, Task.of([60.0], [0.1], 413.7e3))\n"
+        "judge_safety(found, Uncertainty(draws=20))"
+    )
+    assert not modules & WITHOUT
+
+
 def test_importing_leaves_the_environment_alone():
     loaded(
         "import os, jax\nbefore = dict(os.environ)\n"  # JAX has settings of its own

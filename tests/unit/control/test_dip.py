@@ -71,17 +71,6 @@ def test_muscles_of_unlike_length(muscle):
     assert_allclose(result.dip, control.transition(alone, own).dip, rtol=1e-10)
 
 
-def test_needed_reserve_grows_with_rate_and_time(pair):
-    need = control.needed_reserve(pair, 0.2, [0, 10, 20, 40], 0.1)
-    dip = control.transition(pair, 0.2).dip
-    assert need[0] == dip and np.all(np.diff(need) > 0)
-    # never more than both at their largest
-    assert np.all(need <= dip + np.array([0, 1, 2, 4.0]) + 1e-12)
-    # where there is no dip it is what the demand rises by
-    assert_allclose(control.needed_reserve(pair, 0.0, 10.0, 0.1), 1.0)
-    assert control.needed_reserve(pair, 0.3, 10.0, 0.1) == np.inf
-
-
 @pytest.mark.parametrize(
     ("call", "argument"),
     [

@@ -65,23 +65,6 @@ def test_blocks_equal_a_single_evaluation(study, whole):
         np.testing.assert_allclose(column, values[name], rtol=1e-12)
 
 
-def test_searches_and_sweeps_load_no_jax(tmp_path):
-    """So that a first design, and each worker, starts fast."""
-    code = """
-import sys, pathlib, fascicle as fs
-from fascicle.design import Space, Study, Task, Uncertainty, evolve, judge_safety, search
-from fascicle.design.sweep import open_folder, sweep
-space = Space({"m": fs.example("kim2021_figure_6")}, (2, 3))
-task = Task.of([60.0], [0.1], 413.7e3)
-judge_safety(search(space, task), Uncertainty(draws=20))
-evolve(space, task, {"valves": "min"}, population=4, generations=1)
-study = Study(space, task, ("valves",))
-sweep(study, open_folder(pathlib.Path(sys.argv[1]), study))
-assert "jax" not in sys.modules
-"""
-    subprocess.run([sys.executable, "-c", code, str(tmp_path / "sweep")], check=True)
-
-
 def test_stopped_at_a_block_and_resumed(study, whole, tmp_path):
     class Stopped(Exception):  # noqa: N818 as Ctrl-C is
         pass

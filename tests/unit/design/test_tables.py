@@ -67,30 +67,6 @@ def test_largest_force_equals_that_of_the_whole_law(laws, count):
         assert np.all(force[0] <= 1e-9)
 
 
-def unlike(muscle, count, units=3):
-    sizes = (x.reshape(count, units) for x in random_sizes(count * units)[1:])
-    counts = np.random.default_rng(4).integers(1, 5, (count, units))
-    counts[::4, 2] = 0
-    return Designs({"muscle": muscle}, np.zeros(count, int), counts, np.full(count, 0.12), *sizes)
-
-
-def test_batched_designs_equal_every_level_evaluation():
-    """The reversal is asked for too, which needs every level."""
-    designs = unlike(drawing({"tuning": TUNED}), 20)
-    force, stroke = np.linspace(900.0, 0.0, 12), 0.12 * np.linspace(0.0, 0.3, 12)
-    task = Task.of(force, None, SUPPLY, stroke=stroke)
-    names = [
-        "mean_efficiency", "mean_energy", "peak_energy", "margin", "shortfall", "worst_shortfall",
-        "relative_shortfall", "not_reached", "points_not_reached", "envelope", "largest_force",
-        "force_resolution", "valves",
-    ]  # fmt: skip
-    quick = evaluate(designs, task, names)
-    every = evaluate(designs, task, [*names, "reversal_depth"])
-    for name in names:
-        assert_allclose(quick[name], every[name], rtol=1e-9, atol=1e-12, err_msg=name)
-    assert 0 < quick["points_not_reached"].mean() < 1
-
-
 def test_drawing_of_arrays_equals_drawing_of_numbers():
     plain = drawing({})
     task = Task.of([100.0, 300.0], [0.1, 0.02], SUPPLY)

@@ -46,11 +46,3 @@ def test_stored_energy_has_no_seam():
     below, above = (fluid.OIL.stored_energy(K * x) for x in (0.01 - 1e-12, 0.01 + 1e-12))
     # the quadratic rises by 4e-10 of itself from one to the other
     assert_allclose(below, above, rtol=1e-9)
-
-
-def test_numbers_are_fields():
-    slope = jax.grad(lambda gas: gas.density(2e5, WARM))(fluid.AIR)
-    rho = fluid.AIR.density(2e5, WARM)
-    assert_allclose(slope.specific_gas_constant, -rho / 287.05, rtol=1e-13)
-    gases = fluid.Gas(np.array([287.05, 2077.0]), np.array([1.4, 5 / 3]))
-    assert gases.density(ROOM, WARM).shape == (2,)

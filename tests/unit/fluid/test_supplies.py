@@ -49,17 +49,6 @@ def test_a_tank_empties_to_the_room():
     assert of.empty(left) and not of.empty(1.001 * left)
 
 
-@pytest.mark.parametrize("n", [1.0, 1.3])
-def test_an_accumulator_is_a_gas_spring(n):
-    of = fluid.Accumulator(1e-3, 2e5, 6e5, n)
-    taken = of.stored_volume(6e5)
-    assert_allclose((6e5 + ROOM) * (1e-3 - taken) ** n, (2e5 + ROOM) * 1e-3**n, rtol=1e-13)
-    # dE/dm is what a kilogram brings along
-    slope = jax.grad(lambda m: of.stored_energy(m[None]))(of.initial_state()[0])
-    assert_allclose(slope, of.liquid.flow_energy(6e5), rtol=1e-11)
-    assert of.empty(np.zeros(1)) and of.pressure_at(np.zeros(1)) == pytest.approx(2e5, rel=1e-14)
-
-
 @pytest.mark.parametrize("share", [-0.5, 0.0, 0.5, 0.98, 2.0])
 @pytest.mark.parametrize("n", [1.0, 2.0])
 def test_an_accumulator_over_its_ends_is_finite(n, share):
