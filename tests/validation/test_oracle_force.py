@@ -148,15 +148,6 @@ def test_the_draw_visits_every_region(compared):
     assert seen == wanted
 
 
-@pytest.mark.parametrize("compared", ["elastica", "elastica-tuned"], indirect=True)
-def test_elastica_has_one_state_on_the_random_muscles(compared):
-    # several would make the comparison above one of choices; here none does
-    for case, _, _ in compared[::4]:
-        curve = elastica(case.muscle, case.pressure)
-        for e in case.strains:
-            assert e <= curve.free_strain or curve.count(e) == 1, case
-
-
 @pytest.mark.slow
 def test_stubby_muscles_where_elastica_has_several_states():
     """Compared wherever the choice is no question: up to the onset, or with one state."""

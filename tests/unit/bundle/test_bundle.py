@@ -110,33 +110,6 @@ LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUni
                  length=0.127)  # fmt: skip
 
 
-@pytest.mark.parametrize("count", [6, pytest.param(30, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("bundle", [pair, unlike, LONG], ids=["pair", "unlike", "of two lengths"])
-def test_strains_under_a_load_are_those_of_a_fine_grid(bundle, count):
-    random = np.random.default_rng(5)
-    P = random.uniform(0, FULL, (count, len(bundle.motor_units)))
-    P[random.random(P.shape) < 0.3] = 0.0
-    # from what stretches it to what pushes it together
-    F = random.uniform(-40, 900, count) * random.choice([1.0, 0.05], count)
-    result = bundle.strain_at(F, P)
-    # of six of them NumPy answers so many at once
-    grid = np.linspace(-0.15, 0.55, 10001 if count == 6 else 20001)
-    over = np.asarray(bundle.force(P[:, None], grid)) - F[:, None]
-    lanes, places = np.nonzero((over[:, 1:] > 0) != (over[:, :-1] > 0))
-    assert len(lanes) > count / 2
-    for n, i in zip(lanes, places, strict=True):
-        own = result.strain[n]
-        assert np.any((own > grid[i] - 1e-12) & (own < grid[i + 1] + 1e-12)), (n, grid[i], own)
-    n, slot = np.nonzero(np.isfinite(result.strain))
-    strain = result.strain[n, slot]
-    # a slope of some 1e4 N turns a root's 1e-14 into 1e-10 N
-    assert_allclose(bundle.force(P[n], strain), F[n], rtol=0, atol=1e-9)
-    inside = (strain > -0.15) & (strain < 0.549)
-    falls = np.asarray(bundle.force(P[n], strain + 1e-8) < bundle.force(P[n], strain - 1e-8))
-    assert list(result.stable[n, slot][inside]) == list(falls[inside])
-    assert list(result.count) == list(np.isfinite(result.strain).sum(axis=1))
-
-
 def test_strains_without_a_load_are_the_equilibria():
     P = np.array([[FULL, 69e3], [100e3, 100e3], [FULL, FULL]])
     held, free = pair.strain_at(0.0, P), pair.equilibria(P)

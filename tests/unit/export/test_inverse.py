@@ -235,43 +235,6 @@ def test_what_is_unreachable_or_outside_has_a_status(make_bundle, compile_c, tmp
     assert library.knee_pressures(*demand, pressure, None, None) == REACHED
 
 
-TIMING = """
-#include <stdio.h>
-#include <time.h>
-#include "knee.h"
-int main(void)
-{
-    double least = 1e9, sum = 0, pressure[KNEE_UNITS];
-    int run, i;
-
-    for (run = 0; run < 7; run++) {
-        const clock_t start = clock();
-
-        for (i = 0; i < 20000; i++) {
-            knee_pressures(-20 + i % 499, 0.33 * (i % 997) / 997, 413700, pressure, 0, 0);
-            sum += pressure[0];
-        }
-        if (clock() - start < least) least = (double)(clock() - start);
-    }
-    printf("%g", least / CLOCKS_PER_SEC / 20000 * 1e6);
-    return !(sum > 0);
-}
-"""
-
-
-@pytest.mark.slow  # a time: not for a machine that nobody knows
-@pytest.mark.parametrize("scheme", ["orderly", "batch", "free"])
-def test_the_table_takes_five_microseconds_at_most(scheme, make_bundle, compile_c, tmp_path):
-    source = write_table(make_bundle(scheme), tmp_path, "knee")[1]
-    compile_c(source)  # skips without gcc
-    main, program = tmp_path / "main.c", tmp_path / "main"
-    main.write_text(TIMING)
-    command = ["gcc", *STRICT, "-O2", "-o", program, main, source, "-lm"]
-    subprocess.run(command, check=True)
-    result = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert float(result.stdout) <= 5.0
-
-
 def test_the_docs_example_compiles_and_prints_what_they_show(make_bundle, compile_c, tmp_path):
     text = (Path(__file__).parents[3] / "docs" / "export.md").read_text(encoding="utf-8")
     example = re.search(r"```c\n(.*?)```", text, re.DOTALL)

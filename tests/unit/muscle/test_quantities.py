@@ -1,44 +1,14 @@
 """Forces at many pressures and strains: by NumPy and by JAX."""
 
-import math
-
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
 
 
 MUSCLE = fs.example("kim2021_figure_6")
-TUNED = MUSCLE.replace(tuning=fs.Tuning([1e5, 1e6], [2.0, 3.0], [0.9, 1.1], dead_band=2e4))
-# its collapse is reached at some pressures alone, so that no series says where
-SOMETIMES = MUSCLE.replace(collapse=fs.collapse.Kim2021Collapse(factor=4.0))
-MUSCLES = {
-    "plain": MUSCLE,
-    "tuned": TUNED,
-    "sometimes collapsing": SOMETIMES,
-    "thin": fs.Muscle.from_dimensions(0.2, 10e-3, 0.2e-3, math.radians(20)),
-}
-
-
-@pytest.mark.parametrize(
-    "muscle",
-    [
-        pytest.param(one, id=name, marks=[pytest.mark.slow] if name in ("tuned", "thin") else [])
-        for name, one in MUSCLES.items()
-    ],
-)
-def test_many_pressures_and_a_field_are_numpys(muscle):
-    random = np.random.default_rng(0)
-    P, eps = random.uniform([[0.0], [-0.05]], [[1e6], [0.5]], (2, 3000))
-    down, across = np.linspace(0, 1e6, 60)[:, None], np.linspace(-0.05, 0.5, 300)
-    force = jax.jit(muscle.force)
-    for pressure, strain in ((P, eps), (down, across), (2e5, eps)):
-        wanted = muscle.force(pressure, strain)
-        found = force(jnp.asarray(pressure), jnp.asarray(strain))
-        assert_allclose(found, wanted, rtol=1e-11, atol=1e-11 * np.abs(wanted).max())
 
 
 def test_rows_of_muscles_go_with_a_field():
