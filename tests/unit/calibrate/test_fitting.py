@@ -142,9 +142,7 @@ def test_without_a_collapse_in_the_data_factors_stay_at_their_prior(unbuckled, f
     assert set(codes["constants.undetermined"]["constants"]) == set(unbuckled.names)
     # nothing known, nothing drawn
     assert_array_equal(unbuckled.draws(3), np.broadcast_to(unbuckled.coordinates, (3, 5)))
-
-
-def test_the_tension_is_tuned_all_the_same(unbuckled):
+    # the tension is tuned all the same
     P = np.array(PRESSURES[1:])
     assert_allclose(unbuckled.muscle.free_strain(P), TRUE.free_strain(P), atol=1e-3)
     assert unbuckled.relative_rmse < 2e-3
@@ -319,9 +317,3 @@ def test_priors_that_no_muscle_can_have_are_refused():
     for name, prior in (*cases, ("braid_angle", Prior(np.radians(60), 0.1))):
         with pytest.raises(ValueError, match=name):
             fit(clipped(), NOMINAL, NAMES, {name: prior})
-
-
-def test_a_wide_prior_is_still_a_prior():
-    # 54 ± 3 deg: half of it lies past 54.7 deg, and still it says more than nothing
-    made = fit(clipped(), NOMINAL, NAMES, {"braid_angle": Prior(np.radians(54), np.radians(3))})
-    assert made.problem.deviation[0] < 20

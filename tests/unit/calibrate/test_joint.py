@@ -1,4 +1,4 @@
-"""Curves and factors as one vector: against least squares written once more."""
+"""Curves and factors in one fit."""
 
 import numpy as np
 import pytest

@@ -175,15 +175,3 @@ def test_at_one_pressure_strains_are_left_out(found):
     data = Record.of(6e5, strain, np.asarray(TRUE.force(6e5, strain)) + noise, rest_length=0.2)
     selection = select_model(data, NOMINAL)
     assert found(selection.calibration)["coverage.one_pressure"] == {"pressure": 6e5}
-
-
-@pytest.mark.slow
-def test_few_pushes_are_no_resisting_force(found):
-    strain, pressure = np.linspace(0.0, 0.08, 12), np.linspace(3e5, 6e5, 5)[:, None]
-    force = np.array(TRUE.force(pressure, strain))
-    force[0, -1] = -3.0  # a gauge's noise, once, where the muscle hardly pulls
-    selection = select_model(Record.of(pressure, strain, force, rest_length=0.2), NOMINAL)
-    data = selection.calibration.fit_data
-    assert data.pulls and data.pushes == 0 and data.pushes_clipped == 1
-    assert data.clipped == 0 and "readings.clipped" not in found(selection.calibration)
-    assert {candidate.readings for candidate in selection.candidates} == {"pulling"}
