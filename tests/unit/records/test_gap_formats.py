@@ -21,12 +21,9 @@ def read(text, rtol=1e-3, **options):
     return record
 
 
-def test_meters_of_water_and_kips():
+def test_rare_units_and_exponents_of_fortran():
     lines = [f"{p / 9806.65:.6f},{100 * e:.4f},{f / 4448.2216152605:.8f}" for p, e, f in ROWS]
     read("\n".join(["pressure [mH2O],strain [%],force [kip]", *lines]))
-
-
-def test_exponents_of_fortran():
     lines = [f"  {p / 1e6:.7f}D+06  {e:.6f}d+00  {f / 1e2:.6f}D+02" for p, e, f in ROWS]
     read("\n".join(["  pressure_Pa  strain  force_N", *lines]))
 
@@ -47,14 +44,13 @@ def test_blanks_that_may_be_dropouts_are_not_filled():
     for cells in (["100", "", "100", *["100"] * 9], ["", *["200"] * 11]):
         record = loads(rows_of_blocks(cells))
         assert len(record) == sum(map(bool, cells))
-    with pytest.raises(ValueError, match="11 of 12 rows have holes"):
-        loads(rows_of_blocks(["100", *[""] * 11]))
     # a slower transducer beside times
     lines = rows_of_blocks(["100", "", ""] * 4).split("\n")
     clocks = ["time [s]", *(f"{0.1 * i:.1f}" for i in range(12))]
     timed = "\n".join(f"{clock},{line}" for clock, line in zip(clocks, lines, strict=True))
-    with pytest.raises(ValueError, match="8 of 12 rows have holes"):
-        loads(timed)
+    for text in (rows_of_blocks(["100", *[""] * 11]), timed):
+        with pytest.raises(ValueError, match="of 12 rows have holes"):
+            loads(text)
 
 
 SWEEP = "".join(f"{p},{p / 2},{180 - p / 20}\n" for p in range(100, 300, 4))  # 50 rows

@@ -66,17 +66,14 @@ def test_the_sidecar_has_the_geometry(tmp_path):
         table = f'[moment_arm]\nangle = "0deg:90deg:90deg"\narm = {arm}\n'
         path.with_suffix(".toml").write_text(toml + table)
         check(load(path))
-    for text, rule in (
-        ('moment_arm = "-5 mm"', "must be positive"), ("moment_arm = 5", "bare number"),
-        ('[moment_arm]\nangle = ["0 deg"]\narm = ["5 mm"]', "at least 2"),
-        ('[moment_arm]\nangle = ["0 deg", "1 deg"]\narm = [5, 6]', "bare number"),
-        ('[moment_arm]\nangle = ["1 deg", "1 deg"]\narm = "5mm,6mm"', "each angle once"),
-        ('[moment_arm]\nangles = ["0 deg"]', "keys angle and arm"),
+    for text in (
+        'moment_arm = "-5 mm"', "moment_arm = 5", '[moment_arm]\nangles = ["0 deg"]',
+        '[moment_arm]\nangle = ["0 deg"]\narm = ["5 mm"]',
+        '[moment_arm]\nangle = ["1 deg", "1 deg"]\narm = "5mm,6mm"',
     ):  # fmt: skip
         path.with_suffix(".toml").write_text(toml + text)
-        with pytest.raises(ValueError, match=rule) as error:
+        with pytest.raises(ValueError, match="moment_arm"):
             load(path)
-        assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -92,14 +89,13 @@ def test_what_is_missing_is_asked_for(change, choice):
     with pytest.raises(MissingMetadataError) as error:
         loads(TEXT, **JOINT | change)
     assert error.value.choices[0][:3] == choice
-    assert "\n" not in str(error.value)
 
 
 def test_a_pull_that_grows_with_contraction_has_the_wrong_direction():
     rows = "".join(f"200,{a},{1 + a / 50}\n" for a in range(-40, 41, 10))
     text = "P [kPa],angle [deg],torque [N m]\n" + rows
     options = JOINT | {"zeros": {"angle": "0 deg"}}
-    with pytest.raises(MissingMetadataError, match="the pull grows with contraction") as error:
+    with pytest.raises(MissingMetadataError) as error:
         loads(text, **options)
     assert error.value.choices[0][:2] == ("signs", "angle")
     record = loads(text, **options, signs={"angle": "extension positive"})
@@ -121,11 +117,7 @@ def test_arms_that_are_too_short_or_unknown():
         (noisy, options, "no function of the angle"),
         (text, options | {"zeros": {"angle": "100 deg"}}, "100 deg, at rest, lies beyond"),
         (TEXT, JOINT | {"moment_arm": beyond}, r"line 4, column `angle \[deg\]`"),
-        (
-            "P [kPa],angle [deg],torque [Nm],arm [mm]\n9,0,0,0\n9,1,0,0\n",
-            options,
-            "all moment arms",
-        ),
+        (f"{text.splitlines()[0]}\n9,0,0,0\n9,1,0,0\n", options, "all moment arms"),
         (TEXT, JOINT | {"moment_arm": "0.025 mm"}, "moment arm"),
         (TEXT, JOINT | {"moment_arm": 0.0}, "`moment_arm`"),
     ):
