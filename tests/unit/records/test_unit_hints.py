@@ -59,26 +59,26 @@ def test_a_pressure_that_a_name_calls_absolute_may_be_given_as_gauge():
 
 
 @pytest.mark.parametrize(
-    ("header", "unit"), [("Load (g)", "gf"), ("mass_kg", "kgf"), ("Mass", "kgf"), ("Load", "N")]
-)
-def test_a_missing_unit_of_a_weight_is_offered(header, unit):
+    ("header", "unit", "si"),
+    [("Load (g)", "gf", 9.80665e-3), ("mass_kg", "kgf", 9.80665), ("Mass", "kgf", 9.80665),
+     ("Load [oz]", "ozf", 0.45359237 * 9.80665 / 16), ("Load", "N", 1.0)],
+)  # fmt: skip
+def test_a_missing_unit_of_a_weight_is_offered(header, unit, si):
+    text = table(force=header, values="200,5,190")
     with pytest.raises(MissingMetadataError) as error:
-        loads(table(force=header), rest_length=0.2)
+        loads(text, rest_length=0.2)
     assert error.value.choices[0][:3] == ("units", "force", unit)
+    record = loads(text, rest_length=0.2, units={"force": unit})
+    assert record.force[0] == pytest.approx(5 * si)
 
 
 @pytest.mark.parametrize(
-    ("header", "options", "asks"),
-    [
-        ("P [kPa]", {}, True), ("P [mmHg]", {}, True), ("P [kPa (g)]", {}, False),
-        ("P [kPa abs]", {"atmosphere": "1 Pa"}, False),
-    ],
-)  # fmt: skip
-def test_a_lowest_pressure_of_an_atmosphere_is_asked_of_unknown_gauges_alone(header, options, asks):
-    low, high = ("750", "1500") if "mmHg" in header else ("100", "300")
-    text = table(header, values=f"{low},50,190\n{high},60,190")
-    notes = loads(text, rest_length=0.2, **options).notes
-    assert any("if that is the atmosphere" in note for note in notes) == asks
+    "quantity", [{"force": "F [V]"}, {"force": "F [mm]"}, {"pressure": "P [V]"}]
+)
+def test_no_unit_is_offered_where_the_numbers_are_of_another_quantity(quantity):
+    with pytest.raises(ValueError, match="line 1") as error:
+        loads(table(**quantity), rest_length=0.2)
+    assert not isinstance(error.value, MissingMetadataError)
 
 
 def test_a_given_atmosphere_is_subtracted_unless_the_unit_says_gauge():
@@ -91,13 +91,10 @@ def test_a_given_atmosphere_is_subtracted_unless_the_unit_says_gauge():
 
 
 def test_an_atmosphere_at_which_the_muscle_is_slack_is_refused():
-    text = table(values="101.3,0.5,200\n301.3,60,200")
     with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=0.2)
+        loads(table(values="101.3,0.5,200\n301.3,60,200"), rest_length=0.2)
     offered = [choice[:3] for choice in error.value.choices]
     assert offered == [("atmosphere", "", "101.3 kPa"), ("units", "pressure", "kPa (g)")]
-    record = loads(text, rest_length=0.2, units={"pressure": "kPa (g)"})
-    assert record.pressure[0] == 101.3e3
 
 
 @pytest.mark.parametrize("name", ["adc_pressure", "p_raw", "Pressure voltage"])
