@@ -54,17 +54,3 @@ def refused(fascicle, tmp_path):
 def _content(folder):
     paths = sorted(folder.rglob("*"))
     return {path: path.read_bytes() if path.is_file() else None for path in paths}
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item, call):
-    """Of a test of pages that fails: what is seen on each."""
-    report = yield
-    if report.failed and call.when == "call":
-        for page in getattr(item.funcargs.get("visit"), "pages", ()):
-            try:
-                shown = page.locator("body").aria_snapshot(timeout=5_000)
-            except Exception as error:  # noqa: BLE001 the test has failed of something else
-                shown = error
-            report.sections.append((page.url, str(shown)))
-    return report

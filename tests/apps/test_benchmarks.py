@@ -44,12 +44,3 @@ def test_benchmark_runs(benchmark, name):
             numbers = (row.figure.low, row.figure.median, row.figure.high)
             assert all(map(math.isfinite, numbers))
             assert list(numbers) == sorted(numbers)
-
-
-def test_ratio_is_of_medians_and_its_quartiles_are_of_rounds(benchmark):
-    timing = benchmark("timing")
-    seconds = {"a": timing.np.array([2.0, 4.0, 6.0]), "b": timing.np.array([1.0, 2.0, 2.0])}
-    ratio = timing.Times(seconds).ratio("a", "b")
-    assert (ratio.median, ratio.low, ratio.high) == (2.0, 2.0, 2.5)
-    difference = timing.Times(seconds).difference("a", "b")
-    assert (difference.median, difference.low, difference.high) == (2.0, 1.5, 3.0)

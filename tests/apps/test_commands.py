@@ -141,12 +141,6 @@ def test_without_resistance_the_strongest_unit_decides(result):
     assert_allclose(pair["free_strain"], muscle["free_strain"], rtol=1e-12)
 
 
-def test_a_muscle_is_a_bundle_of_one():
-    bundle = read_bundle(SIX)
-    assert [int(unit.count) for unit in bundle.motor_units] == [1]
-    assert read_states(["34.5kPa"], bundle) == [[34.5e3]]
-
-
 def test_states_of_repeated_options_add_up():
     bundle = read_bundle(PAIR)
     states = read_states(["0kPa:400kPa:0.4kPa,0kPa", "0kPa:400kPa:0.4kPa,100kPa"], bundle)
@@ -234,8 +228,7 @@ def test_muscles_and_init(answer, result, tmp_path):
 
 
 def test_measured_muscles(answer, result):
-    text = answer("muscles", "--measured")
-    assert all(name in text for name in catalog) and "9.38" in text
+    assert all(name in answer("muscles", "--measured") for name in catalog)
     values = result("muscles", "--measured")
     assert list(values) == list(catalog)
     entry = values["festo-dmsp-20-300"]
@@ -316,8 +309,6 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
     code, out, err = fascicle("reproduce", "kim2021", "--out", "results")
     assert (code, err) == (0 if holds else 1, "")
     assert ("a (Fig. 6)" in out) is not holds and "b (Sec. 4)" in out
-    line = ("reproduce", "kim2021", "--out", "results", "--overwrite", "--verbose")
-    assert fascicle(*line)[0] == (0 if holds else 1)
     assert (tmp_path / "results" / "report.html").read_text() == "a report"
 
 
@@ -348,22 +339,3 @@ def test_a_narrow_terminal_gets_narrow_tables(fascicle, monkeypatch, width, line
     lines = stream.getvalue().decode(encoding).splitlines()
     assert lines and max(map(len, lines)) <= width
     assert not any("…" in line or "?" in line for line in lines)
-
-
-def test_a_terminal_shows_the_status(tmp_path):
-    """On standard error alone: standard output stays whole."""
-    pty = pytest.importorskip("pty")
-    command = [sys.executable, "-m", "fascicle", "efficiency", PAIR, "--json"]
-    terminal, end = pty.openpty()
-    with (tmp_path / "out.json").open("w") as output:
-        process = subprocess.Popen(command, stdout=output, stderr=end)
-    os.close(end)
-    shown = b""
-    with process, os.fdopen(terminal, "rb", buffering=0) as screen:
-        try:
-            while chunk := screen.read(4096):
-                shown += chunk
-        except OSError:  # Linux's end of a terminal
-            pass
-    assert process.returncode == 0 and json.loads((tmp_path / "out.json").read_text())
-    assert shown

@@ -166,21 +166,6 @@ def test_a_share_that_may_be_missed(fascicle, written):
         assert (exit_code, err) == (code, "")
 
 
-def test_one_design_reaches_the_task(fascicle, written):
-    """The longest muscles alone contract by so many millimeters with that load."""
-    text = TASK.replace('["60 N", "150 N", "260 N"]', '"150 N"').replace("weight = [3, 2, 1]\n", "")
-    text = text.replace("strain = [0.16, 0.1, 0.06]", 'stroke = "24 mm"')
-    text = text.replace('["110 mm", "127 mm"]', '["110 mm", "115 mm", "127 mm"]') + AS_DRAWN
-    written.write_text(text.replace("at_most = 3", "at_most = 1"))
-    code, out, err = fascicle("design", "task.toml")
-    assert (code, err) == (0, "")
-    assert "Take design 1: 4 muscles in 1 motor unit, length 127 mm" in out
-    # two millimeters more, and it takes longer muscles
-    written.write_text(text.replace("at_most = 3", "at_most = 1").replace("24 mm", "28 mm"))
-    code, out, _ = fascicle("design", "task.toml", "--overwrite")
-    assert code == 3 and re.search(r"\nlength: \d+(\.\d+)? mm instead of 127 mm", out)
-
-
 def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     written.write_text(
         TASK.replace(

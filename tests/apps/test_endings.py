@@ -110,23 +110,6 @@ def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     assert process.returncode == 0 and int(err.split(" of ")[0]) >= 3
 
 
-@pytest.mark.parametrize(("error", "expected"), [
-    (ConnectionError("the scheduler is lost"), 1),
-    (OSError(28, "No space left on device", "swept/x"), 2),
-])  # fmt: skip
-def test_a_stopped_sweep_names_its_resumption(fascicle, monkeypatch, tmp_path, error, expected):
-    pytest.importorskip("zarr", reason="needs the extra `sweep`")
-
-    def stop(*_, **__):
-        raise error
-
-    (tmp_path / "task.toml").write_text(TASK)
-    monkeypatch.setattr("fascicle.design.sweep.sweep", stop)
-    code, out, err = fascicle("sweep", "task.toml", "--workers", "0")
-    assert (code, out, err.count("\n")) == (expected, "", 1)
-    assert "finished blocks are in swept-task: continue with --resume" in err
-
-
 @pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
 @pytest.mark.parametrize(("target", "redirection", "code"), [
     (SIX, ">&-", 2), (SIX, "2>&-", 0), (SIX, "<&-", 0), ("nobody", ">&- 2>&-", 2),

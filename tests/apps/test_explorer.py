@@ -127,7 +127,6 @@ def visit(browser, server, idle):
         until(page, READY)
         return page
 
-    open_page.pages = pages
     yield open_page
     for page in pages:
         for event, listener in listeners.items():

@@ -1,7 +1,5 @@
 """No command replaces or removes an existing file unasked."""
 
-import re
-
 import pytest
 
 from fascicle.results import labelled
@@ -110,16 +108,6 @@ def test_a_target_that_another_program_makes_meanwhile_is_kept(
         (tmp_path / name / "zarr.json").write_text("{}")
         assert fascicle("force", SIX, *ONE, "--out", name, "--overwrite")[0] == 0
         assert mine.read_text() == "mine"
-
-
-def test_a_file_that_an_input_names_is_not_replaced(fascicle, refused, tmp_path):
-    assert fascicle("init", "m.toml", "--from", "kim2021_bundle_1_4")[0] == 0
-    assert fascicle("init", "s.toml", "--scenario")[0] == 0
-    text = (tmp_path / "s.toml").read_text()
-    text = re.sub("^bundle.*", 'bundle = "m.toml"', text, flags=re.MULTILINE)
-    (tmp_path / "s.toml").write_text(text)
-    (tmp_path / "link.json").symlink_to("m.toml")
-    assert "--out link.json: already exists" in refused("simulate s.toml --out=link.json")
 
 
 @pytest.mark.parametrize(

@@ -113,13 +113,6 @@ def test_what_cant_be_trusted_is_said_and_ends_with_1(fascicle, tmp_path):
     assert "can't be trusted" in data.attrs["notes"] and "cavitates" in data["event"].values
 
 
-def test_a_file_that_cant_be_is_one_line_with_its_key(fascicle, tmp_path):
-    (tmp_path / "a.toml").write_text(SHORT.replace("b = 0.3", "b = 1.2"))
-    code, out, err = fascicle("simulate", "a.toml")
-    assert (code, out) == (2, "")
-    assert "valve.b" in err and err.count("\n") == 1
-
-
 def test_init_writes_one_that_runs(fascicle, tmp_path):
     assert fascicle("init", "--scenario")[0] == 0
     assert (tmp_path / "scenario.toml").read_text() == example_text("lift_gas")

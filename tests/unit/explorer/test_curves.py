@@ -15,7 +15,6 @@ from fascicle.explorer.free_strain_chart import second_unit_curve
 from fascicle.explorer.muscle_curves import (
     FAMILY,
     alternative_laws,
-    curve_marks,
     muscle_curves,
     region_strips,
     strain_limit,
@@ -32,7 +31,6 @@ from fascicle.plot.theme import LIGHT
 SIX = fs.example("kim2021_figure_6")
 VIEW = view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4")
 P, TOP, SUPPLY = 137.9e3, 0.4, 413.7e3
-WIDE, HIGH = 285, 420  # pixels of the plot on a phone
 LETTER, LINE = 7.4, 14  # pixels, of 12 px DejaVu Sans
 
 
@@ -77,26 +75,6 @@ def test_strips_of_the_papers_law_begin_at_its_kinks():
     assert [region for _, _, region in strips] == [0, 1, 2]
     assert strips[1][0] == pytest.approx(float(SIX.free_strain(P)), abs=1e-9)
     assert strips[2][0] == pytest.approx(float(SIX.collapse_strain(P)), abs=1e-9)
-
-
-@pytest.mark.parametrize("pressure", [0.0, 2e3, 30e3, 137.9e3, SUPPLY])
-def test_labels_stay_in_the_picture_and_do_not_collide(pressure):
-    top = strain_limit(SIX, SUPPLY)
-    curves = muscle_curves(SIX, pressure, 0.1, SUPPLY, top)
-    marks = curve_marks(curves, top, 1.0, "N")
-    per_newton = HIGH / (1.24 * float(np.ptp(curves.force[:-1])))
-    boxes = []  # left, right, bottom, top in pixels
-    for x, y, label, above, beside, align in zip(*marks.values(), strict=True):
-        start, width = x / top * WIDE + beside, LETTER * len(label)
-        left = start - width if align == "right" else start
-        boxes.append((left, left + width, y * per_newton + above, y * per_newton + above + LINE))
-    assert len(boxes) == 3
-    for i, box in enumerate(boxes):
-        assert box[0] >= 0 and box[1] <= WIDE + 18, marks["label"][i]  # and the figure's border
-        for other in boxes[i + 1 :]:
-            assert (
-                box[1] <= other[0] or other[1] <= box[0] or box[3] <= other[2] or other[3] <= box[2]
-            ), (marks["label"], boxes)
 
 
 def test_a_straight_muscle_has_the_braids_radius_and_its_fibers_their_angle():

@@ -128,14 +128,6 @@ def test_a_link_has_every_digit_where_no_unit_has_few():
     assert read(to_query(view)).pressure == view.pressure
 
 
-def test_callbacks_follow_a_change_and_not_a_value_that_the_view_has():
-    session, calls = Session(SIX), []
-    session.watch(lambda before, after: calls.append((before.strain, after.strain)))
-    session.change(strain=0.2)
-    session.change(strain=0.2, units=SIX.units)
-    assert calls == [(SIX.strain, 0.2)]
-
-
 def test_undo_and_reset(monkeypatch):
     now = [0.0]
     monkeypatch.setattr("fascicle.explorer.state.time.monotonic", lambda: now[0])
