@@ -97,12 +97,6 @@ def test_a_limit_of_ours_can_be_close(value, sign, limit, tolerance, close):
     assert not criterion(value, sign, limit, tolerance=tolerance).close
 
 
-def test_a_limit_of_zero_is_close_by_the_size_it_is_compared_with():
-    small = criterion(0.0028, ">", 0.0, limit_reason="our reading", scale=0.26)
-    assert small.close and not dataclasses.replace(small, value=0.1).close
-    assert not dataclasses.replace(small, limit_reason="").close
-
-
 def test_a_verdict_that_depends_on_a_reading_says_so():
     other = Reading("printed", False, ("what: 2, must be < 1",))
     same = Reading("wood1958", True, ("what: 0.5, must be < 1",))

@@ -93,13 +93,6 @@ def test_second_state_costs_more_than_the_first():
     assert result.state[:, 0].tolist() == [1, 2]
 
 
-def test_resistance_costs_efficiency_but_little():
-    for path in energetics.PATHS:
-        resisted = energetics.average_efficiency(two, path=path)
-        free = energetics.average_efficiency(two, path=path, resistance=False)
-        assert 0.98 * free < resisted < free  # the paper: negligible; model.md: under 2 %
-
-
 def test_batch_recruitment_throttles_both_units():
     """At a force just above one unit's reach, both are throttled: half the isobaric work."""
     strain, pressure = 0.05, 0.6 * SUPPLY

@@ -201,18 +201,6 @@ def overlapping() -> tuple[float, float]:
     return low - 1.0, strain
 
 
-def test_prefer_nearest_selects_the_present_solution():
-    force, strain = overlapping()
-    solved = recruit(bundle, force, strain)
-    assert solved.count > 1
-    for slot in range(int(solved.count)):
-        k, level = int(solved.solutions.state[slot]), solved.solutions.pressure[slot]
-        present = pressures_of(k, level, SUPPLY, 2)
-        result = recruit(bundle, force, strain, prefer="nearest", present=present)
-        assert_allclose(result.pressures, present, atol=1e-3)
-    assert int(solved.state) == int(solved.solutions.state[0])
-
-
 def test_stability_is_the_sign_of_the_slope_in_strain():
     force, strain = overlapping()
     result = recruit(bundle, force, strain)

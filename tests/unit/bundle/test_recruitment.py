@@ -59,16 +59,6 @@ def test_outlines_are_closed():
         assert np.all(top >= bottom) and np.any(top > bottom)
 
 
-def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_strain():
-    """Section 4.1's claim on Fig. 9."""
-    with_resistance = overlap(workspace(two))
-    without = overlap(workspace(two, resistance=False))
-    assert with_resistance.states == ((1, 2),)
-    assert with_resistance.area[0] > 0 and without.area[0] == 0
-    widest = with_resistance.strain[np.argmax(with_resistance.width[0])]
-    assert widest > 0.6 * with_resistance.strain[-1]
-
-
 def test_points_of_the_overlap_are_reached_by_both_states():
     result = overlap(workspace(two))
     j = int(np.argmax(result.width[0]))

@@ -37,17 +37,11 @@ CALLS = {
 
 
 @pytest.mark.parametrize("name", CALLS)
-@pytest.mark.parametrize("shape", ["number", "array"])
-def test_an_extension_past_two_percent_warns(name, shape):
-    strain = -0.05 if shape == "number" else np.array([0.1, -0.05])
-    with pytest.warns(UserWarning, match="contraction is positive") as warned:
-        CALLS[name](strain)
-    assert len(warned) == 1
-    assert "src/fascicle" not in warned[0].filename  # at the caller's line
-
-
-@pytest.mark.parametrize("name", CALLS)
-def test_a_small_extension_and_a_contraction_do_not(name):
+def test_an_extension_past_two_percent_warns_at_the_callers_line(name):
+    for strain in (-0.05, np.array([0.1, -0.05])):
+        with pytest.warns(UserWarning, match="contraction is positive") as warned:
+            CALLS[name](strain)
+        assert len(warned) == 1 and "src/fascicle" not in warned[0].filename
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         CALLS[name](-0.02)
@@ -86,11 +80,6 @@ def test_each_row_of_muscles_has_its_own_domain(name):
         of(MUSCLE)(2e5, 0.1), of(MUSCLE.replace(braid_angle=math.radians(40)))(2e5, -0.2)
     ]  # fmt: skip
     np.testing.assert_allclose(rows(2e5, np.array([0.1, -0.2])), expected, rtol=1e-12)
-    with pytest.raises(fs.InvalidInputError, match=r"\(-0\.103378, 0\.6\].*got -0\.15"):
-        rows(2e5, np.array([-0.15, -0.2]))
-
-
-@pytest.mark.parametrize("shape", [(3,), (3, 1, 3)])
-def test_strains_that_fit_no_rows_are_refused_by_their_shapes(shape):
-    with pytest.raises(fs.InvalidInputError, match="broadcast"):
-        ROWS.force(2e5, np.full(shape, 0.1))
+    for strain in (np.array([-0.15, -0.2]), np.full(3, 0.1)):  # off the first's domain; of 3 rows
+        with pytest.raises(fs.InvalidInputError):
+            rows(2e5, strain)

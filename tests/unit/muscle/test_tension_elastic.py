@@ -120,15 +120,6 @@ def test_no_cycle_makes_energy():
     assert_allclose(fluid, ends, rtol=1e-10)
 
 
-@pytest.mark.slow
-def test_the_table_for_simulations_knows_it():
-    muscle = elastic(5e7)
-    table = muscle.table(4e5)
-    P, eps = np.array([0.0, 1e5, 3e5])[:, None], np.array([0.0, 0.1])
-    # the table's own error, as for other muscles
-    assert_allclose(table.conjugate_volume(P, eps), muscle.conjugate_volume(P, eps), rtol=1e-4)
-
-
 def test_fibers_that_are_known_make_a_law():
     law = ElasticBraid.from_fibers(STIFF.braid, 150.0, 96)
     assert_allclose(law.fiber_stiffness, 96 * 150 / (math.pi * 6.35e-3**2))
