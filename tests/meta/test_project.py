@@ -1,7 +1,6 @@
 """The project's own files agree with one another."""
 
 import ast
-import json
 import re
 import sys
 import tomllib
@@ -52,18 +51,6 @@ def test_the_version_is_one_number():
     assert citation["version"] == fascicle.__version__
     assert PROJECT["dynamic"] == ["version"] and "version" not in PROJECT
     assert citation["preferred-citation"]["doi"] == "10.3390/act10030042"
-
-
-def test_zenodo_and_citation_agree():
-    """Zenodo reads its own file alone, others read CITATION.cff."""
-    zenodo = json.loads((ROOT / ".zenodo.json").read_text())
-    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
-    for key in ("title", "license", "keywords"):
-        assert zenodo[key] == citation[key]
-    assert zenodo["description"] == " ".join(citation["abstract"].split())
-    assert zenodo["creators"] == citation["authors"]
-    papers = [one["identifier"] for one in zenodo["related_identifiers"]]
-    assert papers == [citation["preferred-citation"]["doi"]]
 
 
 def test_the_lock_covers_what_is_declared():

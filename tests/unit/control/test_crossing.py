@@ -74,15 +74,6 @@ def test_a_hand_over_does_not_wait_for_the_demand_to_fall_again():
     assert not result.exists or result.end <= result.deadline
 
 
-def test_slower_valves_begin_earlier(pair):
-    result = [
-        control.crossing(pair, ramp(pair, 0.2), of_conductance(c, 1, 1))
-        for c in (4e-9, 1e-9, 4e-10)
-    ]
-    starts = [one.start for one in result]
-    assert starts == sorted(starts, reverse=True)
-
-
 def test_no_crossing_near_the_end_of_the_stroke(five):
     result = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
     assert not result.exists

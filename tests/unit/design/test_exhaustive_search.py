@@ -123,14 +123,6 @@ def test_contraction_beyond_every_muscle(muscle, force):
     assert np.all(result.values["points_not_reached"] == 0.5)
 
 
-def test_no_design_left(muscle, task):
-    result = search(
-        Space({"m": muscle}, (5,)), task, {"valves": "min"}, {"largest_force": Limit(least=1e6)}
-    )
-    assert result.nearest is not None
-    assert result.front.size == 0 and result.recommended is None and len(result.designs) == 0
-
-
 @pytest.mark.parametrize(
     ("senses", "limits", "message"),
     [

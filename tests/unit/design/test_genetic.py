@@ -80,21 +80,6 @@ def test_search_finds_rare_design_that_reaches_the_task(muscle):
     assert result.designs.units[result.recommended] == 1
 
 
-def test_every_genome_gives_a_design_of_the_space(space):
-    rng = np.random.default_rng(0)
-    decoder = GenomeDecoder(space, continuous=True)
-    designs = decoder.designs(rng.uniform(size=(300, decoder.genes)))
-    assert set(designs.counts.sum(axis=1)) == {3, 4, 5}
-    assert np.all((designs.length >= 0.11) & (designs.length <= 0.15))
-    section = np.sqrt(np.sum(designs.counts * designs.radius**2, axis=1))
-    assert np.all((section >= 0.011 - 1e-12) & (section <= 0.014 + 1e-12))
-    there = designs.counts > 0
-    assert np.all(there[:, :-1] | ~there[:, 1:])
-    # the corners too
-    for corner in (np.zeros((1, decoder.genes)), np.ones((1, decoder.genes))):
-        assert len(decoder.designs(corner)) == 1
-
-
 def test_unsupported_spaces_are_refused(muscle):
     with pytest.raises(ValueError, match="`drawings` must hold one"):
         GenomeDecoder(Space({"a": muscle, "b": muscle}, (2,)), continuous=True)

@@ -5,21 +5,9 @@ import pytest
 
 from fascicle.design import Limit
 from fascicle.design.objectives import (
-    with_reach_limits,
     within_limits,
     within_miss_limit,
 )
-
-
-def test_missed_share_counts_points_and_weight():
-    limits = with_reach_limits({"not_reached": Limit(most=0.1)})
-    assert limits["points_not_reached"].most == 0.1
-    # once more changes nothing, and a tighter limit on points is kept
-    assert with_reach_limits(limits) == limits
-    tight = with_reach_limits(
-        {"not_reached": Limit(most=0.5), "points_not_reached": Limit(most=0.1)}
-    )
-    assert tight["points_not_reached"].most == 0.1
 
 
 @pytest.mark.parametrize(

@@ -67,13 +67,6 @@ def test_insufficient_single_changes(designs):
     assert changes["supply_pressure"].free_strain > changes["muscles"].free_strain
 
 
-def test_pressure_beyond_the_models(designs):
-    task = Task.of([5000.0], [0.05], SUPPLY)
-    changes = by_name(designs, 0, task, 0.0, NONE)
-    assert changes["supply_pressure"].value is None and changes["supply_pressure"].largest > 0
-    assert changes["muscles"].value is not None and changes["radius"].value is not None
-
-
 def test_a_stroke_is_reached_by_longer_muscles(designs):
     task = Task.of([50.0], None, SUPPLY, stroke=[0.05])
     changes = by_name(designs, 0, task, 0.0, NONE)

@@ -16,10 +16,7 @@ from fascicle.design import (
     search,
     spread,
 )
-from fascicle.design.evaluation import design_outcome
-from fascicle.design.objectives import needs, objective_values
-from fascicle.design.outcome import Demand
-from fascicle.design.scatter import draw_designs, sample_draws
+from fascicle.design.scatter import sample_draws
 
 
 SUPPLY = 413.7e3
@@ -56,33 +53,6 @@ def test_margins_of_draws_are_those_of_bundles_built_so(muscle, reachable, count
         expected = margin_of([built] * len(counts), counts, reachable, draws.force[i])
         # all demanded points are pulls at full supply, where both are the law itself
         assert_allclose(values["relative_margin"][0, i], expected, rtol=1e-9, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "scheme", [pytest.param("orderly", marks=pytest.mark.slow), "free", "batch"]
-)
-def test_draws_together_are_as_one_by_one(muscle, reachable, scheme):
-    task = Task.of(reachable.force, reachable.strain, SUPPLY, scheme=scheme)
-    designs = Designs.of(muscle, [(1, 2), (3,)])
-    names = ("relative_margin", "margin", "mean_efficiency", "shortfall", "largest_force",
-             "worst_shortfall", "envelope")  # fmt: skip
-    if scheme != "free":
-        names += ("reversal_depth", "overlap_width")
-    together = spread(designs, task, names, scatter=WIDE, draws=16).values
-    draws = sample_draws(WIDE, 16)
-    drawn, demand = draw_designs(designs, draws), Demand.from_task(task)
-    rows = []
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        for i in range(len(drawn)):
-            units = slice(drawn.units[i] if scheme == "batch" else None)
-            one = design_outcome(
-                muscle, drawn.counts[i, units], drawn.sizes(i).take(units), demand, needs(names),
-                force_factor=draws.force[i % 16],
-            )  # fmt: skip
-            rows.append(objective_values(one, names))
-    for name, expected in zip(names, np.transpose(rows), strict=True):
-        alone = expected.reshape(2, 16)
-        assert_allclose(together[name], alone, rtol=1e-7, atol=1e-12, err_msg=name)
 
 
 def test_scatter_has_the_given_deviations():

@@ -13,7 +13,7 @@ from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.materials import MATERIALS, MooneyRivlin
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
-from fascicle.muscle.tension import TENSION_LAWS, Kothera2009, TonduLopez
+from fascicle.muscle.tension import TENSION_LAWS, Kothera2009
 
 
 def bits(obj):
@@ -116,18 +116,6 @@ def test_text_is_as_people_write_it():
     ):
         assert line in text.splitlines()
     assert "tuning" not in dumps(example("kim2021_figure_6"))
-
-
-def test_a_tension_law_is_a_name_unless_it_has_numbers_of_its_own():
-    def written(law):
-        text = dumps(Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5, tension=law))
-        return next(entry for entry in text.splitlines() if entry.startswith("tension"))
-
-    assert written(TonduLopez()) == 'tension = "tondu_lopez"'
-    assert written(TonduLopez(1.25, 0.5)) == (
-        'tension = { law = "tondu_lopez", strain_factor = 1.25, strain_factor_rise = 0.5, '
-        'decay_pressure = "100 kPa" }'
-    )
 
 
 def test_refuses_what_a_file_cannot_describe(tmp_path):

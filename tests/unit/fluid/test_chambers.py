@@ -51,18 +51,6 @@ def test_slopes_of_the_balance(of):
         assert at.by_state.shape == state.shape
 
 
-@every
-def test_rates_are_affine_in_the_volumes(of):
-    state, P = of.state_at(3e5, V), 3e5
-    slope = of.per_volume_rate(state, P)
-    still = of.rates(state, P, 1e-3, 300.0, 0.0)
-    assert slope.shape == still.shape == state.shape
-    for rate in (-1e-4, 1e-4, 3.0):
-        moving = of.rates(state, P, 1e-3, 300.0, rate)
-        assert_allclose(moving, still + slope * rate, rtol=1e-13)
-    assert_allclose(still[0], 1e-3, rtol=0)
-
-
 def test_temperature_and_heat():
     of = fluid.AdiabaticWall(0.5)
     state = of.state_at(3e5, V) * np.array([1.0, 1.1])

@@ -1,6 +1,5 @@
 """A pump that keeps an accumulator charged."""
 
-import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -56,15 +55,6 @@ def test_pressure_switches_a_pump():
         assert supply.update_switch(np.array([between, on, 0.0, 0.0]))[1] == on
     always = fluid.PumpedAccumulator(STORE, FIXED)
     assert always.update_switch(state).tolist() == state.tolist()
-
-
-def test_it_is_batched_and_differentiated():
-    supply = fluid.PumpedAccumulator(STORE, SWITCHED)
-    states = np.stack([supply.initial_state(), supply.initial_state()])
-    many = jax.vmap(lambda s: supply.rates(supply.update_switch(s), -1e-3, 0.0))(states)
-    assert_allclose(many[1], supply.rates(supply.initial_state(), -1e-3, 0.0), rtol=1e-12)
-    slopes = jax.grad(lambda s: supply.rates(s, 0.0, 0.0)[2])(states[0])
-    assert np.all(np.isfinite(slopes))
 
 
 @pytest.mark.parametrize(

@@ -44,13 +44,3 @@ def test_slopes_are_those_of_differences_at_the_edges_too(at, overlap):
     up, down = (of.openings(np.array([at + s]), NONE) for s in (step, -step))
     for slope, high, low in zip(found, up, down, strict=True):
         assert_allclose(slope[0, 0], (high - low)[0] / (2 * step), atol=1e-8)
-
-
-def test_under_jit_and_vmap():
-    of = fluid.Servovalve(0.01, 0.1)
-    x = np.linspace(-1, 1, 7)[:, None]
-    plain = of.openings(x, x)
-    batched = jax.jit(jax.vmap(of.openings))(x, x)
-    for one, other in zip(plain, batched, strict=True):
-        assert type(one) is np.ndarray
-        assert_allclose(one, other, atol=1e-15)

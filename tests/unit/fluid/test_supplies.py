@@ -60,13 +60,3 @@ def test_an_accumulator_over_its_ends_is_finite(n, share):
 
     slopes = jax.grad(all_of_it, (0, 1))(of, mass)
     assert all(np.all(np.isfinite(x)) for x in jax.tree.leaves(slopes))
-
-
-@every
-def test_numpy_and_jax_agree(of):
-    state = of.initial_state()
-    for name in ("pressure_at", "stored_energy", "temperature_at"):
-        plain = getattr(of, name)(state)
-        assert_allclose(plain, jax.jit(getattr(of, name))(state), rtol=1e-11)
-        many = jnp.stack([state, 0.9 * state])
-        assert jax.vmap(getattr(of, name))(many).shape == (2,)

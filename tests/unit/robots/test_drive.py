@@ -192,14 +192,6 @@ def test_a_single_muscle_becomes_a_bundle():
     np.testing.assert_allclose(data.actuator_force, [-pull])
 
 
-def test_mismatched_versions_of_mujoco_and_mjx_are_refused(monkeypatch):
-    result = {"mujoco": "4.0.0", "mujoco-mjx": "3.17.0"}
-    monkeypatch.setattr(optional_imports.metadata, "version", result.__getitem__)
-    command = r"`pip install mujoco==3\.17\.0 mujoco-mjx==3\.17\.0`"
-    with pytest.raises(ImportError, match=f"don't go together: {command}"):
-        optional_imports.mjx()
-
-
 @pytest.mark.parametrize("stretch", [-0.5, 0.2])
 @pytest.mark.parametrize("name", ["pull", "energy"])
 def test_pull_outside_of_the_table_warns(elbow, bundle, name, stretch):
@@ -267,17 +259,6 @@ def test_two_sub_models_are_told_apart_by_their_prefix(bundle):
     assert drive.actuators == (1, 0) and drive.tendons == ("right_flexor_s", "left_flexor_s")
 
 
-def test_a_bundle_is_attached_after_mujoco_attached_the_sub_model(bundle):
-    arm = mujoco.MjSpec.from_string(ARM)
-    world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
-    world.worldbody.add_frame().attach_body(arm.worldbody.first_body(), "left_", "")
-    world.compile()  # a model without the bundle, which may be compiled again
-    made = attach(world, "left_flexor", bundle, 0.0127)
-    model = world.compile()
-    drive = Drive.of(model, [made])
-    assert drive.tendons == ("left_flexor",)
-
-
 MOTOR = '<actuator><motor name="m" tendon="flexor" gear="7" ctrlrange="0 1"/></actuator></mujoco>'
 
 
@@ -303,22 +284,3 @@ def test_defaults_of_the_model_do_not_change_the_force(bundle):
     drive.step(model, data, drive.start(model, data), 2e5)
     pull = drive.pull(np.array([2e5]), np.array([0.0]))
     np.testing.assert_allclose(data.actuator_force, -pull)
-
-
-def test_several_models_step_in_turn(elbow):
-    """Each is stepped as if it were alone: nothing of one is in the other."""
-    alone = []
-    for angle in (0.6, 0.2):
-        model, data, drive = elbow(angle=angle)
-        held = drive.start(model, data, HELD)
-        for _ in range(20):
-            held = drive.step(model, data, held, HELD)
-        alone.append(float(data.qpos[0]))
-    both = [elbow(angle=angle) for angle in (0.6, 0.2)]
-    fluids = [drive.start(model, data, HELD) for model, data, drive in both]
-    for _ in range(20):
-        fluids = [
-            drive.step(model, data, fluid, HELD)
-            for (model, data, drive), fluid in zip(both, fluids, strict=True)
-        ]
-    assert [float(data.qpos[0]) for _, data, _ in both] == alone
