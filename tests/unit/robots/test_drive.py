@@ -122,6 +122,25 @@ def test_mjx_equals_mujoco(spatial, elbow):
     assert np.ptp(np.array(expected)[:, 0]) > 0.1  # it has moved
 
 
+@pytest.mark.parametrize("valved", [False, True])
+def test_a_step_keeps_the_types_of_its_input(valved, elbow):
+    """Else each compiled loop is compiled twice, for what the first step returns, too."""
+    parts = AIR if valved else {}
+    model, data, drive = elbow(cord={"stiffness": 4e4, "slack": True}, **parts)
+    mjx = optional_imports.mjx()
+    begin = mjx.put_model(model), mjx.put_data(model, data), drive.start(model, data, HELD)
+    command = np.array([0.5, -0.5]) if valved else HELD
+
+    def types(tree):
+        leaves = jax.tree.leaves(jax.eval_shape(lambda: jax.tree.map(jnp.asarray, tree)))
+        return [(x.shape, x.dtype, x.weak_type) for x in leaves]
+
+    after, _ = jax.eval_shape(drive.act, begin[2], np.zeros(2), command, 1e-3)
+    assert [(x.shape, x.dtype, x.weak_type) for x in after] == types(begin[2])
+    after = jax.eval_shape(drive.step_mjx, *begin, command)
+    assert [(x.shape, x.dtype, x.weak_type) for x in jax.tree.leaves(after)] == types(begin[1:])
+
+
 def test_mjx_reports_states_outside_of_the_tables(elbow):
     model, data, drive = elbow()
     mjx = optional_imports.mjx()
