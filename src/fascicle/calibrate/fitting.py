@@ -295,8 +295,10 @@ def _calibration(data: FitData, options: FitOptions, solution: Solution) -> Cali
             muscle = _with_tables(muscle, readings)
         curves = SmoothCurves(muscle, P, top_pressure(grid))
         free_strain = curves.free_strain(readings.coefficients)
-    fits_ends = not END_PARAMETERS.isdisjoint(parameter.name for parameter in problem.parameters)
-    muscle = with_fields(muscle, fitted_length=FittedLength(float(muscle.length), fits_ends))
+    if problem.parameters or readings is not None:  # else the muscle is as given
+        names = {parameter.name for parameter in problem.parameters}
+        fitted = FittedLength(float(muscle.length), with_ends=not END_PARAMETERS.isdisjoint(names))
+        muscle = with_fields(muscle, fitted_length=fitted)
     problem = replace(problem, noise=minimum.noise)
     return Calibration(
         muscle, solution.problem.muscle, data, problem, point, readings, minimum, free_strain,

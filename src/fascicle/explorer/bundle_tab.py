@@ -180,11 +180,11 @@ class BundleView(Tab):
         self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
         self._sweep = Sweep("", self._advance)
         self._numbers = pane()
-        self._workspace = LatestResult(self._show_workspace, self.fail)
-        self._state = LatestResult(self._show_state, self.fail)
+        self._workspace = LatestResult(self._show_workspace, self.fail, is_open=self.is_open)
+        self._state = LatestResult(self._show_state, self.fail, is_open=self.is_open)
         self._load = Field("Load", "load", "force", self._set_load, optional=True)
         self._load_strain = Field("at contraction ε", "strain", "strain", self._set_load_strain)
-        self._recruitments = LatestResult(self._show_recruitments, self.fail)
+        self._recruitments = LatestResult(self._show_recruitments, self.fail, is_open=self.is_open)
         explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
         left = side_column(
             self._scheme, *self._supply.widgets, self._resistance, self.units.panel, explanations,

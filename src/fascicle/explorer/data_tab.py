@@ -166,8 +166,8 @@ class DataView(Tab):
         self._cancelled = threading.Event()
         self._add_widgets()
         self._add_chart()
-        self._curves = LatestResult(self._show_curves, self.message.show)
-        self._fits = LatestResult(self._show_fit, self._fail_fit)
+        self._curves = LatestResult(self._show_curves, self.message.show, is_open=self.is_open)
+        self._fits = LatestResult(self._show_fit, self._fail_fit, is_open=self.is_open)
         left = side_column(
             self.file, self._other_example, self.message.pane, self.read_inputs.panel, self.kind,
             self.constants, self.calibrate, self.cancel, self.progress.bar, self.status, self.table,
@@ -205,7 +205,7 @@ class DataView(Tab):
         self.cancel = button("Cancel the fit", self.cancel_fit, visible=False, **wide)
         self.cancel.disabled = False
         self.status, self.fit_notes = (pane(**_WIDE) for _ in range(2))
-        self.progress = Progress("fitting", self.status)
+        self.progress = Progress("fitting", self.status, self.is_open)
         self.table = pane(margin=(4, 8))
         self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [

@@ -41,7 +41,7 @@ class EfficiencyChart:
         self.message = Message()
         # a figure itself would lose its height while it loads
         self.figure = column(self.chart.new_pane())
-        self.maps = LatestResult(self._show_maps, self._fail)
+        self.maps = LatestResult(self._show_maps, self._fail, is_open=tab.is_open)
         self.toggle = widget(
             pn.widgets.Toggle, "More: efficiency", lambda _: self.draw(session.view),
             margin=(8, 8), sizing_mode=None,

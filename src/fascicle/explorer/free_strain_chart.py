@@ -72,7 +72,7 @@ class FreeStrainChart:
         self._figure = column(self._legend, chart.new_pane())
         title = pane(heading("Free strain over the pressure of unit 2"))
         self.panel = column(title, self._figure, self._message)
-        self._curves = LatestResult(self._show, tab.fail)
+        self._curves = LatestResult(self._show, tab.fail, is_open=tab.is_open)
 
     def draw(self, view: View) -> None:
         """Request the curve of a `view`."""

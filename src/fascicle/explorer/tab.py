@@ -46,6 +46,10 @@ class Tab:
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
+    def is_open(self) -> bool:
+        """True while the page shows this tab."""
+        return self.session.view.tab == self.name
+
     def refresh(self) -> None:
         """Draw the session's view, or follow what changed since it was drawn."""
         before, view = self._drawn, self.session.view
@@ -102,11 +106,19 @@ def session_document() -> Any:
     return doc if doc is not None and doc.session_context else None
 
 
+def _is_alive(doc: Any) -> bool:
+    """True while somebody has the page of a document."""
+    return bool(doc.session_context) and not doc.session_context.destroyed
+
+
 class Progress:
     """A bar that moves while a computation of unknown duration runs, and a line with its time."""
 
-    def __init__(self, label: str, status: Any):
-        """Progress with a `label` for screen readers; `status` is the pane of the line."""
+    def __init__(self, label: str, status: Any, is_open: Callable[[], bool]):
+        """Progress with a `label` for screen readers; `status` is the pane of the line, which
+        changes while `is_open` is true.
+        """
+        self._is_open = is_open
         html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
         self.bar = pane(html, visible=False, sizing_mode="stretch_width")
         self._status, self._timer = status, None
@@ -116,7 +128,8 @@ class Progress:
         start_time = time.monotonic()
 
         def show() -> None:
-            self._status.object = status_line(text(time.monotonic() - start_time))
+            if self._is_open():
+                self._status.object = status_line(text(time.monotonic() - start_time))
 
         show()
         self.bar.visible = True
@@ -144,9 +157,13 @@ class LatestResult:
         show: Callable[[Any], None],
         fail: Callable[[ValueError | str], None],
         workers: ThreadPoolExecutor = _WORKERS,
+        is_open: Callable[[], bool] = lambda: True,
     ):
-        """On the loop, `show` takes a result, and `fail` an error; `workers` are its threads."""
-        self._show, self._fail, self._workers = show, fail, workers
+        """On the loop, `show` takes a result, and `fail` an error, once `is_open` is true: Panel
+        gives what changes in a hidden tab style sheets from another machine. `workers` are its
+        threads.
+        """
+        self._show, self._fail, self._workers, self._is_open = show, fail, workers, is_open
         self._latest: Callable[[], Any] | None = None
         self._busy, self._task = False, None
 
@@ -175,7 +192,9 @@ class LatestResult:
 
         async def wait() -> None:
             outcome = await asyncio.wrap_future(future)
-            if doc.session_context and not doc.session_context.destroyed:
+            while not self._is_open() and self._latest is compute and _is_alive(doc):
+                await asyncio.sleep(_PERIOD / 1e3)
+            if _is_alive(doc):
                 # on the loop: a document that sends its changes loses a callback of a thread
                 doc.add_next_tick_callback(lambda: deliver(outcome))
 

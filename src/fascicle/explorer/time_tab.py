@@ -98,7 +98,7 @@ class TimeView(Tab):
         self._add_widgets()
         self._add_charts()
         self._add_player()
-        self._runs = LatestResult(self._show_result, self._fail_job, WAITING)
+        self._runs = LatestResult(self._show_result, self._fail_job, WAITING, self.is_open)
         self._lay_out()
 
     # widgets
@@ -118,7 +118,7 @@ class TimeView(Tab):
         )
         self._policy_title = pane()
         self._policy_words = pane(glossary_html("Explain the policies", POLICIES))
-        self._progress = Progress("simulating", self.status)
+        self._progress = Progress("simulating", self.status, self.is_open)
         self._about, self._table = (
             pane(sizing_mode="stretch_width"),
             pane(margin=(4, 8), sizing_mode="stretch_width", stylesheets=[LAYOUT_CSS, _TABLE_CSS]),

@@ -14,7 +14,6 @@ from fascicle.calibrate.intervals import with_profiles
 from fascicle.calibrate.messages import interval_texts
 from fascicle.calibrate.model_selection import select_model
 from fascicle.calibrate.verdict import FITS, judge
-from fascicle.core.module import with_fields
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
 
@@ -68,8 +67,7 @@ def test_a_muscle_as_given_has_a_calibration_without_constants():
     choice = select_model(record, MUSCLE)
     assert [one.constants for one in choice.candidates if one.chosen] == [0]
     assert choice.calibration.parameters == ()
-    # it only carries the length that it was compared at
-    assert with_fields(choice.calibration.muscle, fitted_length=None) == MUSCLE
+    assert choice.calibration.muscle == MUSCLE
 
 
 @pytest.mark.parametrize(
