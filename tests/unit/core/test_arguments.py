@@ -1,6 +1,7 @@
 """Values that functions of bundles and muscles refuse, with the name of the argument."""
 
 import math
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ MUSCLE = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
 BUNDLE = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(MUSCLE, 4)], supply_pressure=413.7e3)
 LONGER = MUSCLE.replace(length=0.131)
 PLATES = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(LONGER)], 4e5, length=0.13)
+NEEDS_MATPLOTLIB = pytest.mark.skipif(find_spec("matplotlib") is None, reason="no matplotlib")
 BATCH = BUNDLE.replace(
     motor_units=[fs.MotorUnit(MUSCLE.replace(braid_angle=np.array([0.55, 0.6])))]
 )
@@ -73,7 +75,7 @@ SUPPLIES = [1e5, 2e5]
         ("bundle", lambda: BATCH.recruit(50.0, 0.1)),
         ("bundle", BATCH.reversal),
         ("bundle", BATCH.average_efficiency),
-        ("bundle", BATCH.plot),
+        pytest.param("bundle", BATCH.plot, marks=NEEDS_MATPLOTLIB),
         ("bundle", lambda: reversal.reversal(MUSCLE)),
         ("points", lambda: MUSCLE.shape(1e5, 0.3, 2)),
         ("points", lambda: MUSCLE.shape(1e5, 0.3, math.nan)),

@@ -7,6 +7,9 @@ import sys
 import pytest
 
 
+pytest.importorskip("jax")
+
+
 def run(code: str, **variables: str) -> list[str]:
     """Lines that a fresh Python prints."""
     environ = {name: value for name, value in os.environ.items() if name != "XLA_FLAGS"}
