@@ -13,8 +13,10 @@ so that text has its printed size, 7 to 8 points.
 
 import io
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from matplotlib import colormaps, rc_context
@@ -77,8 +79,22 @@ _STYLE: Any = {
 # neither the time of day nor matplotlib's version
 _METADATA = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": "fascicle"}}
 
-# decorator of functions that build a figure
-styled = rc_context(_STYLE)
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def styled(function: _Function) -> _Function:
+    """Decorator of a `function` that builds a figure: with the style of all figures."""
+
+    @wraps(function)
+    def build(*arguments: Any, **options: Any) -> Any:
+        if pyplot := sys.modules.get("matplotlib.pyplot"):
+            # a notebook's backend makes matplotlib interactive at its first use; in the context
+            # below that would be undone, and the notebook would show no figure any more
+            pyplot.draw_if_interactive()
+        with rc_context(_STYLE):
+            return function(*arguments, **options)
+
+    return cast(_Function, build)
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 
@@ -83,3 +84,20 @@ def test_panels_are_not_drawn_on_given_axes():
     with pytest.raises(InvalidInputError) as error:
         MUSCLE.plot(components=True, ax=axes[0, 0])
     assert error.value.argument == "ax"
+
+
+def test_a_notebooks_backend_stays_interactive(tmp_path):
+    # as IPython's does, this backend makes matplotlib interactive as it is first used
+    (tmp_path / "notebook_backend.py").write_text(
+        "import matplotlib\nfrom matplotlib.backends.backend_agg import FigureCanvasAgg\n"
+        "matplotlib.interactive(True)\nFigureCanvas = FigureCanvasAgg\n"
+    )
+    code = (
+        "import matplotlib, matplotlib.pyplot, fascicle as fs\n"
+        "fs.example('kim2021_figure_6').plot()\nassert matplotlib.is_interactive()\n"
+    )
+    paths = [str(tmp_path), os.environ.get("PYTHONPATH", "")]
+    environ = os.environ | {
+        "MPLBACKEND": "module://notebook_backend", "PYTHONPATH": os.pathsep.join(paths)
+    }  # fmt: skip
+    subprocess.run([sys.executable, "-c", code], check=True, env=environ)
