@@ -533,13 +533,6 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("Space")  # and with no focus at all
     page.get_by_role("button", name="❚❚ Pause").wait_for()
-    # another tab and back, by arrow keys: the focus stays, and the drawing is there again
-    page.locator(".bk-tab").last.focus()
-    for key, tab in (("ArrowLeft", "Data"), ("ArrowLeft", "Compare"), ("ArrowRight", "Data"),
-                     ("ArrowRight", "Time")):  # fmt: skip
-        page.keyboard.press(key)
-        until(page, f"label => ({LABEL})() === label", arg=f"DIV {tab}")
-    source(page, "time_tubes", "d => d.xs && d.xs.length > 1 && d.xs.length")
     # the files
     with page.expect_download() as download:
         page.get_by_text("Save table (CSV)").click()
@@ -547,3 +540,10 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
     with page.expect_download() as download:
         page.get_by_text("Save charts (SVG)").click()
     assert ET.parse(download.value.path()).getroot().tag.endswith("svg")  # noqa: S314 ours
+    # another tab and back, by arrow keys: the focus stays, and the drawing is there again
+    page.locator(".bk-tab").last.focus()
+    for key, tab in (("ArrowLeft", "Data"), ("ArrowLeft", "Compare"), ("ArrowRight", "Data"),
+                     ("ArrowRight", "Time")):  # fmt: skip
+        page.keyboard.press(key)
+        until(page, f"label => ({LABEL})() === label", arg=f"DIV {tab}")
+    source(page, "time_tubes", "d => d.xs && d.xs.length > 1 && d.xs.length")
