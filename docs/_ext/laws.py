@@ -80,7 +80,7 @@ class Laws(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The table."""
-        return _parsed(self, table(self.arguments[0]))
+        return parse_markdown(self, table(self.arguments[0]))
 
 
 class Abilities(SphinxDirective):
@@ -88,7 +88,7 @@ class Abilities(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The table."""
-        return _parsed(self, abilities())
+        return parse_markdown(self, abilities())
 
 
 class Modules(SphinxDirective):
@@ -101,10 +101,11 @@ class Modules(SphinxDirective):
         entries = (
             f"```{{eval-rst}}\n.. automodule:: {one}\n```" for one in modules(self.arguments[0])
         )
-        return _parsed(self, "\n\n".join(entries))
+        return parse_markdown(self, "\n\n".join(entries))
 
 
-def _parsed(directive: SphinxDirective, text: str) -> list[nodes.Node]:
+def parse_markdown(directive: SphinxDirective, text: str) -> list[nodes.Node]:
+    """Nodes of a Markdown `text` in the place of a `directive`."""
     node = nodes.Element()
     lines = StringList(text.splitlines(), directive.env.docname)
     directive.state.nested_parse(lines, directive.content_offset, node)

@@ -20,8 +20,7 @@ from typing import Any
 
 from docstrings import equations
 from docutils import nodes
-from docutils.statemachine import StringList
-from laws import modules
+from laws import modules, parse_markdown
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -99,7 +98,7 @@ class Public(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The entries."""
-        return _parsed(self, public_names()[self.arguments[0]])
+        return _parse_entries(self, public_names()[self.arguments[0]])
 
 
 class Linked(SphinxDirective):
@@ -107,15 +106,12 @@ class Linked(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The entries."""
-        return _parsed(self, linked_names())
+        return _parse_entries(self, linked_names())
 
 
-def _parsed(directive: SphinxDirective, names: list[str]) -> list[nodes.Node]:
-    text = "```{eval-rst}\n" + "\n".join(map(entry, names)) + "\n```"
-    node = nodes.Element()
-    lines = StringList(text.splitlines(), directive.env.docname)
-    directive.state.nested_parse(lines, directive.content_offset, node)
-    return node.children
+def _parse_entries(directive: SphinxDirective, names: list[str]) -> list[nodes.Node]:
+    """Nodes of the entries of `names`."""
+    return parse_markdown(directive, "```{eval-rst}\n" + "\n".join(map(entry, names)) + "\n```")
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

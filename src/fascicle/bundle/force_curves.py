@@ -371,7 +371,7 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
 
 
 def _inverse_parabola(x: tuple[Array, ...], y: tuple[Array, ...]) -> Array:
-    """Where a curve through three points vanishes, between the first and the last `x` [any unit]:
+    """Root of a curve through three points, between the first and the last `x` [any unit]:
     by a parabola over `y` [any unit]; the middle point where that has none.
     """
     total = 0.0

@@ -175,8 +175,8 @@ def _of_curves(calibration: Calibration) -> Iterator[Finding]:
 
 
 def _of_use(calibration: Calibration) -> Iterator[Finding]:
-    """What differs in use: a loop of friction that was not measured, strains that refer to a fitted
-    length, and fitted sizes that contradict the given ones.
+    """Findings on the use of the muscle: a loop of friction that was not measured, strains that
+    refer to a fitted length, and fitted sizes that contradict the given ones.
     """
     rest_length = calibration.record.rest_length
     if calibration.loop is None:

@@ -440,7 +440,7 @@ def _full_trials(
 
 
 def _may_have_zero(data: FitData, names: Names) -> bool:
-    """Whether a zero of the load cell may be fitted beside the constants `names`.
+    """True where a zero of the load cell may be fitted beside the constants `names`.
 
     Without the factors the resisting force is the law's as given, and a zero would make up for it.
     """
@@ -449,7 +449,7 @@ def _may_have_zero(data: FitData, names: Names) -> bool:
 
 
 def _shows_zero(fitted: Calibration) -> bool:
-    """Whether a fit shows a zero of the load cell: clearly, and with residuals like noise.
+    """True where a fit shows a zero of the load cell: clearly, and with residuals like noise.
 
     Where residuals vary, the law is in error, and a zero would only make up for some of it.
     """

@@ -9,7 +9,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jax import eval_shape, jit, lax  # noqa: F401 imported from here
+from jax import lax
 from jax.lax import stop_gradient
 
 from ..jax import jax

@@ -298,4 +298,4 @@ def stop_gradient(tree: Any) -> Any:
 
 def _stop_leaf(x: Any) -> Any:
     xp = array_namespace(x)
-    return x if xp is np else (jax_backend() if is_jax_array(x) else xp).stop_gradient(x)
+    return x if xp is np else jax_backend().stop_gradient(x)

@@ -122,7 +122,7 @@ def warning_lines(calibration: Calibration) -> list[str]:
 
 
 def actions(calibration: Calibration) -> tuple[str, ...]:
-    """What to do next, the most important first."""
+    """Advice on what to do next, the most important first."""
     words = [words_of(finding) for finding in calibration_findings(calibration)]
     # of one rank, topics as in the list of warnings
     order = list(dict.fromkeys(_TOPICS.values()))
