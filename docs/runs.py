@@ -13,7 +13,7 @@ import numpy as np
 import fascicle as fs
 from fascicle import control
 from fascicle.records import VirtualDynamometer
-from fascicle.reports.calibration_words import warning_lines
+from fascicle.report.calibration_words import warning_lines
 from fascicle.units import pretty
 
 

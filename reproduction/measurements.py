@@ -28,8 +28,8 @@ from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
 from fascicle.records import load
 from fascicle.records.record import Record
-from fascicle.reports.calibration_words import cause_words, warning_lines
-from fascicle.reports.page import Picture, data_uri, render, screen_width
+from fascicle.report.calibration_words import cause_words, warning_lines
+from fascicle.report.page import Picture, data_uri, render, screen_width
 from fascicle.units import pretty
 
 

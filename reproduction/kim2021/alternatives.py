@@ -29,7 +29,7 @@ from fascicle.plot.theme import (
     new_figure,
     styled,
 )
-from fascicle.reports.page import lines
+from fascicle.report.page import lines
 from fascicle.results.labelled import Variable
 
 from ..figures import PaperFigure

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fascicle.plot.theme import DOUBLE
-from fascicle.reports.page import Picture, data_uri, downloads, render, screen_width
+from fascicle.report.page import Picture, data_uri, downloads, render, screen_width
 
 from ..claims import KINDS, Claim, claims_data, remarks, summary
 from ..figures import WrittenFigure

@@ -40,7 +40,7 @@ def test_contrast_is_what_the_standard_says():
 
 def test_every_face_has_the_theme():
     from fascicle.explorer.theme import DARK, LIGHT, page_css
-    from fascicle.reports import render
+    from fascicle.report import render
 
     assert set(theme.CYCLE) <= set(theme.LIGHT.curves)
     assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)

@@ -1,6 +1,6 @@
 """Findings of a calibration, as codes and numbers: gauges, residuals, coverage, constants, use.
 
-The words are in `reports.calibration_words`.
+The words are in `report.calibration_words`.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Findings: what a computation noticed, as codes and numbers; their words are in `reports`."""
+"""Findings: what a computation noticed, as codes and numbers; their words are in `report`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -20,7 +20,7 @@ from tornado.routing import Matcher, Rule
 from tornado.web import OutputTransform, RequestHandler
 
 from ..io.sanitize import sanitize_line
-from ..reports.page import render
+from ..report.page import render
 from .link import LONGEST
 
 

@@ -16,8 +16,8 @@ from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
-from ..reports.calibration import report
-from ..reports.calibration_words import verdict_lines, warning_lines, warnings_by_topic
+from ..report.calibration import report
+from ..report.calibration_words import verdict_lines, warning_lines, warnings_by_topic
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (

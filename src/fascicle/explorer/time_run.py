@@ -19,7 +19,7 @@ from .time_drawing import Drawing, bundle_drawing
 
 if TYPE_CHECKING:
     from ..files import Scenario
-    from ..reports.simulation import PolicyRun
+    from ..report.simulation import PolicyRun
 
 MOST_SAMPLES = 601  # of a run on the page: a chart has as many pixels on a small screen
 MOST_STEPS = 20_000  # of a run: with every policy a visitor's tables take a hundred megabytes
@@ -62,7 +62,7 @@ class SimulationResult(NamedTuple):
 def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationResult:
     """Run the scenario of a `text` under each of the `policies`, or its own if there are none."""
     from ..control import pareto_front
-    from ..reports import simulation as reports
+    from ..report import simulation as reports
 
     study, notes = _read_limited_scenario(text, name)
     results, runs = [], {}
@@ -128,7 +128,7 @@ def _run_policy(
     if it has a policy.
     """
     from ..dynamics.audit import audit_run
-    from ..reports import simulation as reports
+    from ..report import simulation as reports
     from ..results.tables import simulated
 
     run, control = study.run(), study.control

@@ -8,7 +8,7 @@ import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.records import dumps, join, load, loads
 from fascicle.records.headers import MissingMetadataError
-from fascicle.reports.calibration_words import verdict_lines
+from fascicle.report.calibration_words import verdict_lines
 
 
 ANGLE = [10.0, 40.0, 70.0, 40.0]  # deg

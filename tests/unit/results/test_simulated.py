@@ -10,7 +10,7 @@ import fascicle as fs
 from fascicle.dynamics import audit
 from fascicle.files import example_text, loads_scenario
 from fascicle.plot.trajectory import MOST, sides, thinned
-from fascicle.reports.simulation import report
+from fascicle.report.simulation import report
 
 
 SHORT = (

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...calibrate.fitting import Prior
     from ...muscle import Muscle
     from ...records.record import Record
-    from ...reports.calibration import CalibrationResult
+    from ...report.calibration import CalibrationResult
 
 
 class CalibrateCommand(Command):
@@ -160,7 +160,7 @@ def run(
         from ...calibrate import fitting
         from ...calibrate import intervals as uncertainty
         from ...calibrate.model_selection import select_model
-        from ...reports.calibration import CalibrationResult, summary
+        from ...report.calibration import CalibrationResult, summary
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
@@ -300,7 +300,7 @@ def _add_analyses(
 
 def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook: bool) -> list[str]:
     """Write muscle, report, curves and figures; returns the files' names."""
-    from ...reports.calibration import output_files
+    from ...report.calibration import output_files
 
     content = output_files(result, today(), notebook)
 
@@ -314,7 +314,7 @@ def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook:
 
 def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     """Print the verdict and the constants; with `verbose`, all tables and warnings."""
-    from ...reports.calibration_words import constant_rows, gauge_error_texts, verdict_lines
+    from ...report.calibration_words import constant_rows, gauge_error_texts, verdict_lines
 
     fit = result.fit
     first, last = verdict_lines(fit, result.choice)
@@ -371,7 +371,7 @@ def _analysis_lines(result: "CalibrationResult") -> list[str]:
 def _print_details(result: "CalibrationResult") -> None:
     """Print how readings were read, the candidates, the compared laws, and all warnings."""
     from ...calibrate import messages
-    from ...reports.calibration_words import warnings_by_topic
+    from ...report.calibration_words import warnings_by_topic
 
     fit = result.fit
     for line in (*fit.record.notes, *messages.fit_data_lines(fit.fit_data)):

@@ -19,7 +19,7 @@ from ..outputs import SOURCE, print_line, print_table, result_folder, status, to
 if TYPE_CHECKING:
     from ...design.exhaustive_search import SearchResult
     from ...files.task import TaskFile
-    from ...reports.design_summary import InfeasibleResult
+    from ...report.design_summary import InfeasibleResult
 
 
 _PRINTED = 8  # designs of the front in the table; the report has more
@@ -109,7 +109,7 @@ def judge_result(
     `file`: of the task; `update`: is told what is being done.
     """
     from ...design.exhaustive_search import judge_safety
-    from ...reports.design_summary import InfeasibleResult, run_cycle_of, summarize_search
+    from ...report.design_summary import InfeasibleResult, run_cycle_of, summarize_search
 
     if file.uncertainty is not None:
         update("judging designs in draws of scatter")
@@ -133,7 +133,7 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
 
     **Returns:** the exit code: 0, or `INCOMPLETE`.
     """
-    from ...reports import design_summary
+    from ...report import design_summary
 
     infeasible, summary = _unpack_answer(answer)
     is_feasible = infeasible is None
@@ -150,7 +150,7 @@ def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = (
 
 def _unpack_answer(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
     """The `InfeasibleResult` of an answer of `summarize_search`, or `None`, and its `Summary`."""
-    from ...reports.design_summary import InfeasibleResult
+    from ...report.design_summary import InfeasibleResult
 
     is_infeasible = isinstance(answer, InfeasibleResult)
     return (answer, answer.summary) if is_infeasible else (None, answer)
@@ -158,7 +158,7 @@ def _unpack_answer(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
 
 def _print_front(result: "SearchResult") -> None:
     """Print the designs of the Pareto front."""
-    from ...reports import design_summary
+    from ...report import design_summary
 
     values, reported = result.values, result.front
     counts = ""
@@ -206,7 +206,7 @@ def _write(
     `summarize_search`.
     """
     from ...files import dumps
-    from ...reports.design import report
+    from ...report.design import report
     from ...results import design_tables
     from ...results.labelled import dataset, write_netcdf
 
@@ -239,7 +239,7 @@ def _write(
 
 def _json(result: "SearchResult", answer: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
-    from ...reports.design_summary import design_warnings
+    from ...report.design_summary import design_warnings
     from ...results.design_tables import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 

@@ -85,7 +85,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
 
     def figure() -> Any:
         from ...plot.trajectory import traces
-        from ...reports.simulation import run_demand
+        from ...report.simulation import run_demand
 
         return traces(study.plant, result, run_demand(study, result))
 
@@ -98,7 +98,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
         notes=" ".join(notes),
     )
     if report is not None:
-        from ...reports.simulation import report as page
+        from ...report.simulation import report as page
 
         _write_report(report, outputs, page(study, result, balances, doubts, today()))
     return _print_doubts({f"{study.name}: the run": doubts})
@@ -111,7 +111,7 @@ def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
     from ...control import POLICIES
     from ...dynamics.audit import audit_run
     from ...plot.trajectory import PolicyCosts, policies
-    from ...reports import simulation as pages
+    from ...report import simulation as pages
     from ...results.tables import policy_table
 
     runs: dict[str, Any] = {}
@@ -175,7 +175,7 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
 
 def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
     from ...dynamics import events
-    from ...reports import simulation as pages
+    from ...report import simulation as pages
 
     plant, control = study.plant, study.control
     balances = audited.balances if audited else ()

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from fascicle.reports.interactive import Axis, parallel_coordinates, scatter
+from fascicle.report.interactive import Axis, parallel_coordinates, scatter
 
 
 VALUES = np.array([1.0, 3.0, 2.0])

@@ -9,7 +9,7 @@ import numpy as np
 import fascicle as fs
 from fascicle.design import Catalog, Product, Space, Task, search
 from fascicle.design.cycle import Cycle, run_cycle
-from fascicle.reports.design_summary import (
+from fascicle.report.design_summary import (
     InfeasibleResult,
     design_facts,
     margin_warning,

@@ -18,7 +18,7 @@ from fascicle.calibrate.posterior import Posterior
 from fascicle.files import provenance
 from fascicle.files.calibration_files import provenance_of
 from fascicle.records import Record, Source
-from fascicle.reports.calibration import report
+from fascicle.report.calibration import report
 
 
 DATE = "2026-05-04"

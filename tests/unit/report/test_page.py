@@ -3,8 +3,8 @@ import re
 import pytest
 from jinja2 import UndefinedError
 
-from fascicle.reports import data_uri, prose, render
-from fascicle.reports.page import Picture, downloads
+from fascicle.report import data_uri, prose, render
+from fascicle.report.page import Picture, downloads
 
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
