@@ -1,9 +1,5 @@
-"""Runs in time: traces, policies compared, and energy balances as bands.
+"""Runs in time: traces, policies compared, and energy balances as bars."""
 
-**Source:** the bands are Sankey's (1898), The thermal efficiency of steam-engines.
-"""
-
-import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,8 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch, Rectangle
-from matplotlib.path import Path
+from matplotlib.patches import Patch
 
 from ..units import format_digits
 from .theme import (
@@ -26,6 +21,7 @@ from .theme import (
     SKY,
     VERMILION,
     WHITE,
+    letter,
     letters,
     new_figure,
     styled,
@@ -35,18 +31,18 @@ from .theme import (
 if TYPE_CHECKING:
     from ..dynamics import Balance, Plant, Trajectory
 
-MOST = 3000  # moments of a curve: more than pixels across; half are minima, half maxima
 _OPEN = 1e-3  # of a valve, from which on it counts as open
 # of policies, told apart without color
 _STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
 _MARKS = "osD^vPX"
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
-_LEAST = 1e-4  # share of the largest term below which a band is thinner than a hairline
-_GAP = 0.11  # between labels, of a panel's height: a line of text
-_IN, _NODE, _OUT = 0.0, (0.42, 0.46), 1.0  # abscissas of a balance's ends and its middle
+_HATCHES = ("", "////", "....")  # of terms beyond the colors
 _HATCHED: dict[str, Any] = {
-    "facecolor": "none", "edgecolor": GRAY, "hatch": "////", "linewidth": 0,
-}  # fmt: skip
+    "facecolor": "none",
+    "edgecolor": GRAY,
+    "hatch": "////",
+    "linewidth": 0,
+}
 _ZERO: dict[str, Any] = {"color": GRAY, "linewidth": 0.6, "zorder": 1}
 
 
@@ -90,8 +86,10 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
     if tracking is not None:
         _draw_tracking(axes[0, 0], axes[1, 0], plant, run, tracking)
     _draw_position(position, plant, run)
-    for ax, values in ((pressure, np.asarray(run.outputs.pressures) / 1e3),
-                       (force, np.asarray(run.outputs.forces))):  # fmt: skip
+    for ax, values in (
+        (pressure, np.asarray(run.outputs.pressures) / 1e3),
+        (force, np.asarray(run.outputs.forces)),
+    ):
         for unit in range(plant.units):
             # the later the thinner, so that curves on top of one another can be told apart
             width = 1.0 + 1.2 * (plant.units - 1 - unit) / max(plant.units - 1, 1)
@@ -104,11 +102,16 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
     force.set_ylabel("Force F [N]")
     _draw_valves(valves, run)
     valves.set(xlabel="Time t [s]", xlim=(float(run.time[0]), float(run.time[-1])))
-    letters(axes, (
-        *("what was demanded and what was done", "error")[:extra], "position of the load",
-        "gauge pressure of each unit, and of the supply", "pull of each unit's muscles together",
-        "valve of each unit",
-    ))  # fmt: skip
+    letters(
+        axes,
+        (
+            *("what was demanded and what was done", "error")[:extra],
+            "position of the load",
+            "gauge pressure of each unit, and of the supply",
+            "pull of each unit's muscles together",
+            "valve of each unit",
+        ),
+    )
     handles: list[Line2D | Patch] = []
     for unit in range(plant.units):
         count = int(plant.counts[unit])
@@ -125,28 +128,10 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
     return figure
 
 
-def thinned(values: np.ndarray) -> np.ndarray:
-    """Indices of `values` [any unit] that are drawn: all, or the extremes of many equal parts.
-
-    No peak is lost; the first and the last index are among them.
-    """
-    count = len(values)
-    if count <= MOST:
-        return np.arange(count)
-    edges = np.linspace(0, count, MOST // 2 + 1).astype(int)
-    extremes = [
-        a + extreme(values[a:b])
-        for a, b in itertools.pairwise(edges)
-        for extreme in (np.argmin, np.argmax)
-    ]
-    return np.unique([0, *extremes, count - 1])
-
-
 def _draw_line(
     ax: Axes, run: "Trajectory", values: np.ndarray, color: str, label: str, **style: Any
 ) -> None:
-    points = thinned(values)
-    ax.plot(np.asarray(run.time)[points], values[points], color=color, label=label, **style)
+    ax.plot(np.asarray(run.time), values, color=color, label=label, **style)
 
 
 def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
@@ -155,9 +140,14 @@ def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
     _draw_line(ax, run, q, BLACK, "position")
     ax.axhline(q[0], color=GRAY, linewidth=0.8, linestyle=_DOTTED)
     ax.annotate(
-        "start", (1, q[0]), xycoords=("axes fraction", "data"), xytext=(3, 0),
-        textcoords="offset points", va="center", color=GRAY,
-    )  # fmt: skip
+        "start",
+        (1, q[0]),
+        xycoords=("axes fraction", "data"),
+        xytext=(3, 0),
+        textcoords="offset points",
+        va="center",
+        color=GRAY,
+    )
     ax.set_ylabel(f"{'Angle' if plant.load.unit == 'rad' else 'Position'} q [{unit}]")
     if plant.load.stop is None:
         return
@@ -244,104 +234,82 @@ def policies(
     best = np.asarray(costs.front)
     order = np.flatnonzero(best)[np.argsort(energies[best])]
     front.step(
-        energies[order], drawdowns[order], where="post", color=GRAY, linewidth=0.8, zorder=1,
+        energies[order],
+        drawdowns[order],
+        where="post",
+        color=GRAY,
+        linewidth=0.8,
+        zorder=1,
         label="front",
-    )  # fmt: skip
+    )
     for k, (name, (run, tracking)) in enumerate(runs.items()):
         color, mark = CYCLE[k % len(CYCLE)], _MARKS[k % len(_MARKS)]
         face = color if best[k] else WHITE  # dominated policies are hollow
         front.plot(energies[k], drawdowns[k], mark, color=color, markerfacecolor=face, label=name)
         difference = tracking.output[1:] - tracking.demand
         values = factor * np.where(tracking.reachable, difference, np.nan)
-        points = thinned(values)
-        style = _STYLES[k % len(_STYLES)]
-        error.plot(np.asarray(run.time)[1:][points], values[points], color=color, linestyle=style)
+        error.plot(run.time[1:], values, color=color, linestyle=_STYLES[k % len(_STYLES)])
     front.set(xlabel="Energy from the supply [J]", ylabel=f"Drawdown [{unit}]")
     front.set_ylim(bottom=min(0.0, *drawdowns))
     front.margins(x=0.1)
     error.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
     error.set(xlabel="Time t [s]", ylabel=f"Error of {quantity} [{unit}]")
-    letters(axes, (
-        "what a smaller dip costs; full marks: no other policy betters both",
-        "what each policy does more or less than demanded",
-    ))  # fmt: skip
+    letters(
+        axes,
+        (
+            "what a smaller dip costs; full marks: no other policy betters both",
+            "what each policy does more or less than demanded",
+        ),
+    )
     figure.legend(loc="outside right upper")
     return figure
 
 
 @styled
 def energy_balances(balances: "list[Balance]") -> Figure:
-    """Figure of balances [J] as bands from sources to sinks, each panel to a scale of its own."""
-    figure, axes = new_figure(len(balances), 1, DOUBLE, 0.3 * DOUBLE * len(balances))
-    totals = [_draw_balance(ax, balance) for ax, balance in zip(axes.flat, balances, strict=True)]
-    letters(axes, (
-        f"{balance.name}: {total:.3g} {balance.unit} in all"
-        for balance, total in zip(balances, totals, strict=True)
-    ))  # fmt: skip
-    return figure
+    """Figure of balances [J], two bars each, inputs above outputs, on its own scale.
 
-
-def sides(balance: "Balance") -> tuple[dict[str, float], dict[str, float], list[str]]:
-    """Sources and sinks of a `balance` [J], all positive, the largest first, and the names of terms
-    that are too small to be drawn. A negative term counts on the other side.
+    A negative term counts on the other side, as "given back" or "taken back".
     """
-    sources = {name: x for name, x in balance.inputs.items() if x > 0}
-    sources |= {f"{name}, given back": -x for name, x in balance.outputs.items() if x < 0}
-    sinks = {name: x for name, x in balance.outputs.items() if x > 0}
-    sinks |= {f"{name}, taken back": -x for name, x in balance.inputs.items() if x < 0}
-    limit = _LEAST * max([*sources.values(), *sinks.values()], default=0.0)
-    small = [name for side in (sources, sinks) for name, x in side.items() if x < limit]
-    first, second = (
-        dict(sorted(((k, x) for k, x in side.items() if k not in small), key=lambda e: -e[1]))
-        for side in (sources, sinks)
-    )
-    return first, second, small
+    figure, axes = new_figure(len(balances), 1, DOUBLE, 0.3 * DOUBLE * len(balances))
+    for ax, mark, balance in zip(axes.flat, "abcdefgh", balances, strict=False):
+        total = _draw_balance(ax, balance)
+        letter(ax, mark, f"{balance.name}: {total:.3g} {balance.unit} in all")
+    return figure
 
 
 def _draw_balance(ax: Axes, balance: "Balance") -> float:
     """Draw a balance; returns its total [J]."""
-    sources, sinks, small = sides(balance)
-    total = max(sum(sources.values()), sum(sinks.values()))
-    ax.set_axis_off()
-    ax.set_xlim(-0.5, 1.5)
-    if not total:
+    inputs = {name: x for name, x in balance.inputs.items() if x > 0}
+    inputs |= {f"{name}, given back": -x for name, x in balance.outputs.items() if x < 0}
+    outputs = {name: x for name, x in balance.outputs.items() if x > 0}
+    outputs |= {f"{name}, taken back": -x for name, x in balance.inputs.items() if x < 0}
+    total = max(sum(inputs.values()), sum(outputs.values()))
+    for row, terms in enumerate((inputs, outputs)):
+        left = 0.0
+        for i, (name, value) in enumerate(sorted(terms.items(), key=lambda term: -term[1])):
+            amount = f"{value:.3g} {balance.unit}, {format_digits(100 * value / total, 2)} %"
+            amount = amount if value > 1e-4 * total else "below 0.01 %"
+            label = f"{'in' if row == 0 else 'out'}: {name} {amount}"
+            color, hatch = CYCLE[(i + 3 * row) % len(CYCLE)], _HATCHES[i // len(CYCLE)]
+            ax.barh(
+                row,
+                value,
+                left=left,
+                height=0.7,
+                color=color,
+                alpha=0.75,
+                hatch=hatch,
+                edgecolor=WHITE,
+                linewidth=0.4,
+                label=label,
+            )
+            left += value
+    ax.set_yticks([0, 1], ["in", "out"])
+    ax.set(ylim=(1.5, -0.5), xlim=(0, total or 1.0), xlabel=f"Energy [{balance.unit}]")
+    ax.grid(visible=False)
+    if total:
+        ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    else:
         ax.text(0.5, 0.5, "nothing moved", ha="center", va="center", color=GRAY)
-        ax.set_ylim(0, 1)
-        return 0.0
-    low, high = 0.0, 1.0
-    for terms, x, node, side in (
-        (sources, _IN, _NODE[0], "right"),
-        (sinks, _OUT, _NODE[1], "left"),
-    ):
-        widths = np.array(list(terms.values())) / total
-        inner = 0.5 + np.sum(widths) / 2 - np.cumsum(widths) + widths / 2
-        # so far apart that labels have room
-        steps = np.maximum((widths[:-1] + widths[1:]) / 2 + 0.03, _GAP)
-        middles = -np.concatenate([[0.0], np.cumsum(steps)])
-        outer = middles - (middles[0] + middles[-1]) / 2 + 0.5
-        low, high = min(low, *(outer - widths / 2)), max(high, *(outer + widths / 2))
-        colors = [GRAY] if side == "right" and len(terms) == 1 else CYCLE
-        for i, (name, value) in enumerate(terms.items()):
-            _draw_band(ax, (x, outer[i]), (node, inner[i]), widths[i], colors[i % len(colors)])
-            text = f"{name} {value:.3g} {balance.unit}, {format_digits(100 * value / total, 2)} %"
-            ax.text(x - 0.02 if side == "right" else x + 0.02, outer[i], text, ha=side, va="center")
-    ax.add_patch(Rectangle((_NODE[0], 0), _NODE[1] - _NODE[0], 1, color=BLACK, linewidth=0))
-    if small:
-        ax.text(1.5, low - 0.1, f"too small to be drawn: {', '.join(small)}", ha="right",
-                va="top", color=GRAY)  # fmt: skip
-        low -= 0.12
-    ax.set_ylim(low - 0.05, high + 0.05)
     return total
-
-
-def _draw_band(
-    ax: Axes, end: tuple[float, float], node: tuple[float, float], width: float, color: str
-) -> None:
-    (x, y), (X, Y), h = end, node, width / 2
-    middle = (x + X) / 2
-    corners = [(x, y + h), (middle, y + h), (middle, Y + h), (X, Y + h), (X, Y - h),
-               (middle, Y - h), (middle, y - h), (x, y - h), (x, y + h)]  # fmt: skip
-    codes = [Path.MOVETO, *[Path.CURVE4] * 3, Path.LINETO, *[Path.CURVE4] * 3, Path.CLOSEPOLY]
-    # a hairline of its own color: the thinnest band can still be seen
-    ax.add_patch(PathPatch(Path(corners, codes), facecolor=color, alpha=0.75, edgecolor=color,
-                           linewidth=0.6))  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..control import control_metrics, controlled_output, reachability
-from ..plot.trajectory import MOST, Tracking, display_unit, energy_balances, traces
+from ..plot.trajectory import Tracking, display_unit, energy_balances, traces
 from ..units import format_digits, pretty
 from .page import lines, mark, picture, render
 
@@ -68,16 +68,23 @@ def report(
     return render(
         "simulation.html",
         title=f"Simulation: {scenario.name.replace('_', ' ')}",
-        date=date, scenario=scenario, run=run, doubts=doubts, control=control, events=events(run),
-        audit=audit, worst=max(balances, key=lambda entry: entry.relative_residual, default=None),
+        date=date,
+        scenario=scenario,
+        run=run,
+        doubts=doubts,
+        control=control,
+        events=events(run),
+        audit=audit,
+        worst=max(balances, key=lambda entry: entry.relative_residual, default=None),
         units=" and ".join(" + ".join(bundle) for bundle in counts),
         parts=", ".join(type(component).__name__ for component in components),
-        steps=len(run.time) - 1, most=MOST, turns=plant.load.unit == "rad",
+        steps=len(run.time) - 1,
+        turns=plant.load.unit == "rad",
         traces=picture(traces(plant, run, run_demand(scenario, run))),
         moments=position_table(plant, run),
         energies=picture(energy_balances(energies)) if audit else None,
         balances=[_balance_row(entry) for entry in balances],
-    )  # fmt: skip
+    )
 
 
 def run_metrics(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":
@@ -178,15 +185,24 @@ def position_table(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[l
     outputs = run.outputs
     factor, unit = display_unit(plant, "position")
     q = factor * np.asarray(outputs.position)
-    heads = ["", "time [s]", f"position [{unit}]",
-             *(f"P{i + 1} [kPa]" for i in range(plant.units)), "supply [kPa]"]  # fmt: skip
+    heads = [
+        "",
+        "time [s]",
+        f"position [{unit}]",
+        *(f"P{i + 1} [kPa]" for i in range(plant.units)),
+        "supply [kPa]",
+    ]
     marks = {"start": 0, "lowest": int(q.argmin()), "highest": int(q.argmax()), "end": len(q) - 1}
     rows = [
-        [name, f"{run.time[k]:g}", f"{q[k]:.2f}",
-         *(f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in outputs.pressures[k]),
-         f"{outputs.supply_pressure[k] / 1e3:.1f}"]
+        [
+            name,
+            f"{run.time[k]:g}",
+            f"{q[k]:.2f}",
+            *(f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in outputs.pressures[k]),
+            f"{outputs.supply_pressure[k] / 1e3:.1f}",
+        ]
         for name, k in marks.items()
-    ]  # fmt: skip
+    ]
     return heads, rows
 
 
@@ -196,10 +212,13 @@ def _balance_row(balance: "Balance") -> list[str]:
         for terms in (balance.inputs, balance.outputs)
     )
     return [
-        balance.name, inputs, outputs, f"{balance.residual:.1e} {balance.unit}",
+        balance.name,
+        inputs,
+        outputs,
+        f"{balance.residual:.1e} {balance.unit}",
         f"{balance.relative_residual:.0e} (at most {balance.tolerance:g})",
         mark(balance.closes, "closes", "doesn't close", "fails"),
-    ]  # fmt: skip
+    ]
 
 
 def policy_report(
@@ -224,11 +243,16 @@ def policy_report(
     return render(
         "policies.html",
         title=f"Policies: {scenario.name.replace('_', ' ')}",
-        date=date, scenario=scenario, runs=runs, quantity=quantity,
+        date=date,
+        scenario=scenario,
+        runs=runs,
+        quantity=quantity,
         front=[name for name, on_front in zip(runs, front, strict=True) if on_front],
-        notes=policy_notes(scenario, runs), figure=picture(figure),
-        heads=heads, rows=rows,
-    )  # fmt: skip
+        notes=policy_notes(scenario, runs),
+        figure=picture(figure),
+        heads=heads,
+        rows=rows,
+    )
 
 
 def policy_cells(

@@ -2,14 +2,12 @@
 
 import re
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.dynamics import audit
 from fascicle.files import example_text, loads_scenario
-from fascicle.plot.trajectory import MOST, sides, thinned
 from fascicle.report.simulation import report
 
 
@@ -56,24 +54,6 @@ def test_a_table_of_a_joint_has_radians():
     assert table["position"].unit == "rad" and table["velocity"].unit == "rad/s"
     assert table["bundle"].values.tolist() == [1, 1, 2, 2]
     assert "balance" not in table
-
-
-def test_thinned_curve_keeps_its_peak():
-    values = np.sin(np.linspace(0, 40, 100_000))
-    values[31_415], values[77_777] = 3.0, -2.0
-    indices = thinned(values)
-    assert len(indices) <= MOST + 2 and {0, 31_415, 77_777, 99_999} <= set(indices.tolist())
-    assert thinned(values[:100]).tolist() == list(range(100))
-
-
-def test_negative_terms_change_sides(ran):
-    from fascicle.dynamics import Balance
-
-    went = {"pull": 3.0, "stored": -1.0, "tiny": 1e-9, "none": 0.0}
-    one = Balance("energy", "J", {"work": 2.0}, went, 0.0, 0.0, 1e-6)
-    came, left, small = sides(one)
-    assert came == {"work": 2.0, "stored, given back": 1.0} and left == {"pull": 3.0}
-    assert small == ["tiny"]
 
 
 def test_page_reports_whether_the_balances_close(ran):
