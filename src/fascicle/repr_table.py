@@ -1,12 +1,14 @@
-"""Tables that objects print: a title, sizes and laws, a small table; in notebooks too.
+"""Tables that objects print: a title, sizes and laws, a small table.
 
-`print(muscle)` prints the text, and a notebook shows the HTML. Numbers have their units; a long
-table shows its ends. Traced objects, under `jax.jit`, have no numbers: Python's own text replaces
-the table.
+`print(muscle)` prints the text, and a notebook shows it. Numbers have their units; a long table
+shows its ends. Traced objects, under `jax.jit`, have no numbers: Python's own text replaces the
+table.
 """
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from .core.validation import is_concrete
 from .units import format_digits
@@ -29,33 +31,12 @@ class ReprTable(NamedTuple):
         width = max((len(name) for name, _ in self.facts), default=0)
         blocks = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
         if self.rows:
-            blocks.append(_aligned_lines(self.heads, _ends(self.rows)))
+            table = [self.heads, *_ends(self.rows)]
+            widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+            blocks.append(["  " + "  ".join(map(str.rjust, row, widths)).rstrip() for row in table])
         if self.notes:
             blocks.append([f"  {note}" for note in self.notes])
         return "\n\n".join("\n".join(block) for block in blocks)
-
-    def html(self) -> str:
-        """Table as a piece of HTML."""
-        facts = "".join(
-            f'<tr><th style="text-align:left;padding-right:1em">{_escape_html(name)}</th>'
-            f'<td style="text-align:left">{_escape_html(value)}</td></tr>'
-            for name, value in self.facts
-        )
-        # digits are aligned, also on a page without a style for tables
-        style = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
-        heads = "".join(f"<th {style}>{_escape_html(head)}</th>" for head in self.heads)
-        rows = "".join(
-            "<tr>" + "".join(f"<td {style}>{_escape_html(entry)}</td>" for entry in row) + "</tr>"
-            for row in _ends(self.rows)
-        )
-        table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
-        return (
-            f"<div><strong>{_escape_html(self.title)}</strong>"
-            + (f"<table><tbody>{facts}</tbody></table>" if facts else "")
-            + (table if rows else "")
-            + "".join(f"<p>{_escape_html(note)}</p>" for note in self.notes)
-            + "</div>"
-        )
 
 
 def with_table_repr(
@@ -68,11 +49,8 @@ def with_table_repr(
     def decorate(kind: Any) -> Any:
         default = kind.__repr__
         if line is not None:
-            kind.__repr__ = _if_concrete(line, default)
-        kind.__str__ = _if_concrete(lambda obj: table(obj).text(), default)
-        kind._repr_html_ = _if_concrete(
-            lambda obj: table(obj).html(), lambda obj: f"<pre>{_escape_html(default(obj))}</pre>"
-        )
+            kind.__repr__ = lambda obj: line(obj) if is_concrete(obj) else default(obj)
+        kind.__str__ = lambda obj: table(obj).text() if is_concrete(obj) else default(obj)
         kind._repr_pretty_ = lambda obj, printer, _: printer.text(str(obj))
         return kind
 
@@ -81,8 +59,6 @@ def with_table_repr(
 
 def format_range(values: Any, show: Callable[[float], str]) -> str:
     """Text of one number, or of the range and count of several."""
-    import numpy as np
-
     x = np.asarray(values, float)
     if x.ndim == 0:
         return show(float(x))
@@ -93,7 +69,7 @@ def format_range(values: Any, show: Callable[[float], str]) -> str:
 
 def title_with_shape(title: str, points: Any) -> str:
     """A title with the shape of an array of `points`, unless it is a single one."""
-    shape = points.shape if hasattr(points, "shape") else ()
+    shape = np.shape(points)
     if shape == ():
         return title
     order = ", the last axis runs first" if len(shape) > 1 else ""
@@ -102,12 +78,8 @@ def title_with_shape(title: str, points: Any) -> str:
 
 def format_number(value: float, digits: int = 4) -> str:
     """A number in a table: four digits, "-" for NaN."""
-    value = float(value)
-    return "-" if value != value else format_digits(value + 0.0, digits)  # noqa: PLR0124 NaN
-
-
-def _if_concrete(concrete: Callable[[Any], str], traced: Callable[[Any], str]) -> Callable:
-    return lambda obj: concrete(obj) if is_concrete(obj) else traced(obj)
+    # adding zero turns -0 into 0
+    return "-" if np.isnan(value) else format_digits(float(value) + 0.0, digits)
 
 
 def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
@@ -117,18 +89,3 @@ def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
     half = _MAX_ROWS // 2
     omission = f"… {len(rows) - 2 * half} more"
     return [*rows[:half], [omission, *[""] * (len(rows[0]) - 1)], *rows[-half:]]
-
-
-def _aligned_lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    table = [heads, *rows]
-    widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
-    return [
-        "  " + "  ".join(f"{entry:>{w}}" for entry, w in zip(row, widths, strict=True)).rstrip()
-        for row in table
-    ]
-
-
-def _escape_html(text: str) -> str:
-    import html  # rarely needed
-
-    return html.escape(text)

@@ -16,8 +16,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
-from ..io.input_file import read_bytes
-from ..io.toml import parse_toml
+from ..io.input_file import parse_toml, read_bytes
 from ..muscle import Muscle, fitted_length
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out

@@ -49,8 +49,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..io.input_file import read_bytes
-from ..io.toml import parse_toml
+from ..io.input_file import parse_toml, read_bytes
 from ..table_model import Quantity, TableModel, validate
 from ..units import parse
 from .headers import CONSTANTS, check_roles, split_names

@@ -12,7 +12,7 @@ def test_a_bundle_prints_its_units_supply_and_scheme():
     lines = str(BUNDLE).splitlines()
     assert "  supply pressure  413.7 kPa" in lines and "  scheme           orderly" in lines
     assert lines[-1].split()[:4] == ["2", "4", "127", "mm"]
-    assert "<table" in BUNDLE._repr_html_()
+    assert not hasattr(BUNDLE, "_repr_html_")
 
 
 def test_results_print_their_numbers():

@@ -14,7 +14,7 @@ from fascicle.files.calibration_files import (
     calibrated_text,
     rounded_muscle,
 )
-from fascicle.io.toml import parse_toml
+from fascicle.io.input_file import parse_toml
 from fascicle.records import Record
 from fascicle.units import parse
 
