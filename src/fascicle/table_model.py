@@ -28,9 +28,10 @@ _Model = TypeVar("_Model", bound=BaseModel)
 PLAIN, TABLE = "\0plain", "\0table"
 _ORDER = ("extra_forbidden", "missing")  # faults that are shown first: they cause others
 _PLAIN_WORDS = {  # for pydantic's
-    "Input should be": "must be", "greater than or equal to": "at least",
+    "Input should be": "must be",
+    "greater than or equal to": "at least",
     "less than or equal to": "at most",
-}  # fmt: skip
+}
 # messages of pydantic's kinds of faults
 _RULES = {
     "model_type": "must be a table of keys",

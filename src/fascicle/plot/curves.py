@@ -7,7 +7,7 @@ buckling has it. Curves of free strain that jump are open there, with the jump d
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -81,10 +81,8 @@ class Components:
 
     def at(self, rows: Sequence[int]) -> "Components":
         """Components at some of the pressures, by their `rows`."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return Components(**{
-            name: value if name == "strain" else value[list(rows)] for name, value in values.items()
-        })  # fmt: skip
+        names = [field.name for field in fields(self) if field.name != "strain"]
+        return replace(self, **{name: getattr(self, name)[list(rows)] for name in names})
 
 
 def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
@@ -103,11 +101,9 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
         np.broadcast_to(np.asarray(x), (P.size, eps.size))
         for x in tension.pull(P[:, None], eps)[:2]
     )
+    law, force = np.asarray(response.mesh), np.asarray(response.force)
     wall = np.asarray(response.bladder) + np.asarray(response.bending)
-    return Components(
-        P, eps, np.asarray(response.mesh), wall, np.asarray(response.force), mesh, bladder,
-        free, collapse,
-    )  # fmt: skip
+    return Components(P, eps, law, wall, force, mesh, bladder, free, collapse)
 
 
 @styled

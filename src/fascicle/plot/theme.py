@@ -153,8 +153,20 @@ def mix(first: str, second: str, fraction: float) -> str:
 
 def css_variables(colors: Colors) -> dict[str, str]:
     """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
-    names = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
-             "bad", "alarm")  # fmt: skip
+    names = (
+        "ink",
+        "soft",
+        "edge",
+        "line",
+        "raised",
+        "paper",
+        "accent",
+        "deep",
+        "good",
+        "odd",
+        "bad",
+        "alarm",
+    )
     return {
         **{f"--{name}": getattr(colors, name) for name in names},
         "--sans": SANS,

@@ -101,9 +101,15 @@ def task(
     ):
         if np.any(mask):
             ax.scatter(
-                strain[mask], force[mask], s=sizes[mask] ** 2, marker=mark, color=color, zorder=5,
-                label=label, linewidths=1.0,
-            )  # fmt: skip
+                strain[mask],
+                force[mask],
+                s=sizes[mask] ** 2,
+                marker=mark,
+                color=color,
+                zorder=5,
+                label=label,
+                linewidths=1.0,
+            )
     ax.set_xlim(0, max(space.strain[-1], 1.05 * strain.max()))
     ax.set_ylim(0, 1.05 * max(space.high.max(), force.max()))
     figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -153,17 +159,27 @@ def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float, lowest: flo
     strain, force, eta = result.strain, result.force, result.efficiency
     # cividis reads alike to all eyes; a raster image, or a vector file would be megabytes
     image = ax.pcolormesh(
-        strain, force, eta, cmap="cividis", vmin=lowest, vmax=highest, rasterized=True,
+        strain,
+        force,
+        eta,
+        cmap="cividis",
+        vmin=lowest,
+        vmax=highest,
+        rasterized=True,
         shading="nearest",
-    )  # fmt: skip
+    )
     for state in range(1, int(result.state.max()) + 1):
         # state by state: lines must not crowd where efficiency jumps
         inside = result.state == state
         if min(eta.shape) > 1:  # a single row or column has no lines
             contours = ax.contour(
-                strain, force, np.where(inside, eta, np.nan), _CONTOURS, colors=BLACK,
+                strain,
+                force,
+                np.where(inside, eta, np.nan),
+                _CONTOURS,
+                colors=BLACK,
                 linewidths=0.5,
-            )  # fmt: skip
+            )
             ax.clabel(contours, fmt="%.1f", fontsize=6)
         if state < result.state.max():
             columns = inside.any(axis=0)

@@ -24,12 +24,18 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).with_name("templates")
 _MILLIMETERS = 25.4 * 1.35  # of an inch in print: a screen is read from further away than a page
 _MEDIA = {
-    "svg": "image/svg+xml", "png": "image/png", "csv": "text/csv", "json": "application/json",
-}  # fmt: skip
+    "svg": "image/svg+xml",
+    "png": "image/png",
+    "csv": "text/csv",
+    "json": "application/json",
+}
 _VERDICTS = {
-    "holds": ("holds", "✓"), "chosen": ("chosen", "←"), "by definition": ("defined", "≡"),
-    "differs": ("differs", "≠"), "fails": ("fails", "✗"),
-}  # fmt: skip
+    "holds": ("holds", "✓"),
+    "chosen": ("chosen", "←"),
+    "by definition": ("defined", "≡"),
+    "differs": ("differs", "≠"),
+    "fails": ("fails", "✗"),
+}
 _MARK = Markup('<span class="{}">{}\u00a0{}</span>')
 
 
@@ -48,9 +54,12 @@ def render(template: str, folder: Path = _TEMPLATES, **values: Any) -> str:
     from .. import __version__
 
     frame = {
-        "version": __version__, "colors": Markup(css(LIGHT)),  # noqa: S704 fascicle's own
-        "footer": "", "date": "", "body": "",
-    }  # fmt: skip
+        "version": __version__,
+        "colors": Markup(css(LIGHT)),  # noqa: S704 fascicle's own
+        "footer": "",
+        "date": "",
+        "body": "",
+    }
     return escape_invisible(_environment(folder).get_template(template).render(frame | values))
 
 
@@ -62,9 +71,12 @@ def fill(template: str, **values: Any) -> Markup:
 @cache
 def _environment(folder: Path) -> Environment:
     environment = Environment(
-        loader=FileSystemLoader([folder, _TEMPLATES]), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+        loader=FileSystemLoader([folder, _TEMPLATES]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
     environment.filters |= {"prose": prose, "sentence": sentence}
     environment.globals |= {"verdict": verdict, "mark": mark}
     return environment
