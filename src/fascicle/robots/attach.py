@@ -3,7 +3,6 @@
 **Sign:** a control pulls the tendon's ends together, and is positive where the bundle pulls.
 """
 
-import difflib
 import os
 from collections.abc import Iterable
 from typing import Any, ClassVar, NamedTuple
@@ -13,7 +12,7 @@ import numpy as np
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
-from ..core.validation import check_finite, check_positive
+from ..core.validation import check_choice, check_finite, check_positive
 from ..dynamics.loads import AbstractLoad
 from ..muscle import Muscle
 from .optional_imports import mujoco
@@ -62,10 +61,7 @@ class Attached(NamedTuple):
             remedy = f"pass `attached.with_prefix({prefix!r})` for each one that you mean"
         else:
             rule = f"names the actuator {self.actuator!r}, which isn't in the model"
-            similar = difflib.get_close_matches(self.actuator, names, n=1, cutoff=0.4)
             remedy = f"it has {', '.join(names) or 'none'}; compile the MjSpec after `attach`"
-            if similar:
-                remedy = f"write `attached._replace(actuator={similar[0]!r})`"
         raise InvalidInputError("attached", rule, self.actuator, remedy, shown="")
 
 
@@ -110,13 +106,7 @@ def attach(
         if compiled
         else [entry.name for entry in spec.tendons]
     )
-    if tendon not in names:
-        suggestions = difflib.get_close_matches(str(tendon), names, n=1, cutoff=0.4)
-        remedy = f"it has {', '.join(names) or 'none'}"
-        if suggestions:
-            remedy = f"did you mean {suggestions[0]!r}?"
-        rule = f"{tendon!r} isn't one of the model's"
-        raise InvalidInputError("tendon", rule, tendon, remedy, shown="")
+    check_choice(tendon, names, "tendon")
     if isinstance(bundle, Muscle):
         bundle = Bundle([MotorUnit(bundle)])
     if not isinstance(bundle, Bundle):

@@ -308,16 +308,6 @@ class Drive(Module):
 
         **Raises:** `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
-        after = self.advance(model, data, fluid, command, act)
-        self._warn(after.status, 3)
-        return after
-
-    def advance(
-        self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None
-    ) -> Fluid:
-        """Check the command and step MuJoCo's `data` as `step` does, but without a warning;
-        arguments and result [SI] are the same.
-        """
         count, indices = self.units, list(self.actuators)
         if self.valved:
             values = np.asarray(validate_commands(command), float)
@@ -337,6 +327,7 @@ class Drive(Module):
         after, pull = act(fluid, lengths, command, model.opt.timestep)
         data.ctrl[indices] = pull
         mujoco.mj_step2(model, data)
+        self._warn(after.status, 3)
         return after
 
     def act(

@@ -193,7 +193,7 @@ class Environment(gymnasium.Env):
         """
         command = check_action(action, self.action_space.shape or ())
         for _ in range(FRAMES):
-            self.fluid = self.drive.advance(self.model, self.data, self.fluid, command, self._act)
+            self.fluid = self.drive.step(self.model, self.data, self.fluid, command, self._act)
         error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
         observation, info = self._results()
         return observation, -error, not bool(self.fluid.inside), False, info

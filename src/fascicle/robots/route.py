@@ -5,14 +5,13 @@ the negative derivative of the tendon's length, as in OpenSim. MuJoCo's `actuato
 other sign for an actuator that pushes.
 """
 
-import difflib
 import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.validation import check_interval
+from ..core.validation import check_choice, check_interval
 from .optional_imports import mujoco
 
 
@@ -55,7 +54,7 @@ def trace_route(
     **Raises:** `InvalidInputError` for unknown names, and a joint without a range.
     """
     names = [model.tendon(i).name for i in range(model.ntendon)]
-    index = names.index(_check_known_name(tendon, names, "tendon"))
+    index = names.index(check_choice(tendon, names, "tendon"))
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
     rest_position = data.qpos.copy()
@@ -74,7 +73,7 @@ def trace_route(
         rule = f"{tendon!r} isn't moved by any hinge or slide joint"
         raise InvalidInputError("tendon", rule, tendon, shown="")
     for name in (*(ranges or {}), *([] if joint is None else [joint])):
-        _check_known_name(name, moving_joints, "joint")
+        check_choice(name, moving_joints, "joint")
     if joint is None and len(moving_joints) > 1:
         rule = f"must be named for {tendon!r}, which several move: {', '.join(moving_joints)}"
         raise InvalidInputError("joint", rule, None)
@@ -94,18 +93,6 @@ def trace_route(
     hinge = int(model.joint(about).type[0]) == kinds[0]
     fixed = int(model.wrap_type[model.tendon_adr[index]]) == int(mujoco.mjtWrap.mjWRAP_JOINT)
     return Route(tuple(moving_joints), about, poses, lengths, arms, hinge, not fixed)
-
-
-def _check_known_name(name: str, names: list[str], argument: str) -> str:
-    """The `name` if it is among `names`; else `InvalidInputError` suggests one."""
-    if name in names:
-        return name
-    similar = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
-    remedy = f"did you mean {similar[0]!r}?" if similar else f"it has {', '.join(names) or 'none'}"
-    rule = f"{name!r} isn't one of the " + (
-        "model's" if argument == "tendon" else "joints that move the tendon"
-    )
-    raise InvalidInputError(argument, rule, name, remedy, shown="")
 
 
 def _joint_limits(

@@ -62,10 +62,10 @@ def test_pull_is_that_of_law_and_spring(elbow, bundle, cord, pressure):
 
 
 def test_stiffness_is_a_positive_number_of_newtons_a_meter(elbow):
-    with pytest.raises(fs.InvalidInputError, match="`stiffness` must be positive"):
-        elbow(cord={"stiffness": -1.0})
-    with pytest.raises(fs.InvalidInputError, match="stiffness"):
-        elbow(cord={"stiffness": "3 kPa"})
+    for stiffness in (-1.0, "3 kPa"):
+        with pytest.raises(fs.InvalidInputError) as error:
+            elbow(cord={"stiffness": stiffness})
+        assert error.value.argument == "stiffness"
 
 
 @pytest.mark.parametrize("cord", [{}, ROD, CORD], ids=["rigid", "rod", "cord"])

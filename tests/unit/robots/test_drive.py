@@ -61,11 +61,11 @@ def test_runge_kutta_is_refused(elbow):
     """A pull that is constant through its stages creates energy."""
     model, data, drive = elbow()
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    with pytest.raises(ValueError, match="RK4") as error:
-        drive.step(model, data, drive.start(model, data, HELD), HELD)
-    assert error.value.argument == "model.opt.integrator"
-    with pytest.raises(ValueError, match="RK4"):
-        elbow(integrator="RK4")
+    start = drive.start(model, data, HELD)
+    for call in (lambda: drive.step(model, data, start, HELD), lambda: elbow(integrator="RK4")):
+        with pytest.raises(fs.InvalidInputError) as error:
+            call()
+        assert error.value.argument == "model.opt.integrator"
 
 
 def test_a_closed_chamber_conserves_energy(elbow):
@@ -154,20 +154,20 @@ def test_mjx_reports_states_outside_of_the_tables(elbow):
 
 def test_invalid_input_is_refused(elbow, bundle):
     spec = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
-    with pytest.raises(ValueError, match="`tendon` 'flexor' isn't one of the model's: it has none"):
-        attach(spec, "flexor", bundle, 0.1)
     model, data, drive = elbow()
     held = drive.start(model, data, HELD)
-    for command, words in (([1e5] * 3, "one for each of the 2"), (2e6, "of the table")):
-        with pytest.raises(ValueError, match=words):
-            drive.step(model, data, held, command)
-    with pytest.raises(ValueError, match="must be one whose state is its mass"):
-        elbow(supply=fluid.ConstantSupply(SUPPLY), valve=fluid.SonicValve(1e-9, 0.3),
-              chamber=fluid.AdiabaticWall(0.5))  # fmt: skip
-    with pytest.raises(ValueError, match="`chamber` is missing"):
-        elbow(supply=fluid.ConstantSupply(SUPPLY), valve=fluid.SonicValve(1e-9, 0.3))
-    with pytest.raises(ValueError, match="must name at least one bundle"):
-        Drive.of(model, [])
+    parts = {"supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3)}
+    for argument, call in (
+        ("tendon", lambda: attach(spec, "flexor", bundle, 0.1)),
+        ("command", lambda: drive.step(model, data, held, [1e5] * 3)),
+        ("command", lambda: drive.step(model, data, held, 2e6)),
+        ("chamber", lambda: elbow(**parts, chamber=fluid.AdiabaticWall(0.5))),
+        ("chamber", lambda: elbow(**parts)),
+        ("attached", lambda: Drive.of(model, [])),
+    ):
+        with pytest.raises(fs.InvalidInputError) as error:
+            call()
+        assert error.value.argument == argument
 
 
 def test_mistaken_models_and_lengths_are_refused_in_one_line(bundle):
@@ -241,8 +241,9 @@ def test_a_step_outside_of_the_table_has_a_status_and_goes_on(elbow):
     assert not held.status.any() and not held.inside  # which remembers
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # which starts anew instead
     data.qpos[:] = np.nan
-    with pytest.raises(fs.InvalidInputError, match="must have finite tendon lengths"):
+    with pytest.raises(fs.InvalidInputError) as error:
         drive.step(model, data, held, HELD)
+    assert error.value.argument == "data"
 
 
 ARM = """<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="0.02" mass="0.5"/>
@@ -265,8 +266,9 @@ def test_a_sub_model_under_a_prefix_is_found(bundle):
     model, made = sub_model(bundle, "left_")
     drive = Drive.of(model, [made])
     assert drive.actuators == (0,) and drive.tendons == ("left_flexor_s",)
-    with pytest.raises(fs.InvalidInputError, match="it has left_flexor_bundle"):
+    with pytest.raises(fs.InvalidInputError) as error:
         Drive.of(model, [made._replace(actuator="zzz")])
+    assert "left_flexor_bundle" in error.value.remedy
 
 
 def test_two_sub_models_are_told_apart_by_their_prefix(bundle):
@@ -289,8 +291,9 @@ def test_a_compiled_model_gives_its_motor(bundle):
     pull = drive.pull(np.array([2e5]), np.array([0.0]))
     np.testing.assert_allclose(data.actuator_force, -pull)
     bare = mujoco.MjModel.from_xml_string(ARM)
-    with pytest.raises(fs.InvalidInputError, match="add <motor"):
+    with pytest.raises(fs.InvalidInputError) as error:
         attach(bare, "flexor", bundle, 0.0127)
+    assert "<motor" in error.value.remedy
 
 
 def test_defaults_of_the_model_do_not_change_the_force(bundle):

@@ -15,6 +15,7 @@ gymnasium = pytest.importorskip("gymnasium", reason="the extra robots isn't here
 from gymnasium.utils.env_checker import check_env  # noqa: E402 needs what was just looked for
 
 import fascicle.robots  # noqa: E402, F401 tells Gymnasium the names
+from fascicle.core.errors import InvalidInputError  # noqa: E402 as above
 from fascicle.robots.environments import BASELINES, score  # noqa: E402 as above
 
 
@@ -68,9 +69,10 @@ def test_an_episode_lasts_two_seconds(environments):
 def test_actions_that_are_no_numbers_are_refused(environments):
     one = environments[NAMES[0]].unwrapped
     one.reset(seed=1)
-    for action, words in (([np.nan, 0.0], "nan"), ([np.inf, 0.0], "inf"), ([0.0], r"\(1,\)")):
-        with pytest.raises(ValueError, match=f"`action` must be finite numbers.*{words}"):
+    for action in ([np.nan, 0.0], [np.inf, 0.0], [0.0]):
+        with pytest.raises(InvalidInputError) as error:
             one.step(np.array(action, np.float32))
+        assert error.value.argument == "action"
     assert one.fluid.consumption == 0.0  # nothing has moved
 
 
@@ -101,8 +103,9 @@ def test_environments_are_pickled(environments):
 
 
 def test_other_render_modes_are_refused(environments):
-    with pytest.raises(ValueError, match="`render_mode` 'ansi' is unknown"):
+    with pytest.raises(InvalidInputError) as error:
         type(environments[NAMES[0]].unwrapped)(render_mode="ansi")
+    assert error.value.argument == "render_mode"
 
 
 PICTURE = """
@@ -179,14 +182,15 @@ def test_a_vector_of_environments_resets_after_an_episode(vector):
 
 
 def test_a_vector_of_environments_refuses(vector):
-    with pytest.raises(ValueError, match="`action` must be finite"):
-        vector.step(np.full((3, 2), np.nan, np.float32))
-    with pytest.raises(ValueError, match=r"the shape \(2,\)"):
-        vector.step(np.zeros(2, np.float32))
-    with pytest.raises(ValueError, match="`num_envs` must be at least 1"):
-        gymnasium.make_vec(NAMES[0], num_envs=0)
-    with pytest.raises(ValueError, match="draw a single one"):
-        gymnasium.make_vec(NAMES[0], num_envs=1, render_mode="human")
+    for argument, call in (
+        ("action", lambda: vector.step(np.full((3, 2), np.nan, np.float32))),
+        ("action", lambda: vector.step(np.zeros(2, np.float32))),
+        ("num_envs", lambda: gymnasium.make_vec(NAMES[0], num_envs=0)),
+        ("render_mode", lambda: gymnasium.make_vec(NAMES[0], num_envs=1, render_mode="human")),
+    ):
+        with pytest.raises(InvalidInputError) as error:
+            call()
+        assert error.value.argument == argument
 
 
 ASYNC = """
