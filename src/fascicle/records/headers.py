@@ -136,8 +136,7 @@ _WEIGHTS = {
         ("kg", "kgs", "kilo", "kilos", "kilogram", "kilograms", "kilogramm"), "kgf"
     ),
 }  # fmt: skip
-# some loggers write blanks behind the sign
-NUMBER = re.compile(r"(?:[+-] *)?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+|[dD][+-]\d+)?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
 _PATTERN_NAMES = (*CONSTANTS, "rest_length")

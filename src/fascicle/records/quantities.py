@@ -509,19 +509,22 @@ def _sampled_time(readings: Readings) -> tuple[np.ndarray | None, tuple[str, ...
     """Time [s] from the start and the step that LabVIEW writes instead of a column, and a note."""
     table = readings.table
     entries = {title.split()[0]: title.split()[1:] for title in table.titles if title.strip()}
-    is_time = set(entries.get("X_Dimension", ["Time"])) == {"Time"}
     used = {column.index for column in readings.columns.values()}
     starts, steps = (
-        {table.numbers.value(cell) for i, cell in enumerate(entries.get(key, []), 1) if i in used}
+        {cell.replace(",", ".") for i, cell in enumerate(entries.get(key, []), 1) if i in used}
         for key in ("X0", "Delta_X")
     )
-    if is_time and len(steps) > 1 and None not in steps:
+    if set(entries.get("X_Dimension", ["Time"])) != {"Time"} or not starts or not steps:
+        return None, ()
+    if len(steps) > 1:
         rule = "the channels have several Delta_X: resample them to one rate"
         raise ValueError(f"{table.where}: {rule}.")
-    is_one = is_time and len(starts) == len(steps) == 1 and None not in starts | steps
-    if not is_one or any("End_of_Header" in x for x in table.body):
+    if len(starts) > 1 or any("End_of_Header" in line for line in table.body):
         return None, ()
-    start, step = starts.pop() or 0.0, steps.pop() or 0.0
+    try:
+        start, step = float(starts.pop()), float(steps.pop())
+    except ValueError:
+        return None, ()
     time = start + step * (readings.lines - table.first)
     return time, (f"time from X0 and Delta_X: a reading every {step:g} s",)
 

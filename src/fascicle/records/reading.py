@@ -405,12 +405,10 @@ def _read_cells(
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
     rows, misread = None if info.rows is None else _row_range(info.rows), []
-    time, pressure = columns.get("time"), columns.get("pressure")
+    time = columns.get("time")
     if time is None or "time" not in named:
         _check_clocks(table, _clocks(table, numbers), rows)
-    # beside times, blanks may be those of a slower transducer
-    block = pressure.index if pressure is not None and time is None else None
-    cells = table.read(numbers, texts, None if time is None else time.index, rows, block)
+    cells = table.read(numbers, texts, None if time is None else time.index, rows)
     if time is not None and time.index not in cells.numbers:
         if "time" in named:  # the error of its first bad cell
             cells = table.read([*numbers, time.index], texts, None, rows)

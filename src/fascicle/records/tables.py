@@ -6,14 +6,11 @@ remarks after `#` or `%`; titles above the header; headers that are repeated bet
 """
 
 import csv
-import datetime as dt
 import io
-import math
 import re
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from itertools import compress, zip_longest
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,6 +31,9 @@ from .headers import (
 )
 
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 MAX_ROWS = 5_000_000  # an hour at a kilohertz
 _LONGEST_LINE = 100_000  # characters: what is longer is no header
 _SAMPLE_ROWS = 500  # that show how numbers are written: a sweep reaches all of its sizes in them
@@ -47,24 +47,17 @@ _REMARK = ("#", "%", "//")
 _HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
-_LEFT_OUT = {"holes": "with holes", "words": "of words"}
 _SPECIMEN = re.compile(r"(?:specimen|sample|probe|prüfling)\W*\d+", re.IGNORECASE)
-_EXAMPLE = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 # words between blanks, a unit in brackets with the word before it
 _BLANK_CELLS = re.compile(r'"([^"]*)"|([^\s"\[({]+(?:\s?[\[({][^\])}]*[\])}])?|\S+)')
-_FORTRAN = str.maketrans("dD", "ee", " ")  # exponents of double precision
-_COMMA = re.compile(r"(?:[+-] *)?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
-_POINT = re.compile(r"(?:[+-] *)?\d*\.\d+", re.ASCII)
-_WITH_UNIT = re.compile(rf"{NUMBER.pattern}\s*[^\W\d_]+", re.ASCII)
-# with signs between thousands, and a tail of decimals
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+_POINT = re.compile(r"[+-]?\d*\.\d+", re.ASCII)
+# thousands with a sign, and a tail of decimals behind the other one
 _GROUPED = re.compile(
-    r"[+-]?\d{1,3}(?P<sign>[.,' \u00a0\u202f])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
+    r"[+-]?\d{1,3}(?P<sign>[.,])\d{3}(?:(?P=sign)\d{3})*(?P<tail>[.,]\d+)?", re.ASCII
 )
-_CLOCK = re.compile(
-    r"(?:(\S*\d)[\sT]+)?"
-    r"(?:(\d\d?):)?(\d\d):(\d\d(?:[.,:]\d+)?)\s*(?:([AaPp])[Mm]|Z|[+-]\d\d:?\d\d)?"
-)
-_DATE = re.compile(r"(\d+)([-./])(\d+)\2(\d+)")
+_CLOCK = re.compile(r"(?:\d\d?:)?\d\d:\d\d(?:\.\d+)?")
+_DAY = 86_400.0  # s
 
 
 @dataclass(frozen=True)
@@ -81,72 +74,24 @@ class NumberFormat:
     grouped: bool = False
     unclear: str = ""
 
-    def values(self, cells: Sequence[str]) -> np.ndarray:
+    def values(self, cells: "pd.Series") -> np.ndarray:
         """Finite value of each cell, NaN for other texts."""
         import pandas as pd
 
-        texts = [cell.replace(",", ".") for cell in cells] if self.decimal == "," else cells
-        series = pd.Series(texts, dtype=object)
-        values = np.array(pd.to_numeric(series, errors="coerce"), dtype=float)
-        # these, and cells with a point that may be of thousands, are read one by one
-        doubtful = ~np.isfinite(values)
-        if self.decimal == "," or "." in self.unclear:
-            doubtful |= np.array(["." in cell for cell in cells], dtype=bool)
-        for row in np.flatnonzero(doubtful).tolist():
-            value = self.value(cells[row])
-            values[row] = math.nan if value is None else value
-        return values
+        texts = cells
+        if not pd.api.types.is_numeric_dtype(cells):
+            if self.grouped:
+                sign = "." if self.decimal == "," else ","
+                texts = texts.str.replace(rf"(?<=\d)\{sign}(?=\d{{3}}(?!\d))", "", regex=True)
+            texts = texts.str.replace(",", ".") if self.decimal == "," else texts
+        values = np.array(pd.to_numeric(texts, errors="coerce"), dtype=float)
+        if self.unclear:
+            values[[self.is_unclear(cell) for cell in cells.astype(str)]] = np.nan
+        return np.where(np.isfinite(values), values, np.nan)
 
-    def plain(self, cell: str) -> str:
-        """A number without signs between thousands, and other cells as they are."""
-        match = _GROUPED.fullmatch(cell)
-        if match is None or match["sign"] == self.decimal:
-            return cell
-        if match["tail"]:
-            is_grouped = match["tail"][0] == self.decimal
-        else:
-            is_grouped = self.grouped or match["sign"] not in ".,"
-        return cell.replace(match["sign"], "") if is_grouped else cell
-
-    def value(self, cell: str) -> float | None:
-        """Finite value of a `cell`, or `None`."""
-        if not cell or self._unclear_sign(cell):
-            return None
-        plain = self.plain(cell)
-        plain = plain.replace(",", ".") if self.decimal == "," else plain
-        # Python's own numbers, such as 1_000 and nan, are none here
-        if not NUMBER.fullmatch(plain) or "," in plain:
-            return None
-        value = float(plain.translate(_FORTRAN))
-        return value if math.isfinite(value) else None
-
-    def meanings(self, cell: str) -> list[tuple[str, str]]:
-        """Decimal sign and condition of each way to read an unclear `cell`; empty for others."""
-        if not (sign := self._unclear_sign(cell)):
-            return []
-        opposite = "," if sign == "." else "."
-        decimals, thousands = cell.replace(sign, "."), cell.replace(sign, "")
-        if self.decimal not in self.unclear:  # clear decimals have the other sign
-            after = f" if it is {thousands}, else write {decimals} with {opposite!r}"
-            return [(opposite, after)]
-        return [(sign, f" if it is {decimals}"), (opposite, f" if it is {thousands}")]
-
-    def rule(self, cell: str) -> str:
-        """Reason why a `cell` has no value, with what to do."""
-        excerpt = cell if len(cell) <= 30 else cell[:27] + "…"
-        hint = ": correct it, or empty the cell to leave out its row"
-        if _COMMA.fullmatch(cell):
-            hint = ": write the decimals after a point"
-        if _GROUPED.fullmatch(cell):
-            hint = ": write it without signs between thousands"
-        elif _WITH_UNIT.fullmatch(cell):
-            hint = ": write the number alone, in the unit of its column"
-        return f"{excerpt!r} is no finite number{hint}"
-
-    def _unclear_sign(self, cell: str) -> str:
-        """The sign in a `cell` of which the meaning isn't known; empty without one."""
-        signs = [sign for sign in self.unclear if sign in cell]
-        return signs[0] if signs and _may_be_thousands(cell) else ""
+    def is_unclear(self, cell: str) -> bool:
+        """True for a cell with a sign that may part decimals or thousands."""
+        return _may_be_thousands(cell) and any(sign in cell for sign in self.unclear)
 
 
 class TableColumns(NamedTuple):
@@ -177,20 +122,6 @@ class _Layout(NamedTuple):
     width: int
 
 
-class _Rows(NamedTuple):
-    """Rows of a table that are neither blank, remarks nor its header.
-
-    - `columns`: cells of each column, blank where a row is shorter; `extra`: of further cells.
-    - `lines`: the file's line of each row.
-    - `short`: mask of rows between blanks with a cell too few.
-    """
-
-    columns: list[list[str]]
-    extra: list[list[str]]
-    lines: np.ndarray
-    short: np.ndarray
-
-
 @dataclass(frozen=True)
 class Table(TableHeader):
     """A file with its header read, and its cells still as text.
@@ -215,151 +146,129 @@ class Table(TableHeader):
         texts: Sequence[int],
         time: int | None = None,
         rows: tuple[int, int] | None = None,
-        block: int | None = None,
     ) -> TableColumns:
         """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
 
         Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
         missing in the result if it holds something else. `rows`: first and last row, from 1;
-        default: all rows, unless they are of several specimens. Blank cells of the column `block`
-        take the number above them if its numbers stand in the first row of each of several blocks.
-        Raises a `ValueError` with line and column for the first bad cell, and for a loss of more
-        than half of the rows.
+        default: all rows, unless they are of several specimens. Raises a `ValueError` with line and
+        column for the first bad cell, and for a loss of more than half of the rows.
         """
-        notes = []
-        found = self._rows()
-        if block is not None and _begins_blocks(found.columns[block]):
-            found.columns[block] = _fill_down(found.columns[block])
-            notes.append(f"column `{self.header[block]}`: blank cells take the pressure above them")
+        frame = self._frame(texts)
         first, last = rows or (1, MAX_ROWS)
-        total = len(found.lines)
-        chosen = np.arange(first - 1, min(last, total))
-        values = {i: self.numbers.values(found.columns[i][first - 1 : last]) for i in numbers}
-        finite = np.array([np.isfinite(values[i]) for i in numbers], dtype=bool).reshape(
-            len(numbers), chosen.size
-        )
-        kept, left_out, ends = self._select_rows(found, chosen, finite, numbers)
-        if ends and rows is None:
-            before = f"{self.source}: {len(ends) + 1} specimens in one file: read the first with "
-            raise MissingMetadataError(before, ("rows", "", f"1:{ends[0]}", ", or all with 1:"))
-        count = int(kept.sum())
-        if not count:
-            raise self._empty_error(numbers, left_out, chosen.size)
-        self._check_loss(left_out, count)
-        notes = [
-            f"{len(rows)} {'row' if len(rows) == 1 else 'rows'} {_LEFT_OUT[kind]} left out, the"
-            f" first in line {rows[0][0]}"
-            for kind, rows in left_out.items()
-            if rows
-        ] + notes  # fmt: skip
-        chosen = chosen[kept]
-        texts_by_index = {i: [found.columns[i][row] for row in chosen] for i in texts}
-        numbers_by_index = {i: x[kept] for i, x in values.items()}
-        if time is not None:
-            clock = [found.columns[time][row] for row in chosen]
-            if (seconds := read_seconds(clock, self.numbers)) is not None:
-                numbers_by_index[time] = seconds
-        return TableColumns(numbers_by_index, texts_by_index, found.lines[chosen], tuple(notes))
+        total, frame = len(frame), frame.iloc[first - 1 : last]
+        values = {i: self.numbers.values(frame[i]) for i in numbers}
+        is_reading, notes = self._select_rows(frame, values, is_part=rows is not None)
+        if not is_reading.any():
+            rule = f"no row of numbers below line {self.line}" + (
+                f": it has {total} rows" if total else ""
+            )
+            raise ValueError(f"{self.source}: no readings: {rule}.")
+        frame = frame[is_reading]
+        numbers_by_index = {i: x[is_reading] for i, x in values.items()}
+        if time is not None and (seconds := read_seconds(frame[time], self.numbers)) is not None:
+            numbers_by_index[time] = seconds
+        texts_by_index = {i: frame[i].tolist() for i in texts}
+        return TableColumns(numbers_by_index, texts_by_index, frame.index.to_numpy(), notes)
 
     def _select_rows(
-        self, found: _Rows, chosen: np.ndarray, finite: np.ndarray, numbers: Sequence[int]
-    ) -> tuple[np.ndarray, dict[str, list[tuple[int, list[str]]]], list[int]]:
-        """Mask of the `chosen` rows with a reading, the others by kind with their lines, and rows
-        above the names of further specimens; `finite`: mask of the needed cells.
-        """
-        total = len(found.lines)
-        has_extra = np.zeros(total, dtype=bool)
-        for column in found.extra:
-            has_extra |= np.array([cell != "" for cell in column], dtype=bool)
-        firsts = found.columns[0]
-        words = np.array([cell[:1].isalpha() and not _is_hole(cell) for cell in firsts], dtype=bool)
-        odd = ~finite.all(axis=0) | (has_extra | words | found.short)[chosen]
-        kept, left_out, ends = ~odd, {kind: [] for kind in _LEFT_OUT}, []
-        # below rows that begin otherwise, a word begins those of a mean and the like
-        starts = (k for k in np.flatnonzero(~odd).tolist() if is_number(firsts[chosen[k]] or "0"))
-        led = next(starts, chosen.size)
-        for k in np.flatnonzero(odd):
-            row, line = int(chosen[k]), int(found.lines[chosen[k]])
-            cells = [column[row] for column in found.columns]
-            needed, is_whole = [cells[i] for i in numbers], bool(finite[:, k].all())
-            has_hole = found.short[row] or (not is_whole and any(map(_is_hole, needed)))
-            is_text = words[row] and k > led
-            if is_text or not (is_whole or has_hole or any(map(is_number, needed))):
-                self._check_header(cells, line, row + 1)
-                left_out["words"].append((line, cells))
-                ends += [row] if _SPECIMEN.fullmatch(cells[0]) else []
-            elif has_extra[row]:
-                further = [column[row] for column in found.extra]
-                raise self._width_error(line, _trim([*cells, *further]))
-            elif has_hole:
-                left_out["holes"].append((line, cells))
-            elif is_whole:
-                kept[k] = True
-            else:
-                raise self._number_error(line, cells, numbers[int(np.argmin(finite[:, k]))])
-        return kept, left_out, ends
+        self, frame: "pd.DataFrame", values: dict[int, np.ndarray], *, is_part: bool
+    ) -> tuple[np.ndarray, tuple[str, ...]]:
+        """Mask of the rows with a reading, and notes of the others.
 
-    def _rows(self) -> _Rows:
-        """Cells of the rows, read by pandas."""
+        `values`: of the columns that are needed; `is_part`: the rows were chosen.
+        """
+        width, firsts = len(self.header), frame[0]
+        has_extra = (frame.iloc[:, width:-1] != "").any(axis=1).to_numpy()
+        begins = [str(cell) for cell in firsts]
+        # below rows that begin with a number, a word begins those of a mean and the like
+        is_named = np.array([text[:1].isalpha() and not _is_hole(text) for text in begins], bool)
+        is_named[: next((i for i, text in enumerate(begins) if is_number(text or "0")), None)] = (
+            False
+        )
+        finite = np.array([np.isfinite(x) for x in values.values()], dtype=bool)
+        is_reading = finite.all(axis=0) & ~(has_extra | is_named | (frame["short"] == "1"))
+        words, holes = list[int](), list[int]()
+        for row in np.flatnonzero(~is_reading):
+            line, cells = int(frame.index[row]), [str(cell) for cell in frame.iloc[row, :-1]]
+            needed = {i: cells[i] for i in values}
+            bad = [i for i, x in values.items() if np.isnan(x[row]) and not _is_hole(cells[i])]
+            if is_named[row] or (bad and not any(map(is_number, needed.values()))):
+                self._check_header(cells[:width], line, int(row) + 1)
+                if _SPECIMEN.fullmatch(cells[0]) and not is_part:
+                    before = f"{self.source}, line {line}: another specimen: read the first with "
+                    raise MissingMetadataError(before, ("rows", "", f"1:{row}", ", or all with 1:"))
+                words.append(line)
+            elif has_extra[row]:
+                raise self._width_error(line, _trim(cells))
+            elif bad:
+                raise self._number_error(line, cells[bad[0]], bad[0])
+            else:
+                holes.append(line)
+        count = int(is_reading.sum())
+        if count and len(holes) > _MAX_LOSS * (count + len(holes)):
+            raise ValueError(
+                f"{self.source}, line {holes[0]}: {len(holes)} of {count + len(holes)} rows have"
+                " holes: fill or delete them, resample channels to one rate, or choose other"
+                " columns."
+            )
+        notes = [
+            f"{len(lines)} {'row' if len(lines) == 1 else 'rows'} {kind} left out, the first in"
+            f" line {lines[0]}"
+            for kind, lines in (("with holes", holes), ("of words", words))
+            if lines
+        ]
+        return is_reading, tuple(notes)
+
+    def _frame(self, texts: Sequence[int]) -> "pd.DataFrame":
+        """Cells of the rows that are neither blank, remarks nor the header, by line of the file.
+
+        Columns in which all cells are numbers are numbers, but for `texts`. A last column `short`
+        has 1 for a row between blanks with a cell too few.
+        """
         require("pandas")
         import pandas as pd
 
         width, delimiter = len(self.header), self.delimiter
-        lines = ["" if line[:1] in " \t#%/" and is_remark(line) else line for line in self.body]
+        numbers = [i for i, line in enumerate(self.body)
+                   if line.strip() and not (line[0] in " \t#%/" and is_remark(line))]  # fmt: skip
+        lines = [self.body[i] for i in numbers]
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = [blanks.sub("\t", line.strip()) for line in lines], "\t"
-        lines = self._join_quotes(lines, delimiter)
         most = 1 + max((line.count(delimiter) for line in lines), default=0)
         if most > _MAX_COLUMNS:
-            line = next(i for i, line in enumerate(lines) if line.count(delimiter) + 1 == most)
-            rule = f"more than {_MAX_COLUMNS} cells, where the header has {width}"
-            raise ValueError(f"{self.source}, line {self.first + line}: {rule}.")
-        text = "\n".join(lines)
-        if not text.strip():
-            empty = np.zeros(0, dtype=int)
-            return _Rows([[] for _ in self.header], [], empty, empty.astype(bool))
+            raise ValueError(f"{self.source}: more than {_MAX_COLUMNS} cells in a row.")
+        columns = range(max(most, width))
+        # numbers with signs that have two meanings are examined as text
+        is_text = self.numbers.grouped or self.numbers.unclear
+        kinds: dict[Hashable, type[str]] = dict.fromkeys(columns if is_text else texts, str)
+        if not lines:
+            return pd.DataFrame({i: pd.Series(dtype=object) for i in [*columns, "short"]})
         try:
             frame = pd.read_csv(
-                io.StringIO(text), sep=delimiter, header=None, names=range(max(most, width)),
-                dtype=str, keep_default_na=False, skip_blank_lines=False, skipinitialspace=True,
+                io.StringIO("\n".join(lines)), sep=delimiter, header=None, names=columns,
+                dtype=kinds, decimal=self.numbers.decimal, na_filter=False, low_memory=False,
+                skip_blank_lines=False, skipinitialspace=True,
             )  # fmt: skip
         except pd.errors.ParserError as error:
             text = " ".join(str(error).split()).rstrip(".")
             raise ValueError(f"{self.source}: no rows of a table: {text}.") from None
-        if len(frame) < len(text.rstrip("\n").split("\n")):
-            raise ValueError(f"{self.source}: a quote in it has no end: close or drop it.")
-        columns = [list(map(str.strip, frame[i].tolist())) for i in frame]
-        used = np.ones(len(columns[0]), dtype=bool)
-        firsts = {"", self.header[0], self.units[0]}
-        for row in [row for row, cell in enumerate(columns[0]) if cell in firsts]:
-            cells = tuple(column[row] for column in columns)
-            used[row] = any(cells) and cells[:width] not in (self.header, self.units)
-        kept = np.flatnonzero(used)
-        columns = [list(compress(column, used)) for column in columns]
-        short = np.array([lines[row].count("\t") + 1 < self.row_width for row in kept], dtype=bool)
-        return _Rows(columns[:width], columns[width:], self.first + kept, short)
-
-    def _join_quotes(self, lines: list[str], delimiter: str) -> list[str]:
-        """Lines with cells in quotes that go on in the next ones joined; blank lines take their
-        places.
-        """
-        if not any('"' in line for line in lines):
-            return lines
-        sign = re.escape(delimiter)
-        begin = re.compile(rf'(?:^|{sign})\s*"')
-        joined, start = lines.copy(), None
-        for i, line in enumerate(lines):
-            if start is not None:
-                joined[start], joined[i] = f"{joined[start]} {line}", ""
-                start = None if '"' in line else start
-            elif line.count('"') % 2 and begin.search(line):
-                start = i
-            is_row = sum(map(is_number, split_cells(line, delimiter))) > 1
-            if start is not None and i > start and is_row:
-                rule = "its quote has no end: close or drop it"
-                raise ValueError(f"{self.source}, line {self.first + start}: {rule}.")
-        return joined
+        if len(frame) < len(lines):
+            raise ValueError(
+                f"{self.source}: a quote in it has no end in its line: close or drop it."
+            )
+        for i in columns:
+            if not pd.api.types.is_numeric_dtype(frame[i]) or frame[i].dtype == bool:
+                frame[i] = frame[i].fillna("").astype(str).str.strip()
+        short = [line.count("\t") + 1 < self.row_width for line in lines] if self.row_width else ""
+        frame["short"] = np.where(short, "1", "")
+        frame.index = pd.Index(self.first + np.array(numbers))
+        cells = frame.iloc[:, :-1]
+        is_row = (cells != "").any(axis=1)
+        for names in (self.header, self.units):
+            is_row &= ~(cells.iloc[:, :width] == list(names)).all(axis=1)
+        return frame[is_row]
 
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
         """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
@@ -368,41 +277,14 @@ class Table(TableHeader):
             is_other = any(map(differ, row, self.header))
         else:
             row = _without_label(row) or row
-            cells = [
+            pairs = [
                 (strip_brackets(a), strip_brackets(b)) for a, b in zip(row, units, strict=False)
             ]
-            is_other = _are_units(row) and any(a != b for a, b in cells if a)
+            is_other = _are_units(row) and any(a != b for a, b in pairs if a)
         if is_other:
-            before = (
-                f"{self.source}, line {line}: another header than in line {self.line}: split the"
-            )
+            before = f"{self.source}, line {line}: another header than in line {self.line}: split"
             choice = ("rows", "", f"1:{count - 1}", ", for those above it")
-            raise MissingMetadataError(f"{before} file there, or give ", choice)
-
-    def _check_loss(self, left_out: dict[str, list[tuple[int, list[str]]]], count: int) -> None:
-        """Refuse a record of `count` readings with more rows of numbers that can't be read."""
-        lost = left_out["holes"]
-        if len(lost) > _MAX_LOSS * (count + len(lost)):
-            first = min(line for line, _ in lost)
-            raise ValueError(
-                f"{self.source}, line {first}: {len(lost)} of {count + len(lost)} rows have holes:"
-                " fill or delete them, resample channels to one rate, or choose other columns."
-            )
-
-    def _empty_error(
-        self, numbers: Sequence[int], left_out: dict[str, list[tuple[int, list[str]]]], count: int
-    ) -> ValueError:
-        """The error for a table of which none of its `count` rows could be read."""
-        for line, row in left_out["words"][:1]:
-            for column in numbers:
-                if self.numbers.value(row[column]) is None:
-                    return self._number_error(line, row, column)
-        rule = f"no readings below the header in line {self.line}"
-        if holes := left_out["holes"]:
-            rule = f"no row has a number in each column, the first hole is in line {holes[0][0]}"
-        elif count or self.body:
-            rule = f"no readings in those rows: it has {len(self._rows().lines)}"
-        return ValueError(f"{self.source}: {rule}.")
+            raise MissingMetadataError(f"{before} the file there, or give ", choice)
 
     def _width_error(self, line: int, row: Sequence[str]) -> ValueError:
         """The error for a row with more cells than the header."""
@@ -413,14 +295,24 @@ class Table(TableHeader):
             message += ", or part the columns by semicolons if decimals stand after commas"
         return ValueError(f"{self.source}, line {line}: {message}.")
 
-    def _number_error(self, line: int, row: Sequence[str], column: int) -> ValueError:
+    def _number_error(self, line: int, text: str, column: int) -> ValueError:
         """The error for a cell that holds no number."""
-        text = row[column]
-        if meanings := self.numbers.meanings(text):
+        if self.numbers.is_unclear(text):
             before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
-            choices = (("decimal", "", sign, after) for sign, after in meanings)
+            sign, other = (".", ",") if "." in text else (",", ".")
+            choices = [("decimal", "", other, f" if it is {text.replace(sign, '')}")]
+            if self.numbers.decimal in self.numbers.unclear:  # else decimals have the other sign
+                choices.insert(0, ("decimal", "", sign, f" if it is {text.replace(sign, '.')}"))
             return MissingMetadataError(str(before), *choices)
-        return self.cell_error(line, column, f"{self.numbers.rule(text)}.")
+        hint = "correct it, or empty the cell to leave out its row"
+        if _GROUPED.fullmatch(text):
+            hint = "write it without signs between thousands, or give the sign before decimals"
+        elif _COMMA.fullmatch(text):
+            hint = "write the decimals after a point"
+        elif re.match(r"[+-]?\d[\d.,]*\s*[^\W\d_]+$", text):
+            hint = "write the number alone, in the unit of its column"
+        excerpt = text if len(text) <= 30 else text[:27] + "…"
+        return self.cell_error(line, column, f"{excerpt!r} is no finite number: {hint}.")
 
 
 def open_table(
@@ -459,8 +351,7 @@ def open_table(
         last, titles = max(layout.header, layout.units or 0), head[: layout.header]
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
-        where, leading = f"{source}, line {line}", remarks if last < 0 else []
-        header = _headless(leading, names, layout, where)
+        header = _headless(remarks if last < 0 else [], names, layout, f"{source}, line {line}")
     if header and "->" in header[0]:
         rule = "remove the clock of the serial monitor before each line, or switch it off"
         raise ValueError(f"{source}, line {line}: {rule}.")
@@ -477,17 +368,13 @@ def open_table(
         )
     step = max(len(body) // _SAMPLE_ROWS, 1)
     sample = [split_cells(text, layout.delimiter) for text in body[::step] if not is_remark(text)]
-    numbers = detect_format(sample, layout.delimiter, decimal)
     units = (*_unit_row(cells, layout), *[""] * len(header))[: len(header)]
+    is_blank = layout.delimiter.isspace() and layout.delimiter != "\t"
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
-        body, layout.delimiter, numbers, first,
-        layout.width if layout.delimiter.isspace() and layout.delimiter != "\t" else 0,
+        body, layout.delimiter, detect_format(sample, layout.delimiter, decimal), first,
+        layout.width if is_blank else 0,
     )  # fmt: skip
-
-
-def _is_hole(cell: str) -> bool:
-    return cell.lower().lstrip("+-?*.") in _HOLES
 
 
 def has_readings(raw: bytes, source: str) -> bool:
@@ -517,10 +404,11 @@ def _headless(
     if units:  # the last remark has the names
         return units
     before = (
-        f"{where}: no header, but numbers in {width} columns: name the columns in order, such as "
+        f"{where}: no header, but numbers in {width} columns: name the columns in order, as in "
     )
     after = f"; `-` skips a column; the names are {', '.join(ROLES)}"
-    raise MissingMetadataError(before, ("columns", "", _EXAMPLE, after))
+    example = "force[N],pressure[kPa],-,length[mm]"
+    raise MissingMetadataError(before, ("columns", "", example, after))
 
 
 def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str]], list[str]]:
@@ -559,37 +447,32 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
         cells = [split_cells(text, delimiter) for text in lines]
         counts = [sum(map(is_number, row)) for row in cells]
         is_row = [
-            count > 1 and (header_index is None or i > header_index)
-            for i, count in enumerate(counts)
+            n > 1 and (header_index is None or i > header_index) for i, n in enumerate(counts)
         ]
         edges = np.flatnonzero(np.diff([False, *is_row, False])).tolist()
-        blocks = []
+        blocks: list[tuple[int, _Layout]] = []
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             widths = [len(row) for row in cells[start:end]]
-            width = max(set(widths), key=widths.count)
+            width, size = max(set(widths), key=widths.count), end - start
             header, units = _header_above(cells, start, width, delimiter, header_index)
-            layout = _Layout(delimiter, header, units, start, width)
-            filled = sum(sum(map(bool, row)) for row in cells[start:end])
-            number_share = sum(counts[start:end]) / filled
-            blocks.append(((header is not None, end - start, -start), number_share, layout))
+            if blocks:
+                # odd lines, or a header that is printed again, part readings
+                above, last = blocks[-1]
+                names = None if header is None else cells[header]
+                is_again = last.header is not None and names in (None, cells[last.header])
+                is_again |= last.header is None and (names is None or above >= _MIN_BLOCK)
+                if is_again and (width, counts[start]) == (last.width, counts[last.start]):
+                    blocks[-1] = above + size, last
+                    continue
+            blocks.append((size, _Layout(delimiter, header, units, start, width)))
         if blocks:
-            _, number_share, layout = max(blocks, key=lambda block: block[0])
-            # odd lines, or a header that is printed again, part readings: the first block counts
-            names = None if layout.header is None else cells[layout.header]
-            shape = layout.width, counts[layout.start]
-            first, is_again = next(
-                (block, is_again)
-                for (_, size, _), _, block in blocks
-                for is_again in [block.header is not None and cells[block.header] == names]
-                if block == layout
-                or (
-                    (block.width, counts[block.start]) == shape and (is_again or size >= _MIN_BLOCK)
-                )
-            )
-            layout = first if first.header is None or is_again else layout
+            size, layout = max(blocks, key=lambda block: (block[1].header is not None, block[0]))
             if layout.header is not None:
                 return layout
-            headless.append((number_share, layout))
+            rows = cells[layout.start : layout.start + size]
+            written = [cell for row in rows for cell in row if cell]
+            share = sum(map(is_number, written)) / len(written)
+            headless.append((share, layout))
     if headless:  # of several delimiters the one that leaves numbers
         return max(headless, key=lambda pair: pair[0])[1]
     first = header_index or 0
@@ -649,22 +532,6 @@ def _are_units(cells: Sequence[str]) -> bool:
     return 2 * units >= max(len(written), 1) and not any(map(is_number, written))
 
 
-def _begins_blocks(cells: Sequence[str]) -> bool:
-    """True for a number in the first row of each of several blocks, and blanks in their other rows,
-    two or more.
-    """
-    signs = "".join(("1" if is_number(cell) else "x") if cell else "0" for cell in cells)
-    return bool(re.fullmatch("(?:1000*){2,}", signs))
-
-
-def _fill_down(cells: Sequence[str]) -> list[str]:
-    """Cells of which blank ones take the one above them."""
-    filled: list[str] = []
-    for cell in cells:
-        filled.append(cell or (filled[-1] if filled else ""))
-    return filled
-
-
 def decode(raw: bytes, source: str) -> str:
     """Text of a file in any encoding of instruments."""
     if raw[:2] in {b"\xff\xfe", b"\xfe\xff"}:
@@ -715,6 +582,10 @@ def _trim(cells: list[str]) -> list[str]:
     return cells
 
 
+def _is_hole(cell: str) -> bool:
+    return cell.lower().lstrip("+-?*.") in _HOLES
+
+
 def is_number(cell: str) -> bool:
     """True for a number of any format, also with signs between thousands."""
     return bool(NUMBER.fullmatch(cell) or _GROUPED.fullmatch(cell))
@@ -732,17 +603,16 @@ def detect_format(
         return NumberFormat(decimal, grouped=True)
     cells = [cell for row in rows for cell in row]
     matches = [match for match in map(_GROUPED.fullmatch, cells) if match]
-    tails = {match["tail"][0] for match in matches if match["tail"] and match["sign"] in ".,"}
+    tails = {match["tail"][0] for match in matches if match["tail"]}
     if len(tails) == 1:
         return NumberFormat(tails.pop(), True)
-
-    any_points, any_commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
     # decimals that can't be thousands make the meaning of others clear
     clear = [cell for cell in cells if not _may_be_thousands(cell)]
     points, commas = (any(map(kind.fullmatch, clear)) for kind in (_POINT, _COMMA))
     if not points and not commas and _has_integers_beside_thousands(rows):
         return NumberFormat(unclear=".,")
-    if not any_commas or (delimiter == "," and any_points):
+    has_points, has_commas = (any(map(kind.fullmatch, cells)) for kind in (_POINT, _COMMA))
+    if not has_commas or (delimiter == "," and has_points):
         return NumberFormat(".")
     if points and not commas:
         return NumberFormat(".", unclear=",")
@@ -760,66 +630,43 @@ def _has_integers_beside_thousands(rows: Sequence[Sequence[str]]) -> bool:
     """True if `1.010` stands in a column with `950`, or in the only column with signs beside
     columns of integers: an instrument that writes three decimals writes `950.000`.
     """
-    columns = [list(filter(is_number, column)) for column in zip_longest(*rows, fillvalue="")]
+    width = max(map(len, rows), default=0)
+    columns = [[row[i] for row in rows if i < len(row) and is_number(row[i])] for i in range(width)]
     grouped = [list(map(_may_be_thousands, column)) for column in columns if column]
     mixed = [column for column in grouped if any(column) and not all(column)]
     return bool(mixed) or (len(grouped) > 1 == sum(map(any, grouped)))
 
 
-def read_seconds(texts: Sequence[str], numbers: NumberFormat) -> np.ndarray | None:
+def read_seconds(cells: "pd.Series", numbers: NumberFormat) -> np.ndarray | None:
     """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
-    with their dates if they have them; `None` for other texts.
+    with their dates if they have them; `None` for other texts, and where day and month of a date
+    may be swapped.
     """
-    values = numbers.values(texts)
+    import pandas as pd
+
+    values = numbers.values(cells)
     if np.isfinite(values).all():
         return values
-    matches = [match for match in map(_CLOCK.fullmatch, texts) if match]
-    if len(matches) < len(texts):
-        return None
-    dates, *clocks = zip(*(match.groups() for match in matches), strict=True)
-    if any(hour is None and len(second) == 2 for hour, _, second, _ in zip(*clocks, strict=True)):
-        return None  # 10:11 may be minutes or hours
-    seconds = np.array([
-        3600 * (int(hour or 0) % 12 + 12 * (half in "Pp") if half else int(hour or 0))
-        + 60 * int(minute)
-        + float(re.sub("[,:]", ".", second))
-        for hour, minute, second, half in zip(*clocks, strict=True)
-    ])  # fmt: skip
-    if any(dates):
-        if (days := _read_days(dates)) is None:
-            return None
-    else:
-        days = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43_200)  # half a day back
-    seconds = seconds + 86_400.0 * (days - days[0])
-    return np.round(seconds - seconds[0], 6)  # finer than clocks are
-
-
-def _read_days(texts: Sequence[str | None]) -> np.ndarray | None:
-    """Days of dates since 1970; `None` for other texts, and where day and month may be swapped.
-
-    A year stands first, and dots part day and month in this order; slashes are read by the order
-    that all dates allow, unless both do and give other differences.
-    """
-    parts = [_DATE.fullmatch(text or "") for text in texts]
-    if not all(parts):
-        return None
-    found: list[np.ndarray] = []
-    for order in ("ymd", "dmy", "mdy"):
-        fits = {"ymd": "-./", "dmy": "./-", "mdy": "/-"}[order]
+    # of a second: 10:11:12:500 and 10:11:12,5
+    texts = cells.astype(str).str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
+    texts = texts.str.replace(r"(\d\d:\d\d:\d\d):", r"\1.", regex=True)
+    if all(map(_CLOCK.fullmatch, texts)):
+        if any(text.count(":") == 1 and "." not in text for text in texts):
+            return None  # 10:11 may be minutes or hours
+        clocks = texts.where(texts.str.count(":") == 2, "00:" + texts)
+        seconds = pd.to_timedelta(clocks).dt.total_seconds().to_numpy()
+        seconds = seconds + _DAY * np.cumsum(np.diff(seconds, prepend=seconds[0]) < -_DAY / 2)
+        return np.round(seconds - seconds[0], 6)  # finer than clocks are
+    # a year stands first, and dots part day and month in this order; slashes leave it open
+    orders = {True} if texts.str.match(r"\d\d?\.").all() else {True, False}
+    orders = {False} if texts.str.match(r"\d{4}").all() else orders
+    answers = []
+    for day_first in orders:
         try:
-            days = [_day(dict(zip(order, match.group(1, 3, 4), strict=True)))
-                    for match in parts if match and match[2] in fits]  # fmt: skip
-        except ValueError:
+            dates = pd.to_datetime(texts, format="mixed", dayfirst=day_first, utc=True)
+        except (ValueError, OverflowError):
             continue
-        if len(days) == len(parts):
-            found.append(np.array(days))
-    differences = {tuple((days - days[0]).tolist()) for days in found}
-    return found[0] if len(differences) == 1 else None
-
-
-def _day(date: dict[str, str]) -> int:
-    """Days of a date since 1970; a year that stands last may have two digits."""
-    if len(date["y"]) != 4 and (len(date["y"]) != 2 or next(iter(date)) == "y"):
-        raise ValueError(date)
-    year = int(date["y"]) + 2000 * (len(date["y"]) == 2)
-    return (dt.date(year, int(date["m"]), int(date["d"])) - dt.date(1970, 1, 1)).days
+        answers.append((dates - dates.iloc[0]).dt.total_seconds().to_numpy())
+    if not answers or any(not np.array_equal(answers[0], other) for other in answers):
+        return None
+    return np.round(answers[0], 6)

@@ -76,7 +76,6 @@ def test_encodings(tmp_path):
     ("old", "new", "where"),
     [
         # cells
-        ("20.25", "1e999", "line 3, column `force [N]`"),
         ("20.25", "20.25 N", "line 3, column `force [N]`"),
         ("20.25", "2_0", "line 3, column `force [N]`"),
         ("20.25", "0x14", "line 3, column `force [N]`"),
