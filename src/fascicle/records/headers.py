@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..core.errors import InvalidInputError
 from ..units import DIMENSIONS as UNITS
@@ -22,106 +22,120 @@ ROLES = ("pressure", "force", "torque", "strain", "length", "displacement", "ang
          "time", "branch", "clipped")  # fmt: skip
 CONSTANTS = ROLES[:8]  # that one file may share
 # of the roles that aren't dimensions themselves
-_DIMENSIONS = {"displacement": "length", "torque": "moment", "moment_arm": "length",
-               "rest_length": "length"}  # fmt: skip
+_DIMENSIONS = dict.fromkeys(("displacement", "moment_arm", "rest_length"), "length") | {
+    "torque": "moment"
+}
 POSITIONS = ("strain", "length", "displacement", "angle")  # the first in a table is read
 USUAL_UNITS = {
     "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
     "torque": "N*m", "angle": "deg", "moment_arm": "mm",
 }  # fmt: skip
+
+
+def _terms(text: str) -> tuple[str, ...]:
+    """Entries of a list between commas."""
+    return tuple(map(str.strip, text.split(",")))
+
+
 TERMS = {
-    "pressure": ("pressure", "p", "press", "pgauge", "druck", "p gauge", "überdruck", "pression"),
-    "force": ("force", "f", "load", "tension", "pull", "kraft", "thrust", "mass", "weight",
-              "masse", "gewicht", "standardkraft", "prüfkraft", "zugkraft"),
-    "torque": ("torque", "moment", "drehmoment", "tau", "τ", "joint torque"),
-    "strain": ("strain", "contraction", "contraction ratio", "eps", "epsilon", "ε", "kappa",
-               "shortening", "kontraktion", "verkürzung", "elongation", "extension", "dehnung",
-               "length change", "change of length", "verlängerung"),
-    "length": ("length", "l", "len", "länge", "laenge", "longueur"),
-    "displacement": ("displacement", "shortening", "stroke", "contraction", "disp", "travel",
-                     "extension", "elongation", "position", "crosshead", "x", "weg", "hub",
-                     "verkürzung", "verlängerung", "kolbenweg", "standardweg", "traversenweg",
-                     "laser", "lvdt", "dehnung",
-                     "length change", "change of length"),
-    "angle": ("angle", "theta", "θ", "phi", "φ", "winkel", "gelenkwinkel", "rotation", "encoder",
-              "position", "joint"),
-    "moment_arm": ("moment arm", "arm", "lever arm", "lever", "hebelarm"),
-    "time": ("time", "t", "elapsed", "zeit", "zeitstempel", "uhrzeit", "timestamp", "prüfzeit",
-             "x value", "clock", "ms", "millis", "sec", "seconds"),
-    "branch": ("branch", "direction", "sweep", "phase"),
-    "clipped": ("clipped", "censored", "saturated", "slack", "zero is no tension", "no tension"),
-}  # fmt: skip
+    "pressure": _terms("pressure, p, press, pgauge, druck, p gauge, überdruck, pression"),
+    "force": _terms(
+        "force, f, load, tension, pull, kraft, thrust, mass, weight, masse, gewicht, standardkraft,"
+        "prüfkraft, zugkraft"
+    ),
+    "torque": _terms("torque, moment, drehmoment, tau, τ, joint torque"),
+    "strain": _terms(
+        "strain, contraction, contraction ratio, eps, epsilon, ε, kappa, shortening, kontraktion,"
+        "verkürzung, elongation, extension, dehnung, length change, change of length, verlängerung"
+    ),
+    "length": _terms("length, l, len, länge, laenge, longueur"),
+    "displacement": _terms(
+        "displacement, shortening, stroke, contraction, disp, travel, extension, elongation,"
+        "position, crosshead, x, weg, hub, verkürzung, verlängerung, kolbenweg, standardweg,"
+        "traversenweg, laser, lvdt, dehnung, length change, change of length"
+    ),
+    "angle": _terms(
+        "angle, theta, θ, phi, φ, winkel, gelenkwinkel, rotation, encoder, position, joint"
+    ),
+    "moment_arm": _terms("moment arm, arm, lever arm, lever, hebelarm"),
+    "time": _terms(
+        "time, t, elapsed, zeit, zeitstempel, uhrzeit, timestamp, prüfzeit, x value, clock, ms,"
+        "millis, sec, seconds"
+    ),
+    "branch": _terms("branch, direction, sweep, phase"),
+    "clipped": _terms("clipped, censored, saturated, slack, zero is no tension, no tension"),
+}
 # names of the two ways of a loop
-INFLATING = ("up", "inflating", "inflation", "inflate", "contracting", "contraction", "shortening",
-             "loading", "forward")  # fmt: skip
-DEFLATING = ("down", "deflating", "deflation", "deflate", "extending", "extension", "lengthening",
-             "unloading", "backward", "return")  # fmt: skip
-ABSOLUTE = {"abs", "absolute", "total", "absolutdruck", "absolue", "absolut", "absoluter"}
+INFLATING = _terms(
+    "up, inflating, inflation, inflate, contracting, contraction, shortening, loading, forward"
+)
+DEFLATING = _terms(
+    "down, deflating, deflation, deflate, extending, extension, lengthening, unloading, backward,"
+    "return"
+)
+ABSOLUTE = set(_terms("abs, absolute, total, absolutdruck, absolue, absolut, absoluter"))
 MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
 LONGER = {"extension", "elongation", "tensile", "verlängerung"}
-SIGNALS = {"v", "mv", "µv", "volt", "volts", "ma", "counts", "adc", "lsb"}  # of a raw gauge
+SIGNALS = set(_terms("v, mv, µv, volt, volts, ma, counts, adc, lsb"))  # of a raw gauge
+_RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
 _MEASURED = {"ist", "act", "actual", "meas", "measured"}  # beside a setpoint: p_ist is a pressure
 # qualifiers of a column that holds something else than a quantity's readings
-QUALIFIERS = {
-    "setpoint", "set", "soll", "target", "command", "commanded", "reference", "desired", "rate",
-    "velocity", "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms",
-    "work", "arm", "lever", "braid", "fiber", "fibre",
-    "id", "index", "count", "flow", "stress", "spannung", "sigma", "σ", "modulus", "sollwert",
-    "raw", "change", "stdev", "sem", "deviation", "variance",
-    "barometric", "ambient", "atmospheric", "atmosphere", "atm", "room", "supply", "luftdruck",
-    "umgebungsdruck", "versorgungsdruck", "tank", "cmd", "model", "modeled", "modelled",
-    "theoretical", "theory", "simulated", "simulation", "predicted", "calculated",
-}  # fmt: skip
-MICROSTRAINS = ("µε", "με", "µstrain", "microstrain", "µm/m")
-# spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or the
-# SI units in one; signs and blanks in those of moments are left out
-SPELLINGS: dict[str, dict[str, str | float]] = {
-    "pressure": {
-        "pa": "Pa", "pascal": "Pa", "pascals": "Pa", "hpa": "hPa", "kpa": "kPa",
-        "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
-        "psi": "psi", "lbf/in2": "psi", "lb/in2": "psi", "atm": "atm", "n/mm2": "MPa",
-        "n/m2": "Pa", "kgf/cm2": "kgf/cm^2", "kg/cm2": "kgf/cm^2", "mmhg": "mmHg", "torr": "torr",
-        "inhg": "inHg", "mh2o": 9806.65, "cmh2o": 98.0665, "mmh2o": 9.80665, "inh2o": 249.08891,
-        "n/cm2": 1e4, "kn/m2": "kPa", "kp/cm2": "kgf/cm^2", "lbs/in2": "psi",
-    },
-    "force": {
-        "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
-        "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "kp": "kgf", "gf": "gf", "dan": "daN",
-        "cn": "cN", "kip": "kip", "kips": "kip", "ozf": "ozf", "pound": "lbf", "lb-f": "lbf",
-        "pound-force": "lbf", "kg-f": "kgf", "kilogram-force": "kgf", "gram-force": "gf",
-        "grams-force": "gf",
-    },
-    "length": {
-        "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
-        "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "cm": "cm", "um": "µm",
-        "μm": "µm", "in": "in", "inch": "in", "inches": "in", '"': "in", "ft": "ft",
-    },
-    "angle": {
-        "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "rad": "rad",
-        "radian": "rad", "radians": "rad", "mrad": "mrad",
-    },
-    "moment": {
-        "nm": "N*m", "mnm": "mN*m", "knm": "kN*m", "nmm": "N*mm", "ncm": "N*cm", "kgfm": "kgf*m",
-        "kgfcm": "kgf*cm", "kgcm": "kgf*cm", "lbfft": "lbf*ft", "lbft": "lbf*ft",
-        "ftlb": "lbf*ft", "ftlbf": "lbf*ft", "lbfin": "lbf*in", "lbin": "lbf*in",
-        "inlb": "lbf*in", "inlbf": "lbf*in", "ozfin": "ozf*in", "ozin": "ozf*in",
-    },
-    "strain": {
-        **dict.fromkeys(("%", "percent", "pct", "prozent"), 1e-2),
-        **dict.fromkeys(("", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio",
-                         "dimensionless"), 1.0),
-        **dict.fromkeys(("mm/m", "‰", "permille"), 1e-3),
-        **dict.fromkeys(MICROSTRAINS, 1e-6),
-    },
-    "time": {
-        **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
-        **dict.fromkeys(("ms", "millis", "msec", "milliseconds"), 1e-3),
-        **dict.fromkeys(("us", "µs", "μs"), 1e-6),
-        **dict.fromkeys(("min", "minutes"), 60.0),
-        **dict.fromkeys(("h", "hours"), 3600.0),
-        **dict.fromkeys(("hh:mm:ss", "h:m:s", "mm:ss"), 1.0),  # clock times are read in seconds
-    },
+QUALIFIERS = set(
+    _terms(
+        "setpoint, set, soll, target, command, commanded, reference, desired, rate, velocity,"
+        "speed, std, sd, error, uncertainty, rest, initial, nominal, rms, work, arm, lever, braid,"
+        "fiber, fibre, id, index, count, flow, stress, spannung, sigma, σ, modulus, sollwert, raw,"
+        "change, stdev, sem, deviation, variance, barometric, ambient, atmospheric, atmosphere,"
+        "atm, room, supply, luftdruck, umgebungsdruck, versorgungsdruck, tank, cmd, model, modeled,"
+        "modelled, theoretical, theory, simulated, simulation, predicted, calculated"
+    )
+)
+MICROSTRAINS = _terms("µε, με, µstrain, microstrain, µm/m")
+
+
+def _spellings(units: Mapping[str | float, str]) -> dict[str, str | float]:
+    """The unit of each spelling, from the spellings of each unit."""
+    return {spelling: unit for unit, text in units.items() for spelling in text.split()}
+
+
+# spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or of
+# the SI units in one; signs and blanks in those of moments are left out
+SPELLINGS = {
+    "pressure": _spellings({
+        "Pa": "pa pascal pascals n/m2", "hPa": "hpa", "kPa": "kpa kilopascal kn/m2",
+        "MPa": "mpa n/mm2", "bar": "bar bars", "mbar": "mbar", "psi": "psi lbf/in2 lb/in2 lbs/in2",
+        "atm": "atm", "kgf/cm^2": "kgf/cm2 kg/cm2 kp/cm2", "mmHg": "mmhg", "torr": "torr",
+        "inHg": "inhg", 9806.65: "mh2o", 98.0665: "cmh2o", 9.80665: "mmh2o", 249.08891: "inh2o",
+        1e4: "n/cm2",
+    }),
+    "force": _spellings({
+        "N": "n newton newtons", "kN": "kn", "daN": "dan", "cN": "cn", "kip": "kip kips",
+        "lbf": "lbf lb lbs pound pounds lb-f pound-force", "ozf": "ozf",
+        "kgf": "kgf kp kg-f kilogram-force", "gf": "gf gram-force grams-force",
+    }),
+    "length": _spellings({
+        "m": "m meter meters metre metres", "mm": "mm millimeter millimeters millimetres",
+        "cm": "cm", "µm": "um μm", "in": 'in inch inches "', "ft": "ft",
+    }),
+    "angle": _spellings({
+        "deg": "deg ° degree degrees", "rad": "rad radian radians", "mrad": "mrad",
+    }),
+    "moment": _spellings({
+        "N*m": "nm", "mN*m": "mnm", "kN*m": "knm", "N*mm": "nmm", "N*cm": "ncm", "kgf*m": "kgfm",
+        "kgf*cm": "kgfcm kgcm", "lbf*ft": "lbfft lbft ftlb ftlbf",
+        "lbf*in": "lbfin lbin inlb inlbf", "ozf*in": "ozfin ozin",
+    }),
+    "strain": _spellings({
+        1e-2: "% percent pct prozent", 1e-3: "mm/m ‰ permille", 1e-6: " ".join(MICROSTRAINS),
+        1.0: "- 1 mm/mm m/m in/in fraction ratio dimensionless",
+    }) | {"": 1.0},
+    "time": _spellings({
+        1e-3: "ms millis msec milliseconds", 1e-6: "us µs μs", 60.0: "min minutes",
+        3600.0: "h hours",
+        # clock times are read in seconds
+        1.0: "s sec secs second seconds hh:mm:ss h:m:s mm:ss",
+    }),
 }  # fmt: skip
 _GAUGE = re.compile(
     r"(?:\s*\((?:g(?:auge)?|rel\.?|ü)\)|[\s_]+(?:g(?:auge)?|rel\.?|ü)|(?<=[a-z])[gü])$",
@@ -129,13 +143,10 @@ _GAUGE = re.compile(
 )
 _ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
 # of masses that hang from a muscle, the unit of their weight
-_WEIGHTS = {
-    **dict.fromkeys(("g", "gram", "grams", "gramm", "gr"), "gf"),
-    **dict.fromkeys(("oz", "ounce", "ounces"), "ozf"),
-    **dict.fromkeys(
-        ("kg", "kgs", "kilo", "kilos", "kilogram", "kilograms", "kilogramm"), "kgf"
-    ),
-}  # fmt: skip
+_WEIGHTS = _spellings({
+    "gf": "g gram grams gramm gr", "ozf": "oz ounce ounces",
+    "kgf": "kg kgs kilo kilos kilogram kilograms kilogramm",
+})  # fmt: skip
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
@@ -144,7 +155,7 @@ _PATTERN_NAMES = (*CONSTANTS, "rest_length")
 _LEVEL = re.compile(
     r"(?<![\d.,])\d+(?:[.,]\d+)?\s*(?:[kM]?Pa|m?bar|psi|[cm]?m|kg|g|N|%)(?![a-zA-Z])"
 )
-_RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
+EXAMPLE_NAMES = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 LONGEST_NAME = 100  # characters of a column's name
 
 
@@ -173,14 +184,25 @@ class MissingMetadataError(ValueError):
         return type(self), (self.before, *self.choices)
 
 
+class Scale(NamedTuple):
+    """Quantity of a signal: `factor` in SI units for one `unit` of it, such as a volt."""
+
+    factor: float
+    unit: str
+
+
+def read_scale(text: str, role: str) -> Scale:
+    """Scale of a gauge's signal, such as `1.475bar/V`."""
+    quantity, sign, unit = map(str.strip, str(text).rpartition("/"))
+    if not sign or unit.lower() not in SIGNALS:
+        rule = f"of {role} must be a quantity for one unit of its signal"
+        raise InvalidInputError("scales", rule, text, "write such as 1.475bar/V")
+    return Scale(parse(quantity, dimension_of(role), f"scale of {role}"), unit)
+
+
 def weight_unit(unit: str, dimension: str) -> str:
     """The unit of force for a column of masses, such as "kgf" for "kg"; empty for other units."""
-    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
-
-
-def is_absolute(unit: str) -> bool:
-    """True for a unit of absolute pressure, such as "psia"."""
-    return bool(absolute_unit(unit))
+    return str(_WEIGHTS.get(unit.strip().lower(), "")) if dimension == "force" else ""
 
 
 def absolute_unit(unit: str) -> str:
@@ -204,7 +226,7 @@ def unit_factor(unit: str, dimension: str) -> float:
     if dimension == "moment":
         text = re.sub(r"[\s·⋅•.*-]+", "", text)
     if dimension == "pressure":
-        if is_absolute(text):
+        if absolute_unit(text):
             raise ValueError(f"{unit!r} is absolute")
         text = _GAUGE.sub("", text) if is_gauge_unit(text) else text
     name = SPELLINGS[dimension].get(text.lower().replace("²", "2").replace("^", ""))
@@ -230,7 +252,7 @@ def is_unit(text: str, dimensions: tuple[str, ...] = tuple(SPELLINGS)) -> bool:
 
 def is_any_unit(text: str) -> bool:
     """True if `text` is a unit, also of absolute pressure."""
-    return is_unit(text) or is_absolute(text)
+    return is_unit(text) or bool(absolute_unit(text))
 
 
 def strip_brackets(text: str) -> str:
@@ -327,7 +349,7 @@ def differ(first: str, second: str) -> bool:
     return any(a and b and a.isdisjoint(b) for a, b in (roles, units))
 
 
-def list_words(header: str) -> set[str]:
+def _list_words(header: str) -> set[str]:
     """Words of a header's possible names, in lower case."""
     return {word for name, _ in read_header(header) for word in name.split()}
 
@@ -367,6 +389,12 @@ class TableHeader:
     def where(self) -> str:
         """File and line of the header, for messages."""
         return f"{self.source}, line {self.line}"
+
+    def stated_unit(self, index: int, *dimensions: str) -> str:
+        """Unit of a column: of the row of units, or else of its name, best of the `dimensions`."""
+        units = [strip_brackets(self.units[index])]
+        units = units if units[0] else [unit for _, unit in read_header(self.header[index])]
+        return next((unit for unit in units if unit and is_unit(unit, dimensions)), units[0])
 
 
 @dataclass(frozen=True)
@@ -408,35 +436,41 @@ def choose_columns(
     constants: Iterable[str] = (),
     *,
     names: Sequence[str] = (),
+    scales: Mapping[str, Scale] | None = None,
     atmosphere: bool = False,
 ) -> tuple[dict[str, Column], tuple[str, ...]]:
     """Columns of a `table` to read, by role, and a note of the others.
 
     `headers` and `units`, by role, overrule what the table's header says, and so do the `names` of
-    columns in their order. The roles `constants` need no column. `atmosphere`: absolute pressures
-    are read. Raises a `ValueError` for a column or a unit that is missing, unknown or ambiguous.
+    columns in their order. The roles `constants` need no column. `scales` of signals by role.
+    `atmosphere`: absolute pressures are read. Raises a `ValueError` for a column or a unit that is
+    missing, unknown or ambiguous.
     """
-    chosen = {
-        role: Column(role, _index_of(table, role, header), header)
-        for role, header in headers.items()
-    }
+    chosen = {role: _index_of(table, role, header) for role, header in headers.items()}
     if names and len(table.header) > 2 * len(names):
         missing = len(table.header) - len(names)
         before = f"{table.where}: {missing} of its {len(table.header)} columns are not named: give "
-        choice = ("columns", "", ",".join([*(name or "-" for name in names), "-", "…"]), "")
-        raise MissingMetadataError(before, (*choice[:3], ", with - for each to skip"))
-    units = dict(units)
+        text = ",".join([*(name or "-" for name in names), "-", "…"])
+        raise MissingMetadataError(before, ("columns", "", text, ", with - for each to skip"))
+    units, scales = dict(units), dict(scales or {})
     for role, index, unit in _role_positions(names):
         if index < len(table.header):
-            chosen[role] = Column(role, index, table.header[index] or names[index])
+            chosen[role] = index
         if unit:
             units.setdefault(role, unit)
+    for role, scale in scales.items():
+        chosen.setdefault(role, _signal_index(table, role, scale))
     constants = set(constants)
     _infer(table, chosen, units, constants, () if names else ROLES)
     columns, optional = {}, _optional_roles(constants | chosen.keys())
-    for role, column in chosen.items():
+    for role, index in chosen.items():
+        header = table.header[index] or (names[index] if index < len(names) else "")
+        column = Column(role, index, header)
         try:
-            columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
+            if role in scales:
+                columns[role] = replace(column, unit=scales[role].unit, factor=scales[role].factor)
+            else:
+                columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
         except ValueError:
             if role not in optional or role in headers or role in units:
                 raise
@@ -448,7 +482,7 @@ def choose_columns(
 
 def _infer(
     table: TableHeader,
-    chosen: dict[str, Column],
+    chosen: dict[str, int],
     units: Mapping[str, str],
     constants: set[str],
     roles: Sequence[str],
@@ -456,9 +490,8 @@ def _infer(
     """Add the columns of `roles` that the header tells to the `chosen` ones, and drop a torque
     beside a force; raises for several candidates, or without pressure, force or position.
     """
-    used = {column.index for column in chosen.values()}
     for role in roles:
-        supplied = constants | set(chosen)
+        supplied, used = constants | set(chosen), set(chosen.values())
         alternatives = next((group for group in _ALTERNATIVES if role in group), (role,))
         # a moment arm may depend on the angle, also where the length was measured
         if supplied & ({role} if role == "angle" and "torque" in supplied else set(alternatives)):
@@ -470,20 +503,18 @@ def _infer(
         lengths = ("length", "displacement") if role == "strain" else ()
         if any(_candidates(table, length, used, units.get(length)) for length in lengths):
             # beside a length these are of a strain gauge on the rig
-            indices = [i for i in indices if _stated_unit(table, i, role) not in MICROSTRAINS]
+            indices = [i for i in indices if table.stated_unit(i, role) not in MICROSTRAINS]
         if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
         if len(indices) > 1:
             raise _ambiguous(table, role, indices)
         if indices:
-            chosen[role] = Column(role, indices[0], table.header[indices[0]])
-            used.add(indices[0])
+            chosen[role] = indices[0]
     supplied = constants | set(chosen)
     for role, group in zip(("pressure", "force", "length"), _ALTERNATIVES, strict=True):
         if not supplied & set(group):
-            _check_position_units(table, group)
-            raise _missing(table, role, used)
+            raise _missing(table, role, group, set(chosen.values()))
     if "force" in supplied:
         chosen.pop("torque", None)
 
@@ -516,30 +547,27 @@ def split_names(names: Any) -> tuple[str, ...]:
 
 def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
     """Role, index and unit of each column that is named by its place."""
-    positions: list[tuple[str, int, str]] = []
+    positions: dict[str, tuple[int, str]] = {}
     for index, text in enumerate(names):
-        for name, unit in read_header(text) if text else ():
-            fits = [
-                role for role in ROLES
-                if name in {role, *TERMS[role]}
-                and (not unit or role == "branch" or is_unit(unit, (dimension_of(role),))
-                     or is_absolute(unit))
-            ]  # fmt: skip
-            role = name if name in fits else next(iter(fits), None)
-            if role is not None:
-                break
-        else:
-            if text:
-                hint = f"choose of {', '.join(ROLES)}, with a unit such as force[N], or - to skip"
-                raise InvalidInputError(
-                    "columns in order", f"has the unknown name {text!r}", text, hint, ""
-                )
+        if not text:
             continue
-        if any(role == position[0] for position in positions):
-            hint = "write - for the one to skip"
-            raise InvalidInputError("columns in order", f"names {role} twice", text, hint, "")
-        positions.append((role, index, unit))
-    return positions
+        fits = [
+            (role, unit)
+            for name, unit in read_header(text)
+            for role in sorted(ROLES, key=lambda role: role != name)
+            if name in {role, *TERMS[role]}
+            and (not unit or role == "branch" or is_unit(unit, (dimension_of(role),))
+                 or unit.lower() in SIGNALS or absolute_unit(unit))
+        ]  # fmt: skip
+        rule, hint = "", f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
+        if not fits:
+            rule = f"has the unknown name {text!r}"
+        elif fits[0][0] in positions:
+            rule, hint = f"names {fits[0][0]} twice", "write - for the one to skip"
+        if rule:
+            raise InvalidInputError("columns in order", rule, text, hint, "")
+        positions[fits[0][0]] = index, fits[0][1]
+    return [(role, *position) for role, position in positions.items()]
 
 
 def _suggest_name(name: str, choices: Sequence[str], quote: str) -> str:
@@ -552,16 +580,28 @@ def _index_of(table: TableHeader, role: str, header: str) -> int:
     """Index of the column that the caller named."""
     target, names = header.strip().lower(), table.header
     indices = [i for i, name in enumerate(names) if name.lower() == target]
-    if not indices:
-        indices = [
-            i for i, name in enumerate(names) if target in [plain for plain, _ in read_header(name)]
-        ]
+    indices = indices or [
+        i for i, name in enumerate(names) if target in [plain for plain, _ in read_header(name)]
+    ]
+    if len(indices) > 1:
+        raise _ambiguous(table, role, indices)
     if not indices:
         names = [name for name in names if name]
         hint = _suggest_name(header, names, "`") or f"there are {_list_names(names)}."
         raise ValueError(f"{table.where}: no column `{header}` for {role}: {hint}")
+    return indices[0]
+
+
+def _signal_index(table: TableHeader, role: str, scale: Scale) -> int:
+    """Index of the column of a role's signal, by its unit and, if several have it, by its name."""
+    unit = scale.unit.lower()
+    indices = [i for i in range(len(table.header)) if table.stated_unit(i).lower() == unit]
+    if len(indices) > 1:
+        indices = [i for i in indices if _list_words(table.header[i]) & set(TERMS[role])] or indices
     if len(indices) > 1:
         raise _ambiguous(table, role, indices)
+    if not indices:
+        raise ValueError(f"{table.where}: no column in {scale.unit} for the scale of {role}.")
     return indices[0]
 
 
@@ -586,34 +626,30 @@ def _complete(
     role, header = column.role, table.header[column.index]
     if role in {"branch", "clipped"}:
         return column
-    dimension, header_words = dimension_of(role), list_words(header)
-    header_unit = _stated_unit(table, column.index, dimension)
+    dimension, header_words = dimension_of(role), _list_words(header)
+    header_unit = table.stated_unit(column.index, dimension)
     unit = override or header_unit
     where = f"{table.where}, column `{header}`"
+    if unit.lower() in SIGNALS or (not unit and header_words & _RAW):
+        raise _raw_signal(where, role, unit)
     if not unit and role == "time":
         unit = header if is_unit(header, ("time",)) else "s"
-    elif not unit and header_words & _RAW:
-        raise ValueError(f"{where}: raw readings of a gauge: convert them to {USUAL_UNITS[role]},"
-                         " and write the unit in the header.")  # fmt: skip
     elif not unit and role in USUAL_UNITS:
         weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
         if not weights and role == "force" and header_words & MASSES:
             weights = ["kgf", "gf", "N"]
-        best, *alternatives = weights or [USUAL_UNITS[role]]
+        best, *others = weights or [USUAL_UNITS[role]]
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
-        after = f", or {' or '.join(alternatives)}" if alternatives else ""
+        after = f", or {' or '.join(others)}" if others else ""
         raise MissingMetadataError(how, ("units", role, best, after))
-    calls_absolute = is_absolute(header_unit) or bool(header_words & ABSOLUTE)
-    absolute = role == "pressure" and (
-        is_absolute(unit) or ((calls_absolute or atmosphere) and not is_gauge_unit(unit))
-    )
+    absolute = role == "pressure" and _is_absolute(unit, header_unit, header_words, atmosphere)
     if absolute and not atmosphere:
         how = (
-            f"{where}: {unit if is_absolute(unit) else header!r} is absolute, muscles are computed"
-            " in gauge pressure: to subtract the atmosphere, give "
+            f"{where}: {unit if absolute_unit(unit) else header!r} is absolute, muscles are"
+            " computed in gauge pressure: to subtract the atmosphere, give "
         )
         choices = [("atmosphere", "", "1.013 bar", " as measured then")]
-        if not is_absolute(unit):  # its name may be wrong
+        if not absolute_unit(unit):  # its name may be wrong
             choices.append(("units", "pressure", f"{unit} (g)", ", if it is gauge"))
         raise MissingMetadataError(how, *choices)
     unit = (absolute and absolute_unit(unit)) or unit
@@ -638,11 +674,19 @@ def _complete(
     )
 
 
-def _stated_unit(table: TableHeader, index: int, *dimensions: str) -> str:
-    """Unit of a column: of the row of units, or else of its name, best one of the `dimensions`."""
-    units = [strip_brackets(table.units[index])]
-    units = units if units[0] else [unit for _, unit in read_header(table.header[index])]
-    return next((unit for unit in units if unit and is_unit(unit, dimensions)), units[0])
+def _is_absolute(unit: str, header_unit: str, words: set[str], atmosphere: bool) -> bool:
+    """True for a pressure in a `unit`, under a header with a unit and `words`, above vacuum."""
+    is_named = bool(absolute_unit(header_unit) or words & ABSOLUTE or atmosphere)
+    return bool(absolute_unit(unit)) or (is_named and not is_gauge_unit(unit))
+
+
+def _raw_signal(where: str, role: str, unit: str) -> MissingMetadataError:
+    """The error for a gauge's signal instead of a quantity."""
+    example = f"1 {USUAL_UNITS.get(role, '%')}/{unit or 'V'}"
+    before = f"{where}: raw readings of a gauge: convert them to {USUAL_UNITS.get(role, '%')}, or"
+    return MissingMetadataError(
+        f"{before} give ", ("scales", role, example, " with its own number")
+    )
 
 
 def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueError:
@@ -671,77 +715,54 @@ def _check_wide(table: TableHeader) -> None:
 
 
 def _ambiguous(table: TableHeader, role: str, indices: Sequence[int]) -> ValueError:
+    """The error for several columns that could be one role's."""
     _check_wide(table)
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
-        before = f"{table.where}: column `{names[0]}` is there {len(names)} times: choose one with "
-        choices = (("columns", "", _columns_in_order(table, i), "") for i in (0, -1))
-        return MissingMetadataError(before, *choices)
+        before = (
+            f"{table.where}: column `{names[0]}` is there {len(names)} times: name all in order"
+        )
+        choice = ("columns", "", EXAMPLE_NAMES, ", with - for each to skip")
+        return MissingMetadataError(f"{before}, as in ", choice)
     how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
     return MissingMetadataError(how, ("columns", role, names[0], ""))
 
 
-def _columns_in_order(table: TableHeader, repeat: int) -> str:
-    """Names for `--columns`: of columns with one name the `repeat`-th, `-` for one to skip."""
-    entries, roles = [], set()
-    for i, header in enumerate(table.header):
-        points = {role: score(header, table.units[i], role) for role in ROLES}
-        role = max(points, key=lambda role: points[role])
-        repeats = [k for k, name in enumerate(table.header) if name == header]
-        if points[role] < 2 or role in roles or i != repeats[repeat]:
-            entries.append("-")
-            continue
-        roles.add(role)
-        unit = _stated_unit(table, i, dimension_of(role))
-        is_stated = unit and is_unit(unit, (dimension_of(role),))
-        entries.append(f"{role}[{unit}]" if is_stated else role)
-    return ",".join(entries).rstrip(",-")
-
-
-def _check_position_units(table: TableHeader, roles: Sequence[str]) -> None:
-    """Refuse a column named as one of the `roles` whose unit is unknown."""
-    for i, header in enumerate(table.header):
-        name, unit = read_header(header)[0][0], _stated_unit(table, i)
-        role = next((role for role in roles if name in TERMS[role]), None)
-        if role in POSITIONS and unit and not is_unit(unit):
-            error = ValueError(f"{unit!r} is no unit of {dimension_of(role)}")
-            raise _wrong_unit(f"{table.where}, column `{header}`", role, unit, error)
-
-
-def _missing(table: TableHeader, role: str, used: set[int]) -> ValueError:
-    """The error for a role without a column, with what could supply it."""
+def _missing(table: TableHeader, role: str, group: Sequence[str], used: set[int]) -> ValueError:
+    """The error for a `group` of roles without a column, with what could supply one of them."""
     if len(table.header) == 1:
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     _check_wide(table)
-    quantities = {"length": "length, strain, displacement or angle", "force": "force or torque"}
-    quantity = quantities.get(role, role)
-    dimension, names = dimension_of(role), []
-    dimensions = ("length", "strain", "angle") if role == "length" else (dimension,)
+    group = sorted(group, key=lambda each: each != role)
+    dimensions = tuple(map(dimension_of, group))
+    names, signals = [], []
     for i, name in enumerate(table.header):
-        stated = _stated_unit(table, i)
-        fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimension)
-        if name.lower() in {"", "comment"}:  # the last column of LabVIEW
+        stated = table.stated_unit(i)
+        if i in used or name.lower() in {"", "comment"}:  # the last column of LabVIEW
             continue
-        if i not in used and (fits or (role == "pressure" and is_absolute(stated))):
+        is_named = read_header(name)[0][0] in {term for each in group for term in TERMS[each]}
+        if role == "length" and is_named and stated and not is_unit(stated):
+            error = ValueError(f"{stated!r} is no unit of {role}")
+            return _wrong_unit(f"{table.where}, column `{name}`", role, stated, error)
+        if stated.lower() in SIGNALS:
+            signals.append((name, stated))
+        fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimensions[0])
+        if fits or (role == "pressure" and absolute_unit(stated)):
             names.append(name)
-    names.sort(key=lambda name: bool(list_words(name) & QUALIFIERS))  # setpoints last
-    before = f"{table.where}: no column of {quantity} found: "
-    signals = [name for i, name in enumerate(table.header)
-               if i not in used and _stated_unit(table, i).lower() in SIGNALS]  # fmt: skip
     if signals and not names:
-        before += f"{_list_names(signals)} hold signals, convert one to {USUAL_UNITS[role]}: "
+        return _raw_signal(f"{table.where}, column `{signals[0][0]}`", role, signals[0][1])
+    names.sort(key=lambda name: bool(_list_words(name) & QUALIFIERS))  # setpoints last
+    before = f"{table.where}: no column of {' or '.join(group)} found: "
     constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
-    unit = _stated_unit(table, table.header.index(names[0]))
-    roles = [role for role in ("length", "displacement", "strain", "angle")
-             if unit and is_unit(unit, (dimension_of(role),))]  # fmt: skip
-    if len(names) == 1 and role == "length" and roles:
-        choices = [("columns", role, names[0], "") for role in roles]
+    unit = table.stated_unit(table.header.index(names[0]))
+    fitting = [each for each in group if unit and is_unit(unit, (dimension_of(each),))]
+    if len(names) == 1 and role == "length" and fitting:
+        choices = [("columns", each, names[0], "") for each in fitting]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
-    after = f" if it is one of {_list_names(names)}"
-    named = ("columns", role, names[0], after)
+    named = ("columns", role, names[0], f" if it is one of {_list_names(names)}")
     return MissingMetadataError(f"{before}name it with ", named, constant)
 
 
@@ -773,12 +794,8 @@ def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
     expression += _wildcard_expression(end)
     match = re.search(expression, table) or re.search(expression, f"{path.stem} {table}".rstrip())
     if match is None:
-        what = (
-            f"neither table `{table}` nor its name with the file's fits"
-            if table
-            else ("the file's name doesn't fit")
-        )
-        raise ValueError(f"{path}: {what} the pattern {pattern!r}.")
+        what = f"`{path.stem}` or table `{table}`" if table else f"`{path.stem}`"
+        raise ValueError(f"{path}: its name {what} doesn't fit the pattern {pattern!r}.")
     values = {}
     for (name, unit), text in zip(fields, match.groups(), strict=True):
         dimension = dimension_of(name)

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError, require
 from .headers import (
+    EXAMPLE_NAMES,
     LONGEST_NAME,
     NUMBER,
     ROLES,
@@ -268,7 +269,7 @@ class Table(TableHeader):
         is_row = (cells != "").any(axis=1)
         for names in (self.header, self.units):
             is_row &= ~(cells.iloc[:, :width] == list(names)).all(axis=1)
-        return frame[is_row]
+        return frame.loc[is_row]
 
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
         """Refuse a `row` of names or units, the `count`-th, that differ from the header's."""
@@ -407,8 +408,7 @@ def _headless(
         f"{where}: no header, but numbers in {width} columns: name the columns in order, as in "
     )
     after = f"; `-` skips a column; the names are {', '.join(ROLES)}"
-    example = "force[N],pressure[kPa],-,length[mm]"
-    raise MissingMetadataError(before, ("columns", "", example, after))
+    raise MissingMetadataError(before, ("columns", "", EXAMPLE_NAMES, after))
 
 
 def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str]], list[str]]:

@@ -380,7 +380,13 @@ def test_one_of_two_specimens_side_by_side_is_chosen():
     given = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
     with pytest.raises(MissingMetadataError) as error:
         loads(text, **given)
-    first, second = (loads(text, columns=choice[2], **given) for choice in error.value.choices)
+    assert error.value.argument == "columns"
+    named = "time,displacement[mm],force[N]"
+    signs = {"displacement": "extension"}
+    first, second = (
+        loads(text, columns=columns, signs=signs, **given)
+        for columns in (f"{named},-,-,-", f"-,-,-,{named}")
+    )
     check(first, pressure=False)
     assert_allclose(second.force, other[2])
     assert_allclose(second.strain, first.strain)

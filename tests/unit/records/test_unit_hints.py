@@ -73,11 +73,17 @@ def test_a_missing_unit_of_a_weight_is_offered(header, unit, si):
 
 
 @pytest.mark.parametrize(
-    "quantity", [{"force": "F [V]"}, {"force": "F [mm]"}, {"pressure": "P [V]"}]
+    ("role", "header"), [("force", "F [V]"), ("pressure", "P [mA]"), ("pressure", "adc_pressure")]
 )
-def test_no_unit_is_offered_where_the_numbers_are_of_another_quantity(quantity):
+def test_a_scale_is_offered_for_a_signal(role, header):
+    with pytest.raises(MissingMetadataError) as error:
+        loads(table(**{role: header}), rest_length=0.2)
+    assert error.value.choices[0][:2] == ("scales", role)
+
+
+def test_no_unit_is_offered_where_the_numbers_are_of_another_quantity():
     with pytest.raises(ValueError, match="line 1") as error:
-        loads(table(**quantity), rest_length=0.2)
+        loads(table(force="F [mm]"), rest_length=0.2)
     assert not isinstance(error.value, MissingMetadataError)
 
 
