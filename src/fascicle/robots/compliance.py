@@ -69,8 +69,9 @@ class Series(Module):
             return contraction
         members = self.members.astype(bool)
         ends = [plant.distances - plant.lengths * (1 - end) for end in plant.muscles.strains]
-        low = np.min(np.where(members, ends[0], np.inf), axis=-1)
-        high = np.max(np.where(members, ends[1], -np.inf), axis=-1)
+        xp = array_namespace(members, *ends)
+        low = xp.min(xp.where(members, ends[0], np.inf), axis=-1)
+        high = xp.max(xp.where(members, ends[1], -np.inf), axis=-1)
         if start is None:
             start = minimum(maximum(contraction, low), high)
         # the pull is positive where the tables begin, and pushes where they end

@@ -282,17 +282,24 @@ class Drive(Module):
         top = float(np.min(self.plant.muscles.highest_pressure))
         closed = (True, True)
         P = check_interval(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
-        P = np.broadcast_to(P, (self.units,)) + 0.0
-        contraction = self.rest_lengths - data.actuator_length[list(self.actuators)]
-        x = self.series.contractions(self.plant, contraction, P)
-        eps = bundle_strains(self.plant, x)
-        V = self.plant.counts * self.plant.muscles.at(P, eps).volume
-        spool = np.zeros(self.plant.spool.state_count(self.units))
-        chambers = np.asarray(self.plant.chamber.state_at(P, V))
-        supply = np.asarray(self.plant.supply.initial_state(), float)
-        status = table_status(self.plant.muscles, P, eps)
-        inside = np.array(not status.any())
-        return Fluid(chambers, P, spool, supply, inside, x, status, np.array(0.0))
+        return self.fluid_at(data.actuator_length, np.broadcast_to(P, (self.units,)) + 0.0)
+
+    def fluid_at(self, actuator_lengths: Numbers, pressures: Numbers) -> Fluid:
+        """Fluid at `actuator_lengths`, of all actuators of the model [m], and units' `pressures`
+        [Pa]; under JAX, too, where nothing is checked.
+        """
+        plant, P = self.plant, pressures
+        contraction = self.rest_lengths - actuator_lengths[np.array(self.actuators)]
+        xp = array_namespace(contraction, P)
+        x = self.series.contractions(plant, contraction, P)
+        eps = bundle_strains(plant, x)
+        volume = plant.counts * plant.muscles.at(P, eps).volume
+        chambers = xp.asarray(plant.chamber.state_at(P, volume))
+        spool = xp.zeros(plant.spool.state_count(self.units))
+        supply = xp.asarray(plant.supply.initial_state(), float)
+        status = table_status(plant.muscles, P, eps)
+        inside = xp.asarray(xp.all(status == 0))
+        return Fluid(chambers, P, spool, supply, inside, x, status, xp.zeros(()))
 
     def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
         """Step MuJoCo's `data`; returns the fluid after the step [SI].

@@ -24,6 +24,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from ..bundle import Bundle, MotorUnit
+from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
 from ..fluid import ConstantSupply, Isothermal, SonicValve
@@ -105,19 +106,21 @@ class Plan(NamedTuple):
         return Box(-1.0, 1.0, (3 + units,), np.float32), Box(-1.0, 1.0, (units,), np.float32)
 
 
-def task_observation(
+def scale_observation(
     task: EnvironmentTask, position: Any, speed: Any, target: Any, pressures: Any
-) -> np.ndarray:
+) -> Any:
     """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
     each scaled to [-1, 1].
     """
-    scalars = [
-        (position - task.middle) / task.reach,
-        speed / task.speed,
-        (target - task.middle) / task.reach,
-    ]
-    rows = np.concatenate([np.stack(scalars, axis=-1), 2 * pressures / SUPPLY - 1], axis=-1)
-    return np.clip(rows, -1.0, 1.0).astype(np.float32)
+    xp = array_namespace(position, pressures)
+    scalars = xp.stack(
+        [
+            (position - task.middle) / task.reach,
+            speed / task.speed,
+            (target - task.middle) / task.reach,
+        ]
+    )
+    return xp.clip(xp.concatenate([scalars, 2 * pressures / SUPPLY - 1]), -1.0, 1.0)
 
 
 def check_action(action: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -212,7 +215,8 @@ class Environment(gymnasium.Env):
             "forces": forces,
             "air": float(fluid.consumption),
         }
-        return task_observation(self.task, position, speed, self.target, pressures), info
+        row = scale_observation(self.task, np.float64(position), speed, self.target, pressures)
+        return row.astype(np.float32), info
 
     def render(self) -> Any:
         """Draw the scene: an image of 480 × 640 in the mode "rgb_array", MuJoCo's viewer in the

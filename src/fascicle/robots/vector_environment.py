@@ -1,22 +1,25 @@
-"""Environments in one process: all step together in MJX, with the tables of their muscles.
+"""Many robots in one process: a vector environment of Gymnasium for any model of MuJoCo.
 
-`gymnasium.make_vec(name, num_envs=…)` returns one of these. Environment `i` of a reset with a seed
-has the targets of a single one with that seed plus `i`. After an episode's end the next step
-resets, whatever its action, as Gymnasium's own vector environments do.
+All step together in MJX, with the tables of their muscles. What an episode begins with, what is
+observed and what is rewarded are functions of arrays, which the caller writes. After an episode's
+end the next step resets, whatever its action, as Gymnasium's own vector environments do.
 """
 
-from collections.abc import Iterable
-from typing import Any, ClassVar
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from gymnasium.spaces import Box
 from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..core.errors import InvalidInputError
-from .drive import Fluid
+from ..core.types import Values
+from ..core.validation import check_interval, check_whole_number
+from .drive import Drive, Fluid
 from .environments import (
     FRAMES,
     START,
@@ -25,64 +28,108 @@ from .environments import (
     HangingMass,
     Plan,
     check_action,
-    task_observation,
+    scale_observation,
 )
 from .optional_imports import mjx, mujoco
 
 
-class VectorEnvironment(VectorEnv):
-    """Many environments of one kind, compiled together.
+class Episode(NamedTuple):
+    """State of one environment: MJX's `data`, the `fluid` of its muscles, and its `goal`."""
 
-    Observations, rewards and what is measured are those of the single environment, with an axis of
-    environments ahead.
+    data: Any
+    fluid: Fluid
+    goal: Any
+
+
+class VectorEnvironment(VectorEnv):
+    """Environments of one model with fascicle's muscles on its tendons, compiled together.
+
+    Actions are the muscles' commands: of valves, from -1 to 1 [-], or without valves pressures in
+    shares of the highest, from 0 to 1 [-]. An episode ends where a muscle leaves its table, and is
+    cut after `max_episode_steps`.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self,
-        kind: type[Environment],
+        model: Any,
+        drives: Drive | Sequence[Drive],
         num_envs: int,
-        max_episode_steps: int = 200,
-        render_mode: str | None = None,
+        begin: Callable[[np.random.Generator], tuple[Any, Any, Any]],
+        observe: Callable[[Episode], Any],
+        reward: Callable[[Episode, Any], Any],
+        measure: Callable[[Episode], dict[str, Any]] | None = None,
+        pressures: Values = 0.0,
+        frames: int = 1,
+        max_episode_steps: int = 1000,
+        observation_space: Box | None = None,
     ):
         """**Arguments:**
 
-        - `kind`: class of the single environment.
-        - `num_envs`: their number [-].
-        - `max_episode_steps`: of 10 ms, after which an episode is truncated.
-        - `render_mode`: must be `None`.
+        - `model`: MuJoCo's compiled `MjModel`.
+        - `drives`: one for all environments; or several of the same structure, with other muscles,
+          of which environment `i` has the one at `i` modulo their number.
+        - `num_envs`: number of environments [-].
+        - `begin`: function of a random generator of NumPy: returns `qpos`, `qvel` [SI] and the goal
+          of an episode, any arrays.
+        - `observe`: function of an `Episode`, traced by JAX: returns the observation, a row of
+          numbers.
+        - `reward`: likewise, of an `Episode` and the action: a number.
+        - `measure`: likewise, of an `Episode`: arrays by name for `info`; or none.
+        - `pressures`: of all units, or of each, as an episode begins [Pa].
+        - `frames`: MuJoCo's steps in one of the environment [-].
+        - `max_episode_steps`: after which an episode is truncated [-].
+        - `observation_space`: of one environment; left out, a box without limits.
 
-        **Raises:** `InvalidInputError` for fewer than one of them, and a mode.
+        **Raises:** `InvalidInputError` for numbers below one, and drives that differ in structure.
         """
-        if render_mode is not None:
-            raise InvalidInputError("render_mode", "must be None", render_mode, "draw a single one")
-        if num_envs < 1:
-            raise InvalidInputError("num_envs", "must be at least 1", num_envs)
-        self.num_envs, self.limit, self.task = num_envs, max_episode_steps, kind.task
-        self.model, self.drive = plan = Plan.of(kind.task)
-        self.single_observation_space, self.single_action_space = plan.spaces
-        self.observation_space, self.action_space = (
-            batch_space(space, num_envs) for space in plan.spaces
-        )
-        data = mujoco.MjData(self.model)
-        fluid = self.drive.start(self.model, data, START)
-        engine = mjx()
-        physics = engine.put_data(self.model, data)
+        self.num_envs = check_whole_number(num_envs, "num_envs", 1)
+        self.limit = check_whole_number(max_episode_steps, "max_episode_steps", 1)
+        self._frames = check_whole_number(frames, "frames", 1)
+        self._begin_episode, self._observe, self._reward = begin, observe, reward
+        self._measure = measure or (lambda *_: {})
+        drives = [drives] if isinstance(drives, Drive) else list(drives)
+        structures = {str(jax.tree.structure(drive)) for drive in drives}
+        if len(structures) != 1:
+            rule = "must be one, or several of the same structure"
+            raise InvalidInputError("drives", rule, None, shown=f"{len(structures)} structures")
+        self.model, self._valved = model, drives[0].valved
+        self._highest = min(float(np.min(drive.plant.muscles.highest_pressure)) for drive in drives)
+        self._engine = mjx()
+        data = self._engine.put_data(model, mujoco.MjData(model))
         # on MJX's device from the start: a state that moves there later compiles the step again
-        single = jax.device_put((physics, fluid), physics.qpos.device)
-        self._first = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), single)
-        self._engine_model = engine.put_model(self.model)
-        self._step = jax.jit(self._advance)
-        self._state = self._first
-        self._generators = [np_random(None)[0] for _ in range(num_envs)]
-        self.targets, self._steps = np.zeros(num_envs), np.zeros(num_envs, int)
-        self._over = np.zeros(num_envs, bool)
+        self._device = data.qpos.device
+        self._blank, self._physics = data, self._engine.put_model(model)
+        # tables of other muscles are stacked; those of equal ones are shared
+        self._many = len(drives) > 1
+        chosen = [drives[i % len(drives)] for i in range(self.num_envs if self._many else 1)]
+        stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *chosen)
+        self._drives = jax.device_put(stacked if self._many else drives[0], self._device)
+        P = check_interval(pressures, 0.0, self._highest, "pressures", "Pa", closed=(True, True))
+        self._pressures = np.broadcast_to(P, (drives[0].units,)) + 0.0
+        axes = 0 if self._many else None
+        self._start = jax.jit(jax.vmap(self._start_one, in_axes=(axes, 0, 0)))
+        self._step = jax.jit(jax.vmap(self._step_one, in_axes=(axes, 0, 0, 0, 0, 0)))
+        self._view = jax.jit(jax.vmap(self._view_one))
+        self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
+        self._steps = np.zeros(self.num_envs, int)
+        self._over = np.zeros(self.num_envs, bool)
+        self._goals: Any = None
+        self._state: Any = None
+        self._draw(range(self.num_envs))
+        width = self._results()[0].shape[1]
+        low = -1.0 if self._valved else 0.0
+        self.single_action_space = Box(low, 1.0, (drives[0].units,), np.float32)
+        limitless = Box(-np.inf, np.inf, (width,), np.float32)
+        self.single_observation_space = observation_space or limitless
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode of each: `seed`s of the targets, or the first one of them.
+        """Start an episode of each: `seed`s of the generators, or the first one of them.
 
         **Returns:** observations, and what is measured [SI].
         """
@@ -90,8 +137,7 @@ class VectorEnvironment(VectorEnv):
         if seed is not None:
             seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
             self._generators = [np_random(number)[0] for number in seeds]
-        self._state = self._first
-        self._draw_targets(range(self.num_envs))
+        self._draw(range(self.num_envs))
         self._steps[:] = 0
         self._over[:] = False
         return self._results()
@@ -99,78 +145,144 @@ class VectorEnvironment(VectorEnv):
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One step of 10 ms of each with valves open by `actions` [-], rows of environments.
+        """One step of each with `actions` [-], rows of environments.
 
         **Returns:** observations, rewards, whether a muscle left its table, whether the time is up,
         and what is measured [SI].
 
         **Raises:** `InvalidInputError` for actions that aren't finite.
         """
-        commands = check_action(actions, self.action_space.shape or ())
+        actions = check_action(actions, self.action_space.shape or ())
         fresh = self._over.copy()
-        self._draw_targets(np.flatnonzero(fresh))
-        self._state, position, inside = self._step(self._state, commands, fresh)
+        if fresh.any():
+            self._draw(np.flatnonzero(fresh))
+        self._state, rewards, inside = self._step(
+            self._drives, *self._state, self._goals, actions, fresh
+        )
         self._steps += 1
         self._steps[fresh] = 0
-        error = np.abs(np.asarray(position) - self.targets) / self.task.reach
         terminated = ~np.asarray(inside)
         truncated = (self._steps >= self.limit) & ~terminated
         self._over = terminated | truncated
         observations, info = self._results()
-        return observations, np.where(fresh, 0.0, -error), terminated, truncated, info
+        return observations, np.asarray(rewards), terminated, truncated, info
 
-    def _draw_targets(self, indices: Iterable[int]) -> None:
-        """Draw targets of the environments with these `indices`."""
-        for i in indices:
-            self.targets[i] = self._generators[i].uniform(self.task.low, self.task.high)
-
-    def _advance(self, state: tuple, commands: jax.Array, fresh: jax.Array) -> tuple:
-        """State after a step, positions [SI], and whether all are in their tables."""
-
-        def single(data: Any, fluid: Fluid, command: jax.Array) -> tuple:
-            def frame(carry: tuple, _: None) -> tuple:
-                data, fluid = carry
-                return self.drive.step_mjx(self._engine_model, data, fluid, command), None
-
-            return jax.lax.scan(frame, (data, fluid), length=FRAMES)[0]
-
-        data, fluid = state
-        after = jax.vmap(single)(data, fluid, commands)
+    def _draw(self, indices: Any) -> None:
+        """Begin episodes of the environments with these `indices`."""
+        episodes = [self._begin_episode(self._generators[i]) for i in indices]
+        if self._goals is None:  # all of them, for the first time
+            rows = jax.tree.map(lambda *leaves: np.stack(leaves), *episodes)
+            self._positions, self._speeds, self._goals = rows
+        else:
+            for i, (qpos, qvel, goal) in zip(indices, episodes, strict=True):
+                self._positions[i], self._speeds[i] = qpos, qvel
+                jax.tree.map(lambda rows, x, i=i: rows.__setitem__(i, x), self._goals, goal)
+        begun = self._start(self._drives, self._positions, self._speeds)
+        if self._state is None:
+            self._state = begun
+            return
+        fresh = np.isin(np.arange(self.num_envs), indices)
 
         def choose(first: jax.Array, x: jax.Array) -> jax.Array:
             return jnp.where(fresh.reshape((-1,) + (1,) * (x.ndim - 1)), first, x)
 
-        data, fluid = after = jax.tree.map(choose, self._first, after)
-        return after, data.qpos[:, 0], fluid.inside
+        self._state = jax.tree.map(choose, begun, self._state)
+
+    def _start_one(self, drive: Drive, qpos: Any, qvel: Any) -> tuple[Any, Fluid]:
+        """Data and fluid of one environment as an episode begins."""
+        data = self._blank.replace(qpos=qpos, qvel=qvel)
+        data = _with_types(self._engine.forward(self._physics, data), self._blank)
+        return data, drive.fluid_at(data.actuator_length, self._pressures)
+
+    def _step_one(
+        self, drive: Drive, data: Any, fluid: Fluid, goal: Any, action: Any, fresh: Any
+    ) -> tuple[Any, Any, Any]:
+        """State, reward, and whether all muscles are in their tables, after a step of one; a
+        `fresh` one stays as it is.
+        """
+        command = action if self._valved else action * self._highest
+
+        def frame(carry: tuple[Any, Fluid], _: None) -> tuple:
+            return drive.step_mjx(self._physics, carry[0], carry[1], command), None
+
+        after = jax.lax.scan(frame, (data, fluid), length=self._frames)[0]
+        data, fluid = jax.tree.map(lambda x, y: jnp.where(fresh, x, y), (data, fluid), after)
+        value = jnp.where(fresh, 0.0, self._reward(Episode(data, fluid, goal), action))
+        return (data, fluid), value, fluid.inside
+
+    def _view_one(self, data: Any, fluid: Fluid, goal: Any) -> tuple[Any, dict[str, Any]]:
+        """Observation and measurements of one environment."""
+        episode = Episode(data, fluid, goal)
+        return jnp.asarray(self._observe(episode), jnp.float32), self._measure(episode)
 
     def _results(self) -> tuple[np.ndarray, dict[str, Any]]:
         """Observations [-] and what is measured [SI]."""
-        data, fluid = self._state
-        position, speed, pressures, forces, air = (
-            np.asarray(x)
-            for x in (
-                data.qpos[:, 0],
-                data.qvel[:, 0],
-                fluid.pressures,
-                data.actuator_force,
-                fluid.consumption,
-            )
-        )
-        info = {
-            "position": position,
-            "target": self.targets.copy(),
-            "pressures": pressures,
-            "forces": -forces[:, list(self.drive.actuators)],
-            "air": air,
+        return jax.tree.map(np.asarray, self._view(*self._state, self._goals))
+
+
+def _with_types(after: Any, before: Any) -> Any:
+    """Data `after` a function of MJX with the types of those `before`: with 64 bits some whole
+    numbers come back wider.
+    """
+    return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
+
+
+def _vector_of(
+    kind: type[Environment], num_envs: int, max_episode_steps: int, render_mode: str | None
+) -> VectorEnvironment:
+    """Environments of a single one's `kind`, with the same targets, observations and rewards."""
+    if render_mode is not None:
+        raise InvalidInputError("render_mode", "must be None", render_mode, "draw a single one")
+    task, plan = kind.task, Plan.of(kind.task)
+    actuators = np.array(plan.drive.actuators)
+    joints = plan.model.nq
+
+    def begin(generator: np.random.Generator) -> tuple[Any, Any, Any]:
+        target = generator.uniform(task.low, task.high)
+        return np.zeros(joints), np.zeros(joints), np.float64(target)
+
+    def observe(episode: Episode) -> Any:
+        data, fluid, target = episode
+        return scale_observation(task, data.qpos[0], data.qvel[0], target, fluid.pressures)
+
+    def reward(episode: Episode, action: Any) -> Any:
+        del action
+        return -jnp.abs(episode.data.qpos[0] - episode.goal) / task.reach
+
+    def measure(episode: Episode) -> dict[str, Any]:
+        data, fluid, target = episode
+        return {
+            "position": data.qpos[0],
+            "target": target,
+            "pressures": fluid.pressures,
+            "forces": -data.actuator_force[actuators],
+            "air": fluid.consumption,
         }
-        return task_observation(self.task, position, speed, self.targets, pressures), info
+
+    return VectorEnvironment(
+        plan.model,
+        plan.drive,
+        num_envs,
+        begin,
+        observe,
+        reward,
+        measure,
+        START,
+        FRAMES,
+        max_episode_steps,
+        plan.spaces[0],
+    )
 
 
-def antagonistic_joints(num_envs: int = 1, **options: Any) -> VectorEnvironment:
-    """As many `AntagonisticJoint`s in one process; `options` of a `VectorEnvironment`."""
-    return VectorEnvironment(AntagonisticJoint, num_envs, **options)
+def antagonistic_joints(
+    num_envs: int = 1, max_episode_steps: int = 200, render_mode: str | None = None
+) -> VectorEnvironment:
+    """As many `AntagonisticJoint`s in one process."""
+    return _vector_of(AntagonisticJoint, num_envs, max_episode_steps, render_mode)
 
 
-def hanging_masses(num_envs: int = 1, **options: Any) -> VectorEnvironment:
-    """As many `HangingMass`es in one process; `options` of a `VectorEnvironment`."""
-    return VectorEnvironment(HangingMass, num_envs, **options)
+def hanging_masses(
+    num_envs: int = 1, max_episode_steps: int = 200, render_mode: str | None = None
+) -> VectorEnvironment:
+    """As many `HangingMass`es in one process."""
+    return _vector_of(HangingMass, num_envs, max_episode_steps, render_mode)

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import warnings
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -14,12 +15,17 @@ pytest.importorskip("mujoco", reason="the extra robots isn't here")
 gymnasium = pytest.importorskip("gymnasium", reason="the extra robots isn't here")
 from gymnasium.utils.env_checker import check_env  # noqa: E402 needs what was just looked for
 
-import fascicle.robots  # noqa: E402, F401 tells Gymnasium the names
+import fascicle as fs  # noqa: E402 as above
+import fascicle.robots  # noqa: E402 tells Gymnasium the names
+from fascicle import fluid  # noqa: E402 as above
 from fascicle.core.errors import InvalidInputError  # noqa: E402 as above
+from fascicle.robots import Attached, Drive  # noqa: E402 as above
 from fascicle.robots.environments import BASELINES, score  # noqa: E402 as above
+from fascicle.robots.vector_environment import VectorEnvironment  # noqa: E402 as above
 
 
 NAMES = sorted(BASELINES)
+SUPPLY = 413.7e3
 
 
 @pytest.fixture(scope="module")
@@ -172,12 +178,11 @@ def test_a_vector_of_environments_equals_single_ones(vector, environments):
 def test_a_vector_of_environments_resets_after_an_episode(vector):
     vector.reset(seed=1)
     still = np.zeros((3, 2), np.float32)
-    ends = [vector.step(still)[3] for _ in range(25)]
-    assert ends[-1].all() and not np.any(ends[:-1])
-    targets = vector.targets.copy()
+    steps = [vector.step(still) for _ in range(25)]
+    assert steps[-1][3].all() and not np.any([step[3] for step in steps[:-1]])
     rows, rewards, *_, info = vector.step(still + 1.0)
     assert not rewards.any() and (info["position"] == 0).all() and (info["air"] == 0).all()
-    assert (vector.targets != targets).all() and rows.shape == (3, 5)
+    assert (info["target"] != steps[-1][4]["target"]).all() and rows.shape == (3, 5)
     assert not vector.step(still)[3].any()
 
 
@@ -191,6 +196,50 @@ def test_a_vector_of_environments_refuses(vector):
         with pytest.raises(InvalidInputError) as error:
             call()
         assert error.value.argument == argument
+
+
+def test_any_model_with_other_muscles_in_each_environment(elbow, bundle):
+    """Each environment is the single simulation of its own drive, and the goal counts."""
+    parts = {"supply": fluid.ConstantSupply(SUPPLY), "chamber": fluid.Isothermal(dead_volume=2e-6),
+             "valve": fluid.SonicValve(5e-10, 0.3)}  # fmt: skip
+    model, data, drive = elbow(spatial=True, **parts)
+    thicker = bundle.motor_units[0].muscle.replace(wall_thickness=1.9e-3)
+    other = fs.Bundle([fs.MotorUnit(thicker)], SUPPLY)
+    attached = [
+        Attached(f"{name}_bundle", name, other, length)
+        for name, length in zip(drive.tendons, drive.rest_lengths, strict=True)
+    ]
+    drives = [drive, Drive.of(model, attached, **parts)]
+    many = VectorEnvironment(
+        model,
+        drives,
+        3,
+        begin=lambda rng: (np.array([0.6]), np.zeros(1), np.float64(rng.uniform(0.2, 0.4))),
+        observe=lambda e: jnp.concatenate([e.data.qpos, e.data.qvel, e.goal[None]]),
+        reward=lambda e, _: -jnp.abs(e.data.qpos[0] - e.goal),
+        measure=lambda e: {"pressures": e.fluid.pressures, "angle": e.data.qpos},
+        pressures=1e5,
+        frames=5,
+        max_episode_steps=4,
+    )
+    first, _ = many.reset(seed=2)
+    assert first.shape == (3, 3) and len(set(first[:, 2])) == 3
+    actions = np.random.default_rng(0).uniform(-1, 1, (4, 3, 2)).astype(np.float32)
+    steps = [many.step(rows) for rows in actions]
+    for i in range(3):
+        data.qpos[:], data.qvel[:] = 0.6, 0.0
+        held = drives[i % 2].start(model, data, 1e5)
+        for rows, (_, rewards, ended, _, info) in zip(actions, steps, strict=True):
+            for _ in range(5):
+                held = drives[i % 2].step(model, data, held, rows[i])
+            # rounding of MuJoCo's and MJX's solvers
+            np.testing.assert_allclose(info["angle"][i], data.qpos, rtol=1e-9)
+            np.testing.assert_allclose(info["pressures"][i], held.pressures, rtol=1e-9)
+            assert rewards[i] == pytest.approx(-abs(data.qpos[0] - first[i, 2]), rel=1e-6)
+            assert not ended[i]
+    assert info["angle"][0] != info["angle"][1]
+    assert steps[-1][3].all()
+    assert (many.step(actions[0])[4]["angle"] == 0.6).all()
 
 
 ASYNC = """
