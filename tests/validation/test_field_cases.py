@@ -1,5 +1,6 @@
 """Files in the manner of people's own, and what they were refused or misread for."""
 
+import numpy as np
 import pytest
 from measured import measured
 
@@ -78,9 +79,29 @@ def test_what_is_not_read_is_refused_with_a_remedy(name, words):
 
 def test_channels_with_a_clock_each_are_refused_with_the_choice():
     path = measured("field-cases/23_three_clocks.csv")
-    with pytest.raises(MissingMetadataError, match="resample") as error:
+    with pytest.raises(MissingMetadataError) as error:
         load(path, **LENGTH)
-    assert {choice[:2] for choice in error.value.choices} == {("columns", "time")}
+    assert [choice[:2] for choice in error.value.choices] == [("resample", ""), ("columns", "time")]
+    record = load(path, **LENGTH, resample=error.value.value)
+    assert record.time == pytest.approx(0.05 * np.arange(len(record)))
+    rows = np.genfromtxt(path, delimiter=",", skip_header=1)
+    for values, clock, column, unit in ((record.force, 0, 1, 1), (record.pressure, 4, 5, 1e3)):
+        expected = unit * np.interp(record.time, rows[:, clock], rows[:, column])
+        np.testing.assert_allclose(values, expected)
+
+
+def test_signals_with_a_scale_are_quantities():
+    path = measured("field-cases/29_volts.csv")
+    with pytest.raises(MissingMetadataError) as error:
+        load(path, rest_length=0.24)
+    assert error.value.choices[0][:2] == ("scales", "pressure")
+    record = load(
+        path, rest_length=0.24, zeros={"pressure": "0.2V", "force": "-0.9V"},
+        scales={"pressure": "1.475bar/V", "force": "12N/V"},
+    )  # fmt: skip
+    volts = np.genfromtxt(path, delimiter=",", skip_header=1)
+    np.testing.assert_allclose(record.pressure, 147.5e3 * (volts[:, 0] - 0.2))
+    np.testing.assert_allclose(record.force, 12 * (volts[:, 2] + 0.9))
 
 
 def test_cells_that_nothing_reads_are_refused():

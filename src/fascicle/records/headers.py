@@ -190,6 +190,11 @@ class Scale(NamedTuple):
     factor: float
     unit: str
 
+    def zero(self, text: Any) -> Any:
+        """A zero that is a signal, such as `0.2V`, as the quantity [SI]; others as they are."""
+        match = re.fullmatch(rf"\s*({NUMBER.pattern})\s*{re.escape(self.unit)}\s*", str(text))
+        return self.factor * float(match[1]) if match else text
+
 
 def read_scale(text: str, role: str) -> Scale:
     """Scale of a gauge's signal, such as `1.475bar/V`."""

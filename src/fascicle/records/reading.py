@@ -24,10 +24,13 @@ from .headers import (
     check_roles,
     choose_columns,
     dimension_of,
+    is_unit,
     read_name,
+    read_scale,
     score,
     si_unit,
     split_names,
+    unit_factor,
 )
 from .joint import read_arm_table
 from .published import from_json
@@ -70,6 +73,8 @@ def load(
     atmosphere: Any = None,
     moment_arm: Any = None,
     rows: str | None = None,
+    scales: Mapping[str, str] | None = None,
+    resample: Any = None,
     table: str | None = None,
     decimal: str | None = None,
     default_length: float | None = None,
@@ -102,6 +107,9 @@ def load(
     - `moment_arm`: of the muscle about the joint whose torque was measured [m]; or a table
       `{"angle": …, "arm": …}` [rad], [m], between whose angles it is linear.
     - `rows`: first and last row to read, such as `"40:200"` or `"40:"`, from 1 below the header.
+    - `scales`: quantities of gauges' signals by role, such as `{"pressure": "1.475bar/V"}`; their
+      zeros may be signals, too: `zeros={"pressure": "0.2V"}`.
+    - `resample`: step of one clock on which channels with clocks of their own are interpolated [s].
     - `table`: sheet, matrix or group of a file with several, or a pattern such as `"*"`: all
       tables that fit it are one record.
     - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
@@ -118,7 +126,7 @@ def load(
         "columns": columns, "units": units, "rest_length": rest_length,
         "clipped_at_zero": clipped_at_zero, "header": header, "constants": constants,
         "zeros": zeros, "signs": signs, "atmosphere": atmosphere, "moment_arm": moment_arm,
-        "rows": rows, "table": table, "decimal": decimal,
+        "rows": rows, "scales": scales, "resample": resample, "table": table, "decimal": decimal,
     }  # fmt: skip
     records = []
     for file in find_files(path):
@@ -195,10 +203,12 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
         raise TypeError(f"unexpected arguments: {', '.join(sorted(unexpected))}")
     if not isinstance(columns := changes.get("columns", {}), Mapping):
         changes["names"], changes["columns"] = split_names(columns), {}
-    roles = {"columns": ROLES, "units": ROLES, "signs": tuple(Signs.model_fields),
+    roles = {"columns": ROLES, "units": ROLES, "scales": ROLES, "signs": tuple(Signs.model_fields),
              "constants": CONSTANTS, "zeros": ZEROS}  # fmt: skip
     for argument, choices in roles.items():
         check_roles(changes.get(argument, {}), argument, choices)
+    scales = {role: read_scale(text, role) for role, text in changes.get("scales", {}).items()}
+    changes["scales"] = info.scales | scales
     for argument in ("columns", "units"):
         changes[argument] = {**getattr(info, argument), **changes.get(argument, {})}
     if signs := changes.pop("signs", {}):
@@ -206,8 +216,10 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
         changes["signs"] = info.signs.model_copy(update=full)
     quantities = {role: (role, value) for role, value in changes.pop("constants", {}).items()}
     for role, value in changes.pop("zeros", {}).items():
-        quantities[f"{role}_at_rest"] = role, value
-    for name, role in (("rest_length", "length"), ("atmosphere", "pressure")):
+        scale = changes["scales"].get(role)
+        quantities[f"{role}_at_rest"] = role, scale.zero(value) if scale else value
+    sizes = (("rest_length", "length"), ("atmosphere", "pressure"), ("resample", "time"))
+    for name, role in sizes:
         if name in changes:
             quantities[name] = role, changes[name]
     if isinstance(arm := changes.get("moment_arm"), Mapping):
@@ -219,7 +231,7 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
         label = f"constant {name}" if name == role != "moment_arm" else name
         number = parse(value, dimension_of(role), label) if isinstance(value, str) else value
         number = float(to_si(number, role, si_unit(role)))
-        is_size = name in ("rest_length", "moment_arm")
+        is_size = name in ("rest_length", "moment_arm", "resample")
         if not np.isfinite(number) or (is_size and number <= 0):
             rule = f"must be {'positive and ' if is_size else ''}finite"
             raise InvalidInputError(name, rule, number, shown=f"{number} {si_unit(role)}")
@@ -371,22 +383,26 @@ def _read_numbers(table: Table, info: Sidecar) -> tuple[Readings, tuple[str, ...
     constants = info.constants
     constant_roles = constants.keys() | ({"moment_arm"} if info.arm_table else set())
     columns, unread = choose_columns(
-        table, info.columns, info.units, constant_roles,
-        names=info.names, atmosphere=info.atmosphere is not None,
+        table, info.columns, info.units, constant_roles, names=info.names, scales=info.scales,
+        atmosphere=info.atmosphere is not None,
     )  # fmt: skip
     columns = {role: column for role, column in columns.items() if role not in constant_roles}
+    notes = [*(column.note() for column in columns.values()), *unread]
     doubts = [f"unit {info.units[role]!r} of {role} not used: there is no such column"
               for role in info.units.keys() - columns.keys()]  # fmt: skip
-    cells, misread = _read_cells(table, columns, info)
-    for column in misread:
-        del columns[column.role]
-        doubts.append(
-            f"column `{column.header}` not read as {column.role}: it holds something else"
-        )
+    if info.resample is not None:
+        columns, cells = _resample(table, columns, info)
+        notes.append(f"channels interpolated on one clock, every {info.resample:g} s")
+    else:
+        cells, misread = _read_cells(table, columns, info)
+        for column in misread:
+            del columns[column.role]
+            doubts.append(
+                f"column `{column.header}` not read as {column.role}: it holds something else"
+            )
     texts = {role: np.array(cells.texts[columns[role].index], dtype=object)
              for role in _TEXT_ROLES if role in columns}  # fmt: skip
     raws = {role: cells.numbers[c.index] for role, c in columns.items() if role not in texts}
-    notes = [*(column.note() for column in columns.values()), *unread]
     if constants:
         raws |= {role: np.full(cells.lines.size, value) for role, value in constants.items()}
         columns |= {role: Column(role, -1, role, si_unit(role)) for role in constants}
@@ -404,10 +420,10 @@ def _read_cells(
     named = set(columns) if info.names else {*info.columns, *info.units}
     texts = [columns[role].index for role in _TEXT_ROLES if role in columns]
     numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
-    rows, misread = None if info.rows is None else _row_range(info.rows), []
+    rows, misread = _row_range(info.rows), []
     time = columns.get("time")
     if time is None or "time" not in named:
-        _check_clocks(table, _clocks(table, numbers), rows)
+        _check_clocks(table, sorted(set(_clocks(table, numbers).values())), rows)
     cells = table.read(numbers, texts, None if time is None else time.index, rows)
     if time is not None and time.index not in cells.numbers:
         if "time" in named:  # the error of its first bad cell
@@ -420,13 +436,13 @@ def _read_cells(
     return cells, misread
 
 
-def _clocks(table: Table, columns: Sequence[int]) -> list[int]:
-    """Indices of the columns of time that stand before each of the `columns` of numbers."""
+def _clocks(table: Table, columns: Sequence[int]) -> dict[int, int]:
+    """Index of the column of time that stands before each of the `columns` of numbers, else of the
+    first one; empty for a table without times.
+    """
     times = [i for i, name in enumerate(table.header)
              if name and score(name, table.units[i], "time") > 1 and i not in columns]  # fmt: skip
-    if len(times) < 2:
-        return []
-    return sorted({max([times[0], *(i for i in times if i < column)]) for column in columns})
+    return {i: max([times[0], *(time for time in times if time < i)]) for i in columns if times}
 
 
 def _check_clocks(table: Table, clocks: Sequence[int], rows: tuple[int, int] | None) -> None:
@@ -437,31 +453,68 @@ def _check_clocks(table: Table, clocks: Sequence[int], rows: tuple[int, int] | N
     whole = [cells for cells in zip(*(texts[i] for i in clocks), strict=True) if all(cells)]
     columns = zip(clocks, zip(*whole, strict=True), strict=False)
     times = {i: read_seconds(cells, table.numbers) for i, cells in columns}
-    times = {i: seconds for i, seconds in times.items() if seconds is not None}
-    if len(times) < 2:
+    seconds = [values for values in times.values() if values is not None]
+    if len(seconds) < 2:
         return
-    names = [table.header[i] for i in times]
-    first = next(iter(times.values()))
+    names = [table.header[i] for i, values in times.items() if values is not None]
+    first = seconds[0]
     step = float(np.median(np.abs(np.diff(first)))) if first.size > 1 else 0.0
-    for index, seconds in list(times.items())[1:]:
+    for name, other in zip(names[1:], seconds[1:], strict=True):
         # clocks of one name count from one time
-        is_same = table.header[index] == names[0]
-        shift = 0.0 if is_same else seconds[0] - first[0]
-        difference = float(np.max(np.abs(seconds - first - shift)))
-        if difference <= step / 2:
-            continue
-        before = (
-            f"{table.where}: the channels have clocks of their own, in one row up to"
-            f" {difference:.3g} apart: resample them onto one clock"
-        )
-        if len(set(names)) < len(names):
-            raise ValueError(f"{before}.")
-        choices = [("columns", "time", name, "") for name in names]
-        raise MissingMetadataError(f"{before}; if a row was read at one time, give ", *choices)
+        shift = 0.0 if name == names[0] else other[0] - first[0]
+        difference = float(np.max(np.abs(other - first - shift)))
+        if difference > step / 2:
+            before = (
+                f"{table.where}: the channels have clocks of their own, in one row up to"
+                f" {difference:.3g} apart: to interpolate them on one clock, give "
+            )
+            choices = [("resample", "", f"{step:g} s", ", or another step")]
+            if len(set(names)) == len(names):
+                after = " or another of them, if a row was read at one time"
+                choices.append(("columns", "time", names[0], after))
+            raise MissingMetadataError(before, *choices)
 
 
-def _row_range(text: str) -> tuple[int, int]:
-    """First and last row of a range such as "40:200", "40:" or ":200"."""
+def _resample(
+    table: Table, columns: Mapping[str, Column], info: Sidecar
+) -> tuple[dict[str, Column], TableColumns]:
+    """The columns of numbers, each read with its own clock and interpolated on one clock."""
+    step, rows = info.resample or 0.0, _row_range(info.rows)
+    numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
+    clocks = _clocks(table, numbers)
+    channels: dict[int, TableColumns] = {}
+    for index in numbers:
+        if index not in clocks:
+            raise ValueError(f"{table.where}: no column of time, by which to resample.")
+        channels[index] = table.read([index], [], clocks[index], rows, sparse=True)
+    times: dict[int, np.ndarray] = {}
+    for index, channel in channels.items():
+        clock = clocks[index]
+        unit = table.stated_unit(clock, "time")
+        factor = unit_factor(unit, "time") if is_unit(unit, ("time",)) else 1.0
+        if clock not in channel.numbers or np.any(np.diff(channel.numbers[clock]) <= 0):
+            raise ValueError(f"{table.where}, column `{table.header[clock]}`: no rising times.")
+        times[index] = factor * channel.numbers[clock]
+    start, end = max(x[0] for x in times.values()), min(x[-1] for x in times.values())
+    # the end itself, where the steps reach it but for rounding
+    count = int((end - start) / step * (1 + 1e-12)) + 1 if end > start else 0
+    if not 2 <= count <= MAX_ROWS:
+        rule = f"must give 2 to {MAX_ROWS} readings over the {end - start:.6g} s that all have"
+        raise InvalidInputError("resample", rule, step, shown=f"{step:g} s")
+    grid = start + step * np.arange(count)
+    first = numbers[0]
+    nearest = np.minimum(np.searchsorted(times[first], grid), times[first].size - 1)
+    values = {i: np.interp(grid, times[i], channels[i].numbers[i]) for i in numbers}
+    time = Column("time", -1, "time", "s")
+    resampled = {role: column for role, column in columns.items() if column.index in values}
+    cells = TableColumns(values | {-1: grid}, {}, channels[first].lines[nearest], ())
+    return resampled | {"time": time}, cells
+
+
+def _row_range(text: str | None) -> tuple[int, int] | None:
+    """First and last row of a range such as "40:200", "40:" or ":200"; `None` without one."""
+    if text is None:
+        return None
     match = re.fullmatch(r"\s*(\d*)\s*:\s*(\d*)\s*", text, re.ASCII)
     first, last = (int(match[1] or 1), int(match[2] or MAX_ROWS)) if match else (0, 0)
     if not 1 <= first <= last:

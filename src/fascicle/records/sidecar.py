@@ -11,6 +11,7 @@ moment_arm = "25 mm"                  # of the muscle about the joint; or a tabl
 atmosphere = "1.013 bar"              # subtracted from absolute pressures
 columns = ["force [N]", "-", "pressure [kPa]"]   # in their order, of a table without header
 rows = "40:200"                       # the first and the last row to read, from 1
+resample = "0.1 s"                    # one clock for channels with clocks of their own
 header = 12                           # line of the columns' names
 decimal = ","                         # the sign before decimals; 1.250 is then 1250
 table = "Sheet2"                      # of a file with several
@@ -23,6 +24,9 @@ force = "Load cell 2"
 
 [units]                               # a unit that no header has
 force = "N"
+
+[scales]
+pressure = "1.475bar/V"               # of a column in volts; pressure_at_rest may be "0.2V" then
 
 [signs]
 force = "pushing positive"            # or "pulling positive"
@@ -52,7 +56,7 @@ from pydantic import (
 from ..io.input_file import parse_toml, read_bytes
 from ..table_model import Quantity, TableModel, validate
 from ..units import parse
-from .headers import CONSTANTS, check_roles, split_names
+from .headers import CONSTANTS, Scale, check_roles, read_scale, si_unit, split_names
 from .joint import ArmTable, read_arm_table
 
 
@@ -80,6 +84,14 @@ def _arm_or_table(value: Any) -> Any:
     if (arm := parse(value, "length", "moment_arm")) <= 0:
         raise ValueError("must be positive")
     return arm
+
+
+def _read_scales(table: Any) -> dict[str, Scale]:
+    """Scales of signals by role."""
+    if not isinstance(table, dict):
+        raise ValueError("must be a table of keys")
+    check_roles(table, "scales")
+    return {role: read_scale(text, role) for role, text in table.items()}
 
 
 Contraction = Literal["contraction positive", "extension positive"]
@@ -127,7 +139,9 @@ class Sidecar(TableModel):
     columns: TextsByRole = Field(default_factory=dict)
     names: Annotated[tuple[str, ...], BeforeValidator(split_names)] = ()
     units: TextsByRole = Field(default_factory=dict)
+    scales: Annotated[dict[str, Scale], BeforeValidator(_read_scales)] = Field(default_factory=dict)
     signs: Signs = Signs()
+    resample: Annotated[float, Quantity("time"), Field(gt=0)] | None = None
     rows: StrictStr | None = None
     header: StrictInt | None = None
     decimal: Literal[".", ","] | None = None
@@ -139,9 +153,13 @@ class Sidecar(TableModel):
     @model_validator(mode="before")
     @classmethod
     def _name_columns(cls, data: Any) -> Any:
-        """Move `columns` in their order, text or a list, to `names`."""
+        """Move `columns` in their order, text or a list, to `names`; read zeros of signals."""
         if isinstance(columns := data.get("columns"), str | list):
-            return {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
+            data = {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
+        for role, scale in _read_scales(data.get("scales", {})).items():
+            key = f"{role}_at_rest"
+            if key in data and isinstance(zero := scale.zero(data[key]), float):
+                data = data | {key: f"{zero!r} {si_unit(role)}"}
         return data
 
     @property

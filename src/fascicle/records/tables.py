@@ -147,19 +147,24 @@ class Table(TableHeader):
         texts: Sequence[int],
         time: int | None = None,
         rows: tuple[int, int] | None = None,
+        *,
+        sparse: bool = False,
     ) -> TableColumns:
         """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
 
         Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
         missing in the result if it holds something else. `rows`: first and last row, from 1;
-        default: all rows, unless they are of several specimens. Raises a `ValueError` with line and
-        column for the first bad cell, and for a loss of more than half of the rows.
+        default: all rows, unless they are of several specimens. `sparse`: most rows may have holes.
+        Raises a `ValueError` with line and column for the first bad cell, and for a loss of more
+        than half of the rows.
         """
         frame = self._frame(texts)
         first, last = rows or (1, MAX_ROWS)
         total, frame = len(frame), frame.iloc[first - 1 : last]
         values = {i: self.numbers.values(frame[i]) for i in numbers}
-        is_reading, notes = self._select_rows(frame, values, is_part=rows is not None)
+        is_reading, notes = self._select_rows(
+            frame, values, is_part=rows is not None, sparse=sparse
+        )
         if not is_reading.any():
             rule = f"no row of numbers below line {self.line}" + (
                 f": it has {total} rows" if total else ""
@@ -173,7 +178,7 @@ class Table(TableHeader):
         return TableColumns(numbers_by_index, texts_by_index, frame.index.to_numpy(), notes)
 
     def _select_rows(
-        self, frame: "pd.DataFrame", values: dict[int, np.ndarray], *, is_part: bool
+        self, frame: "pd.DataFrame", values: dict[int, np.ndarray], *, is_part: bool, sparse: bool
     ) -> tuple[np.ndarray, tuple[str, ...]]:
         """Mask of the rows with a reading, and notes of the others.
 
@@ -207,7 +212,7 @@ class Table(TableHeader):
             else:
                 holes.append(line)
         count = int(is_reading.sum())
-        if count and len(holes) > _MAX_LOSS * (count + len(holes)):
+        if not sparse and count and len(holes) > _MAX_LOSS * (count + len(holes)):
             raise ValueError(
                 f"{self.source}, line {holes[0]}: {len(holes)} of {count + len(holes)} rows have"
                 " holes: fill or delete them, resample channels to one rate, or choose other"
@@ -637,13 +642,14 @@ def _has_integers_beside_thousands(rows: Sequence[Sequence[str]]) -> bool:
     return bool(mixed) or (len(grouped) > 1 == sum(map(any, grouped)))
 
 
-def read_seconds(cells: "pd.Series", numbers: NumberFormat) -> np.ndarray | None:
+def read_seconds(cells: "Sequence[str] | pd.Series", numbers: NumberFormat) -> np.ndarray | None:
     """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
     with their dates if they have them; `None` for other texts, and where day and month of a date
     may be swapped.
     """
     import pandas as pd
 
+    cells = pd.Series(cells)
     values = numbers.values(cells)
     if np.isfinite(values).all():
         return values
