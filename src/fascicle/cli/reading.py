@@ -61,6 +61,14 @@ ZERO = option(
     " torque=0.1Nm, angle=10deg; repeatable.",
     metavar="ROLE=VALUE",
 )
+SCALE = option(
+    "Quantity of a gauge's signal: pressure=1.475bar/V, force=12N/V; --zero may be a signal then:"
+    " pressure=0.2V; repeatable.",
+    metavar="ROLE=VALUE/UNIT",
+)
+RESAMPLE = option(
+    "Step of one clock, for channels that have clocks of their own: 0.1s.", metavar="TIME"
+)
 SIGN = option(
     "Positive direction of a column: displacement=extension, angle=extension; repeatable.",
     metavar="ROLE=DIRECTION",
@@ -97,6 +105,7 @@ def read_options(
     pressure: str | None = None,
     constant: list[str] | None = None,
     zero: list[str] | None = None,
+    scale: list[str] | None = None,
     sign: list[str] | None = None,
     *,
     clipped_at_zero: bool = False,
@@ -114,6 +123,7 @@ def read_options(
         "units": read_pairs(unit, "--unit"),
         "constants": constants | ({} if pressure is None else {"pressure": pressure}),
         "zeros": read_pairs(zero, "--zero"),
+        "scales": read_pairs(scale, "--scale"),
         "signs": signs | ({"force": "pushing"} if push_positive else {}),
         "clipped_at_zero": clipped_at_zero or None,
     }

@@ -90,6 +90,8 @@ def run(
     constant: list[str] | None = reading.CONSTANT,
     name_pattern: str | None = reading.NAME_PATTERN,
     zero: list[str] | None = reading.ZERO,
+    scale: list[str] | None = reading.SCALE,
+    resample: str | None = reading.RESAMPLE,
     sign: list[str] | None = reading.SIGN,
     atmosphere: str | None = reading.ATMOSPHERE,
     moment_arm: str | None = reading.MOMENT_ARM,
@@ -139,10 +141,10 @@ def run(
     names = None if fit is None else [name.strip() for name in fit.split(",")]
     prior_texts = reading.read_pairs(prior, "--prior")
     options_of_reading = reading.read_options(
-        unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
-        push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
-        table=table, decimal=decimal, name_pattern=name_pattern, atmosphere=atmosphere,
-        moment_arm=moment_arm,
+        unit, column, columns, pressure, constant, zero, scale, sign, resample=resample,
+        clipped_at_zero=clipped_at_zero, push_positive=push_positive, rest_length=rest_length,
+        header=header, rows=rows, table=table, decimal=decimal, name_pattern=name_pattern,
+        atmosphere=atmosphere, moment_arm=moment_arm,
     )  # fmt: skip
     if notebook and out is None and as_json:
         raise UserError("--notebook: name its folder with --out, or drop --json.")

@@ -28,6 +28,8 @@ def run(
     constant: list[str] | None = reading.CONSTANT,
     name_pattern: str | None = reading.NAME_PATTERN,
     zero: list[str] | None = reading.ZERO,
+    scale: list[str] | None = reading.SCALE,
+    resample: str | None = reading.RESAMPLE,
     sign: list[str] | None = reading.SIGN,
     atmosphere: str | None = reading.ATMOSPHERE,
     moment_arm: str | None = reading.MOMENT_ARM,
@@ -39,10 +41,10 @@ def run(
     """Convert a record of any format to CSV, or to JSON to publish."""
     check_file("--out", out, overwrite, (".json", ".csv"))
     settings = reading.read_options(
-        unit, column, columns, pressure, constant, zero, sign, clipped_at_zero=clipped_at_zero,
-        push_positive=push_positive, rest_length=rest_length, header=header, rows=rows,
-        table=table, decimal=decimal, name_pattern=name_pattern, atmosphere=atmosphere,
-        moment_arm=moment_arm,
+        unit, column, columns, pressure, constant, zero, scale, sign, resample=resample,
+        clipped_at_zero=clipped_at_zero, push_positive=push_positive, rest_length=rest_length,
+        header=header, rows=rows, table=table, decimal=decimal, name_pattern=name_pattern,
+        atmosphere=atmosphere, moment_arm=moment_arm,
     )  # fmt: skip
     record = reading.read_record(data, settings)
     from ...records.published import file_text
