@@ -36,6 +36,24 @@ def test_a_unit_is_written_and_without_a_compiler_its_sources_are(fascicle, tmp_
     assert "sources/arm.c" in zipfile.ZipFile(tmp_path / "bare.fmu").namelist()
 
 
+def test_values_of_a_table_are_the_laws(fascicle, refused, tmp_path):
+    import numpy as np
+    import pandas as pd
+
+    import fascicle as fs
+
+    line = ("export", "kim2021_figure_6", "--values", "arm.csv", "-p", "0kPa:400kPa:40kPa")
+    assert fascicle(*line) == (0, "wrote arm.csv\n", "")
+    P, strain, force, volume, _ = pd.read_csv(tmp_path / "arm.csv").to_numpy().T
+    muscle = fs.example("kim2021_figure_6")
+    error = muscle.table(400e3).errors[2]
+    assert len(P) == 11 * 101 and np.all(np.abs(force - muscle.force(P, strain)) <= error)
+    before = strain < muscle.free_strain(P)
+    np.testing.assert_allclose(volume[before], muscle.volume(strain[before]), rtol=1e-4)
+    refused("export kim2021_figure_6 --values arm.nc")
+    refused("export kim2021_bundle_1_4 --values arm.nc -p 1bar")
+
+
 def test_a_page_is_written_once(fascicle, refused, tmp_path):
     code, out, err = fascicle("export", "kim2021_figure_6", "--page", "arm.html", "-p", "1bar,2bar")
     assert (code, out, err) == (0, "wrote arm.html\n", "")

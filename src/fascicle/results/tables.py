@@ -81,6 +81,33 @@ def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
     )
 
 
+def muscle_table(muscle: Muscle, pressures: Values, strains: Values = None) -> Table:
+    """A muscle's table, for programs that interpolate: force, conjugate volume and deflection.
+
+    **Arguments:**
+
+    - `muscle`: the muscle.
+    - `pressures`: a row of them [Pa].
+    - `strains`: a row of them [-]; left out, 101 even ones from the table's end to its other.
+
+    **Returns:** a table, whose volume makes no energy in a cycle with its force.
+    """
+    P = _si_array(pressures, "pressures", "Pa")
+    source = muscle.table(max(float(np.max(P)), 1.0))
+    eps = np.linspace(*source.strains, 101) if strains is None else strains
+    eps = _si_array(eps, "strain", "-")
+    error = f"pulling force, within {source.errors[2]:.2g} N of the law"
+    points, volume = (P[:, None], eps), "conjugate volume of the fluid, equation (V3)"
+    dims = "pressure strain"
+    return build_table(
+        ("pressure", "pressure", P, "Pa", _PRESSURE),
+        ("strain", "strain", eps, "-", _STRAIN),
+        ("force", dims, source.force(*points), "N", error),
+        ("volume", dims, source.conjugate_volume(*points), "m³", volume),
+        ("deflection", dims, source.deflection(*points), "m", "of the axis from the line"),
+    )
+
+
 def force_comparison(
     muscles: Mapping[str, Muscle], pressures: Values, strains: Values, chosen_strain: float
 ) -> Table:

@@ -21,6 +21,7 @@ def every_table():
         "force_comparison": fs.tables.force_comparison(
             {"a": MUSCLE, "b": MUSCLE.replace(buckling="elastica")}, P, STRAIN, 0.15
         ),
+        "muscle_table": fs.tables.muscle_table(MUSCLE, P),
         "muscle_free_strain": fs.tables.muscle_free_strain(MUSCLE, P),
         "bundle_force": fs.tables.bundle_force(BUNDLE, [P, [4e5, 4e5]], STRAIN),
         "bundle_equilibria": fs.tables.bundle_equilibria(BUNDLE, [P, [2e3, 4e5]]),

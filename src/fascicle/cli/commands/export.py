@@ -7,7 +7,7 @@ from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import is_scenario, read_list, read_scenario, read_target
 from ..options import option
-from ..outputs import check_file, print_line, replace_output, status, write_text
+from ..outputs import Outputs, check_file, print_line, replace_output, status, write_text
 
 
 def run(
@@ -24,8 +24,14 @@ def run(
         "Web page (.html) that draws the muscle or bundle offline, in any browser.",
         metavar="PATH",
     ),
+    values: str | None = option(
+        "Force, conjugate volume and deflection as .csv, .json or .nc, for a program that"
+        " interpolates.",
+        metavar="PATH",
+    ),
     pressure: str | None = option(
-        "Pressures of the page's curves: a list (100kPa,2bar) or a range (start:stop:step).",
+        "Pressures of the page's curves, or of --values: a list (100kPa,2bar) or a range"
+        " (start:stop:step).",
         "--pressure -p",
         metavar="LIST",
     ),
@@ -54,10 +60,14 @@ def run(
     contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
-    if table is None and fmu is None and page is None:
-        raise UserError("nothing to write: give --table and a folder, --fmu or --page and a file.")
-    if pressure is not None and page is None:
-        raise UserError("--pressure: it is of the page's curves: give --page, too.")
+    if table is None and fmu is None and page is None and values is None:
+        raise UserError(
+            "nothing to write: give --table and a folder, or --fmu, --page or --values and a file."
+        )
+    if pressure is not None and page is None and values is None:
+        raise UserError("--pressure: it is of the page or of --values: give one of them, too.")
+    if values is not None and pressure is None:
+        raise UserError("--values: give --pressure, too, such as 0kPa:400kPa:5kPa.")
     if fmu is not None:
         check_file("--fmu", fmu, overwrite, [".fmu"])
     if page is not None:
@@ -70,6 +80,8 @@ def run(
         check_c_name(name)
     if table is not None:
         _check_c(table, name, overwrite)
+    if values is not None:
+        _write_values(values, target, file, pressure or "", overwrite)
     if page is not None:
         write_text("--page", page, overwrite, _page_text(target, file, pressure))
         print_line(f"wrote {page}")
@@ -109,6 +121,19 @@ def _read_exported(file: str, page: bool) -> Any:
 
     with user_errors():
         return single_bundle(scenario.plant)
+
+
+def _write_values(path: str, target: Any, file: str, pressure: str, overwrite: bool) -> None:
+    """Write the values of a muscle's table as a file of labelled data."""
+    from ...bundle import Bundle
+    from ...results.tables import muscle_table
+
+    if isinstance(target, Bundle):
+        raise UserError(f"--values: {file} is a bundle: export each of its muscles.")
+    outputs = Outputs(False, False, path, None, overwrite)
+    with status("computing the table"), user_errors():
+        made = muscle_table(target, read_list(pressure, "pressure", "--pressure"))
+    outputs.write(made, lambda: None, title=f"Table of {file}")
 
 
 def _check_c(folder: str, name: str, overwrite: bool) -> None:
