@@ -195,8 +195,13 @@ def to_si(value: Any, name: str, unit: str) -> Any:
     """
     if isinstance(value, float | int):
         return value
-    dimension = _BY_UNIT.get(unit.translate(_SPELLINGS))
+    dimension = dimension_of_unit(unit)
     return _convert(value, name, dimension) if dimension and has_units(value) else value
+
+
+def dimension_of_unit(unit: str) -> str | None:
+    """Dimension of a quantity in an SI `unit`, "number" of "-"; `None` for another unit."""
+    return _BY_UNIT.get(unit.translate(_SPELLINGS))
 
 
 def has_units(value: Any) -> bool:

@@ -1,13 +1,14 @@
 """Schema of a scenario file, format 1: tables of a plant's parts, the run, commands, control.
 
-A part's table holds the arguments of its class; the table's `kind` chooses the class. Only each
-name's dimension is given here, once for all classes.
+A part's table holds the arguments of its class; the table's `kind` chooses the class. The unit of
+each key is that of the class's field.
 """
 
 from collections.abc import Mapping
 from inspect import Parameter, signature
 from typing import Annotated, Any, NamedTuple
 
+import attrs
 from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
 from ..dynamics import (
@@ -36,37 +37,12 @@ from ..fluid import (
     Tank,
 )
 from ..table_model import Quantity, TableModel, did_you_mean
-from ..units import quantity_example
-from .schema import FileLocation
+from ..units import dimension_of_unit, quantity_example
+from .schema import Angle, FileLocation, Force, Length, Number, Pressure
 
 
-_CONTROL_DIMENSIONS = {
-    "band": "force", "sample_time": "time", "delay": "time", "highest_pressure": "pressure",
-    "flow_limit": "number", "co_contraction": "force", "integral_time": "time",
-    "force_gain": "number", "force_integral_time": "time", "pressure_time": "time",
-}  # fmt: skip
-_RANGES: Mapping[str, dict[str, Any]] = {  # of keys of [control]
-    "position_gain": {"ge": 0}, "velocity_gain": {"ge": 0}, "force_gain": {"ge": 0},
-    "integral_time": {"gt": 0}, "force_integral_time": {"gt": 0}, "pressure_time": {"gt": 0},
-}  # fmt: skip
-_DIMENSIONS = {
-    "mass": "mass", "gravity": "acceleration", "damping": "damping", "rest": "length",
-    "spring_stiffness": "stiffness", "force_outside": "force", "inertia_moment": "inertia_moment",
-    "radius": "length", "contraction": "length", "gravity_moment": "moment", "mean": "length",
-    "amplitude": "length", "frequency": "frequency", "low": "length", "high": "length",
-    "stiffness": "stiffness", "conductance": "wall_conductance", "dead_volume": "volume",
-    "room_pressure": "pressure", "room_temperature": "temperature", "compliance": "compliance",
-    "exponent": "number", "pressure": "pressure", "precharge": "pressure", "volume": "volume",
-    "supply_temperature": "temperature", "C": "sonic_conductance", "b": "number", "m": "number",
-    "reference_density": "density", "area": "area", "density": "density",
-    "discharge_coefficient": "number", "critical_pressure_difference": "pressure",
-    "length": "length", "diameter": "length", "viscosity": "viscosity",
-    "friction_factor": "number", "overlap": "number", "time_constant": "time",
-    "displacement": "volume", "speed": "frequency", "volumetric_efficiency": "number",
-    "mechanical_efficiency": "number", "switch_on": "pressure", "switch_off": "pressure",
-    "slip_force": "force", "slip_force_slope": "slip", "width": "pressure",
-    "velocity": "velocity",
-}  # fmt: skip
+# of a part whose quantities are lengths, or angles where its load turns
+_LINEAR_DIMENSIONS = {"low": "length", "high": "length"}
 _ROTARY_DIMENSIONS = {
     "damping": "angular_damping", "stiffness": "angular_stiffness", "low": "angle", "high": "angle",
     "position": "angle",
@@ -131,6 +107,53 @@ class CommandSection(TableModel):
     command: Annotated[Any, Quantity("number", many=True)] = Field(examples=["[1, 0]"])
 
 
+_Time = Annotated[float, Quantity("time")]
+_NotNegative = Field(None, ge=0)
+_Positive = Field(None, gt=0)
+
+
+class Control(TableModel):
+    """`[control]`: policy of recruitment, and gains of the cascade."""
+
+    policy: str = Field(examples=['"hand_over"'])
+    compensate: StrictBool | None = None
+    model: Any = None
+    band: Force | None = None
+    co_contraction: Force | None = None
+    highest_pressure: Pressure | None = None
+    flow_limit: Number | None = None
+    sample_time: _Time | None = None
+    delay: _Time | None = None
+    position_gain: Annotated[float, Quantity("stiffness")] | None = _NotNegative
+    velocity_gain: Annotated[float, Quantity("damping")] | None = _NotNegative
+    integral_time: _Time | None = _Positive
+    force_gain: Number | None = _NotNegative
+    force_integral_time: _Time | None = _Positive
+    pressure_time: _Time | None = _Positive
+
+
+class JointControl(Control):
+    """`[control]` of a joint."""
+
+    position_gain: Annotated[float, Quantity("angular_stiffness")] | None = _NotNegative
+    velocity_gain: Annotated[float, Quantity("angular_damping")] | None = _NotNegative
+
+
+class Demand(TableModel):
+    """`[[demand]]`: force or position at a time, between which it is linear."""
+
+    time: _Time = Field(examples=['"0 s"'])
+    force: Force | None = None
+    position: Length | None = None
+
+
+class JointDemand(Demand):
+    """`[[demand]]` of a joint: a torque, or an angle."""
+
+    force: Annotated[float, Quantity("moment")] | None = None
+    position: Angle | None = None
+
+
 def choose_schema(
     data: Mapping[str, Any], location: FileLocation
 ) -> tuple[type[BaseModel], dict[str, type]]:
@@ -174,7 +197,9 @@ def choose_schema(
     )
     keys["run"] = (run, Field(examples=["[run]"]))
     if isinstance(data.get("control"), dict):
-        keys |= _control_keys(rotary)
+        control, demand = (JointControl, JointDemand) if rotary else (Control, Demand)
+        keys["control"] = (control, Field(examples=["[control]"]))
+        keys["demand"] = (list[demand], Field(examples=["[[demand]]"]))
     else:
         keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
     return create_model("ScenarioFileSection", __base__=TableModel, **keys), classes
@@ -193,7 +218,8 @@ def _key(
 def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
     """Table of a class: the arguments of its constructor."""
     keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
-    dimensions = _ROTARY_DIMENSIONS if rotary else {}
+    dimensions = _ROTARY_DIMENSIONS if rotary else _LINEAR_DIMENSIONS
+    units = {field.name: field.metadata.get("unit", "") for field in attrs.fields(kind)}
     for name, parameter in signature(kind).parameters.items():
         if name in part.supplied:
             continue
@@ -201,7 +227,9 @@ def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableMode
             inner: Any = _table_model(_NAMELESS, INNER[name], rotary)
             keys[name] = (inner | None, None)
             continue
-        dimension = dimensions.get(name) or _DIMENSIONS[name]
+        dimension = dimensions.get(name) or dimension_of_unit(units[name])
+        if dimension is None:
+            raise TypeError(f"{kind.__name__}.{name} declares no unit.")
         keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
     if kind is SonicValve:
         dimensions = DATA_SHEET | {"C": "sonic_conductance"}
@@ -216,33 +244,6 @@ def _pumped_table() -> type[TableModel]:
     pump: Any = (_table_model(_NAMELESS, FixedPump), Field(examples=["[supply.pump]"]))
     store = _table_model(PARTS["supply"], Accumulator)
     return create_model("PumpedSection", __base__=store, pump=pump)
-
-
-def _control_keys(rotary: bool) -> dict[str, Any]:
-    """Keys of a controlled scenario's file; `rotary`: true for a joint."""
-    position, force = ("angle", "moment") if rotary else ("length", "force")
-    prefix = "angular_" if rotary else ""
-    dimensions = _CONTROL_DIMENSIONS | {
-        "position_gain": f"{prefix}stiffness",
-        "velocity_gain": f"{prefix}damping",
-    }
-    keys: dict[str, Any] = {
-        name: _key(dimension, required=False, **_RANGES.get(name, {}))
-        for name, dimension in dimensions.items()
-    }
-    policy: Any = (str, Field(examples=['"hand_over"']))
-    control: Any = create_model(
-        "ControlSection", __base__=TableModel, policy=policy,
-        compensate=(StrictBool | None, None), model=(Any, None), **keys,
-    )  # fmt: skip
-    demand: Any = create_model(
-        "DemandSection", __base__=TableModel, time=_key("time"),
-        force=_key(force, required=False), position=_key(position, required=False),
-    )  # fmt: skip
-    return {
-        "control": (control, Field(examples=["[control]"])),
-        "demand": (list[demand], Field(examples=["[[demand]]"])),
-    }
 
 
 def _class(name: str, part: Part, table: Mapping[str, Any], location: FileLocation) -> type:

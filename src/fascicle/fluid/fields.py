@@ -33,7 +33,7 @@ def positive_field(name: str, limits: Range, remedy: str = "", **default: Any) -
     def validate(value: Values) -> Batch:
         return check_plausible(check_positive(value, name, limits.unit, remedy), name, limits)
 
-    return record(converter=validate, **default)
+    return record(converter=validate, unit=limits.unit, **default)
 
 
 def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
@@ -44,7 +44,7 @@ def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Any
         x = check_interval(value, 0.0, np.inf, name, limits.unit, closed=closed, remedy=remedy)
         return check_plausible(x, name, limits)
 
-    return record(converter=validate, **default)
+    return record(converter=validate, unit=limits.unit, **default)
 
 
 def interval_field(
@@ -61,6 +61,7 @@ def interval_field(
     """
     return record(
         converter=lambda value: check_interval(value, low, high, name, unit, "", closed, remedy),
+        unit=unit,
         **default,
     )
 
@@ -88,7 +89,7 @@ def room_pressure_field(**options: Any) -> Any:
             raise InvalidInputError("room_pressure", rule, low, remedy, shown=f"{low:g} Pa")
         return check_plausible(x, "room_pressure", _ROOM)
 
-    return record(converter=validate, default=ROOM_PRESSURE, **options)
+    return record(converter=validate, default=ROOM_PRESSURE, unit="Pa", **options)
 
 
 def temperature_field(name: str = "room_temperature", **options: Any) -> Any:

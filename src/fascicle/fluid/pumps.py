@@ -30,7 +30,7 @@ from .media import OIL, Liquid
 
 
 _DISPLACEMENT = Range("m³", 1e-12, 1e-9, 1e-2, 1.0)  # of a turn: usually 1 mm³ to 10 L
-_SPEED = Range("1/s", 1e-3, 0.1, 1e3, 1e5)  # usually up to 60 000 turns a minute
+_SPEED = Range("Hz", 1e-3, 0.1, 1e3, 1e5)  # usually up to 60 000 turns a minute
 _efficiency_field = partial(
     interval_field, low=0.0, high=1.0, closed=(False, True), remedy="1 is without loss", default=1.0
 )

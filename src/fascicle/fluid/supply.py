@@ -95,7 +95,7 @@ def supply_pressure_field() -> Any:
                 raise InvalidInputError("pressure", rule, bad, "raise it", shown=f"{bad:g} Pa")
         return check_plausible(check_positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
 
-    return record(converter=validate)
+    return record(converter=validate, unit="Pa")
 
 
 class ConstantSupply(AbstractSupply):

@@ -55,7 +55,7 @@ def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
 
 def _field(check: Callable, name: str, unit: str, **default: Any) -> Any:
     """Field of a `name` and a `unit`, whose value a `check` converts."""
-    return record(converter=partial(check, name=name, unit=unit), **default)
+    return record(unit=unit, converter=partial(check, name=name, unit=unit), **default)
 
 
 class FrictionStep(NamedTuple):
@@ -113,9 +113,9 @@ class MaxwellSlip(AbstractHysteresis):
     """
 
     source: ClassVar[str] = "Iwan (1966)"
-    stiffness: Numbers
-    slip_force: Numbers
-    slip_force_slope: Numbers
+    stiffness: Numbers = record(unit="N/m")
+    slip_force: Numbers = record(unit="N")
+    slip_force_slope: Numbers = record(unit="N/Pa")
 
     def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
         """Arguments are the fields; a single slope is that of all springs. `ValueError` for invalid
