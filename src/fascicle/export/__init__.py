@@ -13,11 +13,13 @@ if TYPE_CHECKING:
     from .c_table import write_table as write_table
     from .controller import tabulate_controller as tabulate_controller
     from .fmu import write_fmu as write_fmu
+    from .opensim import opensim_element as opensim_element
     from .page import page_text as page_text
     from .page import write_page as write_page
 
 
 _HOMES = {
+    "opensim_element": "opensim",
     "page_text": "page",
     "table_code": "c_table",
     "tabulate": "c_table",

@@ -29,9 +29,13 @@ def run(
         " interpolates.",
         metavar="PATH",
     ),
+    opensim: str | None = option(
+        "OpenSim's McKibbenActuator of the muscle's braid (.xml), which leaves out the bladder.",
+        metavar="PATH",
+    ),
     pressure: str | None = option(
-        "Pressures of the page's curves, or of --values: a list (100kPa,2bar) or a range"
-        " (start:stop:step).",
+        "Pressures of the page's curves, of --values, or up to which --opensim goes: a list"
+        " (100kPa,2bar) or a range (start:stop:step).",
         "--pressure -p",
         metavar="LIST",
     ),
@@ -60,18 +64,12 @@ def run(
     contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
-    if table is None and fmu is None and page is None and values is None:
-        raise UserError(
-            "nothing to write: give --table and a folder, or --fmu, --page or --values and a file."
-        )
-    if pressure is not None and page is None and values is None:
-        raise UserError("--pressure: it is of the page or of --values: give one of them, too.")
-    if values is not None and pressure is None:
-        raise UserError("--values: give --pressure, too, such as 0kPa:400kPa:5kPa.")
-    if fmu is not None:
-        check_file("--fmu", fmu, overwrite, [".fmu"])
-    if page is not None:
-        check_file("--page", page, overwrite, [".html", ".htm"])
+    _check_outputs(
+        table,
+        {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim},
+        pressure,
+        overwrite,
+    )
     target = _read_exported(file, page is not None)
     from ... import export
     from ...export.c_files import check_c_name
@@ -80,11 +78,16 @@ def run(
         check_c_name(name)
     if table is not None:
         _check_c(table, name, overwrite)
+    pressures = None if pressure is None else read_list(pressure, "pressure", "--pressure")
     if values is not None:
-        _write_values(values, target, file, pressure or "", overwrite)
+        _write_values(values, target, file, pressures, overwrite)
+    if opensim is not None:
+        muscle = _single_muscle(target, file, "--opensim")
+        with user_errors():
+            text = export.opensim_element(muscle, name, max(pressures or ()))
+        _write_page("--opensim", opensim, overwrite, text)
     if page is not None:
-        write_text("--page", page, overwrite, _page_text(target, file, pressure))
-        print_line(f"wrote {page}")
+        _write_page("--page", page, overwrite, _page_text(target, file, pressures))
     if table is not None:
         with status("computing the table"), user_errors():
             tables = export.tabulate(target, precision)
@@ -92,20 +95,27 @@ def run(
         _write_c(table, name, texts, overwrite)
         print_line(tables.errors)
     if fmu is not None:
-        from ...export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
+        _write_fmu(fmu, target, name, sample_time, platform, overwrite)
 
-        message = ""
-        with (
-            status("computing the table, building the unit"),
-            replace_output("", fmu, overwrite) as draft,
-        ):
-            try:
-                export.write_fmu(target, draft, name, sample_time, platform)
-            except UnbuiltUnitError as error:
-                message = f"{error}"
-        if message:
-            raise UserError(f"--fmu {fmu}: {message}; the file holds sources only.")
-        print_line(f"wrote {fmu}")
+
+def _check_outputs(
+    table: str | None, files: dict[str, str | None], pressure: str | None, overwrite: bool
+) -> None:
+    """Refuse outputs that can't be written, or lack their pressures, before the work begins."""
+    endings = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
+    written = {name: path for name, path in files.items() if path is not None}
+    if table is None and not written:
+        names = ", ".join(files)
+        raise UserError(f"nothing to write: give --table and a folder, or one of {names}.")
+    with_pressure = {"--page", "--values", "--opensim"} & set(written)
+    if pressure is not None and not with_pressure:
+        raise UserError("--pressure: it is of --page, --values or --opensim: give one, too.")
+    if pressure is None and with_pressure - {"--page"}:
+        name = min(with_pressure - {"--page"})
+        raise UserError(f"{name}: give --pressure, too, such as 0kPa:400kPa:5kPa.")
+    for name, path in written.items():
+        if name in endings:
+            check_file(name, path, overwrite, endings[name])
 
 
 def _read_exported(file: str, page: bool) -> Any:
@@ -123,16 +133,55 @@ def _read_exported(file: str, page: bool) -> Any:
         return single_bundle(scenario.plant)
 
 
-def _write_values(path: str, target: Any, file: str, pressure: str, overwrite: bool) -> None:
-    """Write the values of a muscle's table as a file of labelled data."""
+def _write_page(option_name: str, path: str, overwrite: bool, text: str) -> None:
+    """Write a `text`, and print its path."""
+    write_text(option_name, path, overwrite, text)
+    print_line(f"wrote {path}")
+
+
+def _write_fmu(
+    fmu: str,
+    target: Any,
+    name: str,
+    sample_time: str | None,
+    platform: str | None,
+    overwrite: bool,
+) -> None:
+    """Write a unit for co-simulation; without a compiler its sources, and an error."""
+    from ...export import write_fmu
+    from ...export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
+
+    message = ""
+    with (
+        status("computing the table, building the unit"),
+        replace_output("", fmu, overwrite) as draft,
+    ):
+        try:
+            write_fmu(target, draft, name, sample_time, platform)
+        except UnbuiltUnitError as error:
+            message = f"{error}"
+    if message:
+        raise UserError(f"--fmu {fmu}: {message}; the file holds sources only.")
+    print_line(f"wrote {fmu}")
+
+
+def _single_muscle(target: Any, file: str, option_name: str) -> Any:
+    """The muscle that an option needs."""
     from ...bundle import Bundle
-    from ...results.tables import muscle_table
 
     if isinstance(target, Bundle):
-        raise UserError(f"--values: {file} is a bundle: export each of its muscles.")
+        raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
+    return target
+
+
+def _write_values(path: str, target: Any, file: str, pressures: Any, overwrite: bool) -> None:
+    """Write the values of a muscle's table as a file of labelled data."""
+    from ...results.tables import muscle_table
+
+    muscle = _single_muscle(target, file, "--values")
     outputs = Outputs(False, False, path, None, overwrite)
     with status("computing the table"), user_errors():
-        made = muscle_table(target, read_list(pressure, "pressure", "--pressure"))
+        made = muscle_table(muscle, pressures)
     outputs.write(made, lambda: None, title=f"Table of {file}")
 
 
@@ -157,10 +206,9 @@ def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) ->
     print_line(f"wrote {paths[0]} and {paths[1]}")
 
 
-def _page_text(target: Any, file: str, pressure: str | None) -> str:
+def _page_text(target: Any, file: str, pressures: list[float] | None) -> str:
     """Text of the page of a muscle or bundle."""
     from ...export.page import CURVES, page_text
 
-    pressures = CURVES if pressure is None else read_list(pressure, "pressure", "--pressure")
     with user_errors("--page: "):
-        return page_text(target, Path(file).stem, pressures)
+        return page_text(target, Path(file).stem, pressures or CURVES)
