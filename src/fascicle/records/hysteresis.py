@@ -27,7 +27,8 @@ class Averaged:
 
     - `record`: half-way readings, and unchanged those of levels with one branch.
     - `width`: force of the branch down less that of the branch up, at each reading [N]; NaN at
-      levels with one branch.
+      levels with one branch. At held lengths either branch may pull harder: the stronger one less
+      the other.
     """
 
     record: Record
@@ -79,7 +80,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         raise InvalidInputError(
             "record", "has no runs at constant pressure or length to average", None
         )
-    pieces, widths, loops = [], [], 0
+    pieces, widths, held, loops = [], [], list[bool](), 0
     for level in group_by_level(record, segments):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
@@ -89,10 +90,14 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         is_wide = loop and level[0].kind != "force"
         pieces.append(piece)
         widths.append(loop[1] if loop and is_wide else np.full(len(piece), np.nan))
+        held += [level[0].kind == "strain"] * len(piece)
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
     half_way = replace(record, **columns, time=None, moment_arm=None, notes=(*record.notes, note))
-    return Averaged(half_way, np.concatenate(widths))
+    width, is_held = np.concatenate(widths), np.array(held)
+    if np.nansum(width[is_held]) < 0:
+        width[is_held] *= -1
+    return Averaged(half_way, width)
 
 
 def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
@@ -100,13 +105,11 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
 
     **Arguments:**
 
-    - `record`: readings with known branches [SI].
+    - `record`: readings [SI].
     - `half_way`: its half-way record [SI]; computed if left out.
 
     **Returns:** the widths [SI], or `None` for a record without loops.
     """
-    if not {UP, DOWN} <= set(np.unique(record.branch).tolist()):
-        return None
     try:
         half_way = half_way or averaged(record)
     except ValueError:  # no sweeps in it

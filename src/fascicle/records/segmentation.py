@@ -20,6 +20,7 @@ from .record import DOWN, UNKNOWN, UP, Record
 _EXACT = 2e-4  # of full scale: scatter within a level without noise
 _LEAST_SPAN = 0.02  # of strain: what spans less is one length with noise of a gauge
 _NOISY = (0.008, 0.03)  # of full scale: regulators droop, and levels must stay apart
+_WHITE = 1.5  # standard deviation over that of the noise: more is no constant
 _DEVIATIONS = 4  # of the noise that stay within a level
 _WINDOW = 9  # readings that are smoothed over
 _LONG_RECORD = 200  # readings: fewer are a table, and aren't smoothed
@@ -122,6 +123,8 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
         {kind: find_levels(smooth[kind], float(noisy[kind])) for kind in kinds},
     ]
     narrow = [kind for kind in kinds if np.ptp(values[kind]) <= 2 * _NOISY[0] * scales[kind]]
+    if kinds == ("force",) and np.std(record.force) <= _WHITE * _noise(record.force):
+        narrow = list(kinds)  # no load, whose only scale is the noise of the load cell
     for kind in narrow:  # one level, unless each reading has an exact one
         if np.any(labelings[0][kind] < 0):
             labelings[0][kind] = np.zeros(len(record), dtype=int)

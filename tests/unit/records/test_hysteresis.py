@@ -95,3 +95,14 @@ def test_widths_are_those_that_were_put_in():
     assert_allclose(loop.share, 0.06, rtol=1e-9)
     assert_allclose(loop.half, np.sqrt((9 + 81) / 2), rtol=1e-9)
     assert loop_of(Record.of(1e5, strain, 100 * (1 - strain), branch=1)) is None  # one way
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_loops_at_held_lengths_have_a_width_whichever_branch_is_stronger(way):
+    pressure = np.tile([*np.linspace(0, 4e5, 60), *np.linspace(4e5, 0, 60)], 2)
+    strain = np.repeat([0.0, 0.1], 120)
+    branch = np.tile(np.repeat([1, -1], 60), 2)
+    force = 1e-3 * pressure * (1 - 4 * strain) - way * branch * WIDTH / 2
+    record = Record.of(pressure, strain, force, time=np.arange(240.0), rest_length=0.3)
+    assert_allclose(averaged(record).width, WIDTH)
+    assert_allclose(loop_of(record).width, WIDTH)

@@ -151,3 +151,18 @@ def test_one_held_length_with_a_rulers_noise_has_two_branches():
     found = runs(Record.of(P, strain, P / 1e3, time=np.arange(P.size) * 0.1))
     assert [(run.kind, run.branch) for run in found] == [("strain", 1), ("strain", -1)]
     assert [run.points.size for run in found] == [41, 40]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2, 1.0])
+@pytest.mark.parametrize("points", [400, 4000])
+@pytest.mark.parametrize("load", [0.0, 25.0])
+def test_cycles_of_pressure_under_one_load_have_two_branches_each(load, points, noise):
+    """Also without a load, where the load cell reads its noise alone."""
+    rng = np.random.default_rng(points)
+    phase = np.linspace(0, 4, points)
+    pressure = 4e5 * (1 - 2 * np.abs(phase % 1 - 0.5))
+    strain = 0.25 * pressure / 4e5 + rng.normal(0, 3e-4, points)
+    pressure = np.maximum(pressure + rng.normal(0, 600, points), 0)
+    force = load + noise * rng.normal(size=points) * (0.3 if load else 1.0)
+    found = runs(Record.of(pressure, strain, force, time=10 * phase))
+    assert [(run.kind, run.branch) for run in found] == [("force", 1), ("force", -1)] * 4
