@@ -310,9 +310,15 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
         others = (
             (other, text) for (target, other), text in _MIX_UPS.items() if target == dimension
         )
-        remedies = (text for other, text in others if _pint_factor(unit, DIMENSIONS[other].si))
+        remedies = [text for other, text in others if _pint_factor(unit, DIMENSIONS[other].si)]
+        remedies += [
+            f"{_quote(unit)} is per length: multiply it {power} by the length, in m, of the muscle"
+            " that its source measured"
+            for power, meters in (("once", "m"), ("twice", "m^2"), ("three times", "m^3"))
+            if _pint_factor(f"{unit}*{meters}", kind.si)
+        ]
         quantity = kind.article.split(" ", 1)[1]
-        raise invalid(_quote(text), next(remedies, f"{_quote(unit)} is no unit of {quantity}"))
+        raise invalid(_quote(text), [*remedies, f"{_quote(unit)} is no unit of {quantity}"][0])
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
     if dimension == "angle" and unit == "deg":

@@ -24,11 +24,13 @@ from pydantic import (
     StrictStr,
     Tag,
     create_model,
+    model_validator,
 )
 
 from ..core.errors import InvalidInputError
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
+from ..muscle.products import thread_sizes
 from ..table_model import (
     PLAIN,
     TABLE,
@@ -38,7 +40,7 @@ from ..table_model import (
     plain_or_table,
     value_at,
 )
-from ..units import parse, parse_list
+from ..units import exact, parse, parse_list
 
 
 # keys of a constructor's arguments by kind of section, if they aren't the arguments' names
@@ -212,6 +214,42 @@ class MuscleSection(TableModel):
     ends: Ends | None = None
     collapse: CollapseSection | None = None
     tuning: TuningSection | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _radius_and_angle(cls, table: Any) -> Any:
+        """Table with `outer_radius`, `wall_thickness` and `braid_angle` in the place of diameters,
+        or of a thread's length and turns.
+        """
+        return _convert_sizes(table) if isinstance(table, dict) else table
+
+
+def _convert_sizes(table: dict[str, Any]) -> dict[str, Any]:
+    """A muscle's table with diameters, or a thread and its turns, as radius, wall and angle."""
+    values = dict(table)
+
+    def take(key: str, dimension: str) -> float:
+        if key not in values:
+            raise ValueError(f"{key} is missing: it belongs to the other sizes of the table")
+        return parse(values.pop(key), dimension, key)
+
+    def put(key: str, value: float, dimension: str) -> None:
+        if key in values:
+            raise ValueError(f"{key} follows from the other sizes: drop one of them")
+        values[key] = exact(value, dimension)
+
+    if "outer_diameter" in values:
+        diameter = take("outer_diameter", "length")
+        put("outer_radius", diameter / 2, "length")
+        if "inner_diameter" in values:
+            put("wall_thickness", (diameter - take("inner_diameter", "length")) / 2, "length")
+    if {"thread_length", "turns"} & set(values):
+        thread, turns = take("thread_length", "length"), take("turns", "number")
+        length = parse(values.get("length"), "length", "length")
+        radius, angle = thread_sizes(length, thread, turns)
+        put("outer_radius", float(radius), "length")
+        put("braid_angle", float(angle), "angle")
+    return values
 
 
 if TYPE_CHECKING:  # as above

@@ -31,6 +31,7 @@ from ..core.types import Batch, Values
 from ..core.validation import (
     HIGHEST_PRESSURE,
     check_interval,
+    check_positive,
     check_size,
     check_whole_number,
     is_concrete,
@@ -48,6 +49,7 @@ from .materials import LATEX, AbstractMaterial
 from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 from .printing import muscle_line, muscle_table
+from .products import sleeve_angle, thread_sizes
 from .table import MuscleTable, tabulate
 from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
@@ -181,6 +183,69 @@ class Muscle(Module):
             length, outer_radius, wall_thickness, braid_angle, material,
             tension, buckling, collapse, post_collapse, transition_rate, tuning, ends,
         )  # fmt: skip
+
+    @classmethod
+    def from_thread(
+        cls,
+        length: Values,
+        thread_length: Values,
+        turns: Values,
+        wall_thickness: Values,
+        **laws: Any,
+    ) -> "Muscle":
+        """A muscle from the thread of its braid, as Chou and Hannaford describe it.
+
+        **Arguments:**
+
+        - `length`: $L_0$ [m] between the end fittings.
+        - `thread_length`: of one thread of the braid [m].
+        - `turns`: of a thread around the muscle [-].
+        - `wall_thickness`: $t_0$ of the bladder [m].
+        - `laws`: material and laws, as of the class.
+
+        **Returns:** the muscle [SI].
+
+        **Raises:** `InvalidInputError` for a thread that is shorter than the muscle.
+
+        ```python
+        Muscle.from_thread("264.1 mm", "277.1 mm", 1.5, "1 mm", material="latex")
+        ```
+        """
+        radius, angle = thread_sizes(length, thread_length, turns)
+        return cls(length, radius, wall_thickness, angle, **laws)
+
+    @classmethod
+    def from_sleeve(
+        cls,
+        length: Values,
+        nominal_diameter: Values,
+        nominal_angle: Values,
+        tube_diameter: Values,
+        wall_thickness: Values,
+        **laws: Any,
+    ) -> "Muscle":
+        """A muscle from a braided sleeve on a tube, as they are sold.
+
+        **Arguments:**
+
+        - `length`: $L_0$ [m] between the end fittings.
+        - `nominal_diameter`: of the sleeve [m].
+        - `nominal_angle`: of its threads from the axis at that diameter [rad]; measure it.
+        - `tube_diameter`: outer diameter of the tube [m].
+        - `wall_thickness`: $t_0$ of the tube [m].
+        - `laws`: material and laws, as of the class.
+
+        **Returns:** the muscle [SI].
+
+        **Raises:** `InvalidInputError` for a tube that is too thick for the sleeve.
+
+        ```python
+        Muscle.from_sleeve("200 mm", "12 mm", "40 deg", "9 mm", "1 mm", material="latex")
+        ```
+        """
+        angle = sleeve_angle(nominal_diameter, nominal_angle, tube_diameter)
+        radius = check_positive(tube_diameter, "tube_diameter", "m") / 2
+        return cls(length, radius, wall_thickness, angle, **laws)
 
     def replace(self, **changes: Any) -> "Muscle":
         """A copy with `changes` of arguments, such as `wall_thickness=1e-3` [m]; `ValueError` for

@@ -1,0 +1,25 @@
+"""`fascicle init` for what makers buy."""
+
+import fascicle as fs
+
+
+def test_a_sleeve_and_a_tube_make_a_muscle(fascicle, refused, tmp_path):
+    line = ("init", "m.toml", "--sleeve", "12 mm at 40 deg", "--tube", "9x7 mm")
+    code, _, err = fascicle(*line)
+    assert (code, err) == (0, "")
+    muscle = fs.load(tmp_path / "m.toml")
+    made = fs.Muscle.from_sleeve("127 mm", "12 mm", "40 deg", "9 mm", "1 mm")
+    # the file has the angle to a hundredth of a degree
+    assert abs(float(muscle.braid_angle - made.braid_angle)) < 1e-4
+    assert float(muscle.outer_radius) == 4.5e-3
+    fascicle("init", "n.toml", "--sleeve", "9 mm", "--tube", "9 mm x 7 mm")
+    assert "assumed" in (tmp_path / "n.toml").read_text()
+    refused("init o.toml --tube 9x7mm")
+    refused("init o.toml --sleeve 9mm --tube 9mm")
+
+
+def test_the_protractor_has_its_true_size(fascicle, tmp_path):
+    assert fascicle("init", "--protractor", "strip.svg")[0] == 0
+    text = (tmp_path / "strip.svg").read_text()
+    width = float(text.split('width="')[1].split("pt")[0]) / 72 * 25.4
+    assert abs(width - 172) < 0.01  # mm
