@@ -47,9 +47,8 @@ def with_table_repr(
     """
 
     def decorate(kind: Any) -> Any:
-        default = kind.__repr__
-        if line is not None:
-            kind.__repr__ = lambda obj: line(obj) if is_concrete(obj) else default(obj)
+        default, short = kind.__repr__, line or kind.__repr__
+        kind.__repr__ = lambda obj: short(obj) if is_concrete(obj) else default(obj)
         kind.__str__ = lambda obj: table(obj).text() if is_concrete(obj) else default(obj)
         kind._repr_pretty_ = lambda obj, printer, _: printer.text(str(obj))
         return kind
