@@ -66,6 +66,22 @@ def test_a_folder_of_results_is_kept(fascicle, refused, tmp_path, command):
     assert (tmp_path / "made" / "mine.toml").read_text() == "mine"
 
 
+@pytest.mark.parametrize(
+    "command",
+    [["design", "none.toml", "-o", "f"], ["calibrate", "none.csv", "-m", SIX, "-o", "f"],
+     ["force", SIX, *ONE, "-o", "f.zarr"]],
+)  # fmt: skip
+@pytest.mark.parametrize("more", [[], ["--overwrite"]])
+def test_a_file_in_the_place_of_a_folder_is_refused_before_the_work(
+    refused, tmp_path, command, more
+):
+    if command[-1] == "f.zarr":
+        pytest.importorskip("zarr", reason="needs the extra `sweep`")
+    (tmp_path / command[-1]).write_text("measured")
+    assert f"--out {command[-1]}: " in refused(*command, *more)
+    assert (tmp_path / command[-1]).read_text() == "measured"
+
+
 # a command that reads `in.toml` or `in.csv`, an option that names an output, and its suffix
 READERS = [
     (["force", "in.toml", *ONE], "--out", "csv"),

@@ -77,37 +77,38 @@ def print_table(
     Cells have one line or several.
     """
     from rich.box import SIMPLE_HEAD
+    from rich.cells import cell_len
     from rich.table import Table
     from rich.text import Text
 
     console = _console()
+    texts = [["\n".join(map(sanitize_line, cell.split("\n"))) for cell in row] for row in rows]
 
-    def grid(indices: Sequence[int], narrow: bool) -> Table:
-        """Grid of the columns with these indices; `narrow`: heads broken at spaces, no padding."""
+    def column_widths(heads: Sequence[str]) -> list[int]:
+        """Characters of each column's longest line."""
+        columns = zip(heads, *texts, strict=True)
+        return [max(cell_len(line) for x in column for line in x.split("\n")) for column in columns]
+
+    shown = [escape_invisible(head) for head in heads]
+    widths = column_widths(shown)
+    narrow = sum(widths) + 3 * len(widths) > console.width
+    if narrow:  # heads are broken at spaces, and columns have no padding
+        shown = [head.replace(" ", "\n") for head in shown]
+        widths = column_widths(shown)
+    names, start = list(range(key_columns)), key_columns
+    while start < len(heads):
+        width, end = sum(widths[:key_columns]) + key_columns + 2, start
+        while end < len(heads) and (end == start or width + widths[end] < console.width):
+            width, end = width + widths[end] + 1, end + 1
+        end = end if narrow else len(heads)
         table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
-        for index in indices:
-            head = escape_invisible(heads[index])
-            head = Text(head.replace(" ", "\n") if narrow else head)
-            table.add_column(head, justify="right", no_wrap=True)
-        for row in rows:
-            cells = ("\n".join(map(sanitize_line, row[index].split("\n"))) for index in indices)
-            table.add_row(*map(Text, cells))
-        return table
-
-    def fits(indices: Sequence[int], narrow: bool) -> bool:
-        unlimited = console.options.update(max_width=_MAX_WIDTH)
-        width = console.measure(grid(indices, narrow), options=unlimited).maximum
-        return width < console.width
-
-    narrow = not fits(range(len(heads)), False)
-    names, columns = [*range(key_columns)], [*range(key_columns, len(heads))]
-    while columns:
-        count = len(columns)
-        while count > 1 and not fits([*names, *columns[:count]], narrow):
-            count -= 1
+        for index in [*names, *range(start, end)]:
+            table.add_column(Text(shown[index]), justify="right", no_wrap=True)
+        for row in texts:
+            table.add_row(*(Text(row[index]) for index in [*names, *range(start, end)]))
         print_text(title, "bold")
-        console.print(grid([*names, *columns[:count]], narrow))
-        title, columns = f"{title.removesuffix(_CONTINUED)}{_CONTINUED}", columns[count:]
+        console.print(table)
+        title, start = f"{title.removesuffix(_CONTINUED)}{_CONTINUED}", end
     if caption:
         print_text(caption)
 

@@ -203,8 +203,8 @@ def _obstacle(target: Path, folder: bool) -> str:
         return "it is a link that leads nowhere"
     if target.is_dir():
         return "" if folder else "it is a folder"
-    if target.exists() and not target.is_file():
-        return "it is no regular file"
+    if target.exists() and (folder or not target.is_file()):
+        return "it is a file, not a folder" if target.is_file() else "it is no regular file"
     return "" if target.parent.is_dir() else "no such folder"
 
 

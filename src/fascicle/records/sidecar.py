@@ -38,6 +38,7 @@ arm = ["20 mm", "26 mm", "22 mm"]
 ```
 """
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -156,10 +157,15 @@ class Sidecar(TableModel):
         """Move `columns` in their order, text or a list, to `names`; read zeros of signals."""
         if isinstance(columns := data.get("columns"), str | list):
             data = {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
-        for role, scale in _read_scales(data.get("scales", {})).items():
+        scales = data.get("scales")
+        for role, text in scales.items() if isinstance(scales, dict) else ():
             key = f"{role}_at_rest"
-            if key in data and isinstance(zero := scale.zero(data[key]), float):
-                data = data | {key: f"{zero!r} {si_unit(role)}"}
+            # an invalid scale is refused where it stands
+            with contextlib.suppress(ValueError):
+                if key in data and isinstance(
+                    zero := read_scale(text, role).zero(data[key]), float
+                ):
+                    data = data | {key: f"{zero!r} {si_unit(role)}"}
         return data
 
     @property

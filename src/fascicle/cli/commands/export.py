@@ -200,10 +200,15 @@ def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) ->
     """Write the `texts` of header and source, and print their paths."""
     with user_errors("--table "):
         Path(folder).mkdir(parents=True, exist_ok=True)
-    paths = [Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c")]
-    for path, text in zip(paths, texts, strict=True):
-        write_text("--table", path, overwrite, text)
-    print_line(f"wrote {paths[0]} and {paths[1]}")
+    header, source = (Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c"))
+    # both are drafts until both are complete
+    with (
+        replace_output("--table", header, overwrite) as header_draft,
+        replace_output("--table", source, overwrite) as source_draft,
+    ):
+        for draft, text in zip((header_draft, source_draft), texts, strict=True):
+            draft.write_text(text, encoding="utf-8", newline="\n")
+    print_line(f"wrote {header} and {source}")
 
 
 def _page_text(target: Any, file: str, pressures: list[float] | None) -> str:
