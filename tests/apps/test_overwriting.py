@@ -124,19 +124,3 @@ def test_a_target_that_another_program_makes_meanwhile_is_kept(
         (tmp_path / name / "zarr.json").write_text("{}")
         assert fascicle("force", SIX, *ONE, "--out", name, "--overwrite")[0] == 0
         assert mine.read_text() == "mine"
-
-
-@pytest.mark.parametrize(
-    ("command", "options"),
-    [
-        (["force", SIX, *ONE], ["--out=x.json", "--plot=link.json"]),
-        (["force", SIX, *ONE], ["--out=x.zarr", "--plot=x.zarr/x.png"]),
-        (["export", SIX], ["--table=x", "--page=./x"]),
-    ],
-)
-def test_two_outputs_do_not_share_a_path(refused, tmp_path, command, options):
-    (tmp_path / "link.json").symlink_to("x.json")
-    (tmp_path / "x.zarr").mkdir()
-    for more in ([], ["--overwrite"]):
-        message = refused(*command, *options, *more)
-        assert all(option.partition("=")[0] in message for option in options)

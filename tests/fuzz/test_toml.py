@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mutations import mutated
 
-from fascicle.cli.commands.init import template
+from fascicle.cli.muscle import template
 from fascicle.files import dumps, example_text, loads
 from fascicle.files.task import loads_task
 

@@ -25,7 +25,7 @@ import json, os, sys
 sys.path.insert(0, sys.argv[1])
 import toy_package, numpy as np, fascicle as fs
 from typer.testing import CliRunner
-from fascicle.cli.commands import app
+from fascicle.cli import make_app
 from fascicle.design import OBJECTIVES, Designs, Task, evaluate
 from fascicle.explorer.link import from_query
 from fascicle.explorer.state import view_of
@@ -37,7 +37,7 @@ space = fs.recruitment.workspace(again, strain=[0.08])
 task = Task.of([60.0, 300.0], [0.08, 0.08], 413.7e3, scheme="pairs")
 designs = Designs.of(b.motor_units[0].muscle, [(1, 1, 1), (1, 1, 1, 1)])
 values = evaluate(designs, task, ["mean_energy", "overlap_width", "reversal_depth"])
-invoke = lambda *line: CliRunner().invoke(app, list(line))
+invoke = lambda *line: CliRunner().invoke(make_app(), list(line))
 designed = invoke("design", "task.toml", "--out", "found")
 assert designed.exit_code == 0, (designed.output, designed.exception)
 print(json.dumps(dict(

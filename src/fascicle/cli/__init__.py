@@ -1,23 +1,22 @@
-"""The command line: parse, call, print."""
+"""The command line: parse, call, print. A module for each family of commands."""
 
 import atexit
 import contextlib
-import gc
 import io
 import os
 import signal
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
 
+
+if TYPE_CHECKING:
+    import typer
 
 _INTERRUPTED = 128 + signal.SIGINT  # exit code of an interrupted process, as in shells
 _MAX_MESSAGE = 600  # characters: some eight lines of a terminal
 
-# allocations between collections of garbage: with Python's 700, imports alone take 40 ms for them
-_COLLECTION = 50_000
 # when Python shuts down everything is printed: a Ctrl-C has nothing to stop
 atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
@@ -31,26 +30,78 @@ def main(arguments: Sequence[str] | None = None) -> None:
     **Arguments:** `arguments`: words of the command line; default: those of the process.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    gc.set_threshold(_COLLECTION)
     _open_streams()
     warnings.showwarning = _warning_printer()
-    hook, sys.unraisablehook = sys.unraisablehook, _exit_on_interrupt
     try:
         code, message = _run_command(arguments)
     except KeyboardInterrupt:
         code, message = _INTERRUPTED, ""
-    finally:
-        sys.unraisablehook = hook
     if message:
         _print_error(f"error: {message}")
     sys.exit(code)
 
 
+def make_app() -> "typer.Typer":
+    """Application with all commands, which import the laws only when they run: `--help` and the
+    shell's completion answer at once.
+    """
+    import typer
+
+    from . import bundle, explore, muscle, simulate
+    from .commands import calibrate, convert, design, export, record, sweep
+    from .options import Command
+
+    app = typer.Typer(
+        name="fascicle",
+        help="Model, calibrate and design fluidic artificial (McKibben) muscles and their bundles.",
+        rich_markup_mode=None,  # plain help: rich would take longer to import than everything else
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+    def print_version(value: bool) -> None:
+        if value:
+            from fascicle import __version__
+
+            typer.echo(f"fascicle {__version__}")
+            raise typer.Exit
+
+    @app.callback()
+    def _(
+        _: bool = typer.Option(
+            False, "--version", callback=print_version, is_eager=True, help="Version number."
+        ),
+    ) -> None:
+        pass
+
+    for run, name in (
+        (muscle.force, None),
+        (muscle.free_strain, None),
+        (bundle.bundle, None),
+        (bundle.space, None),
+        (bundle.recruit, None),
+        (bundle.efficiency, None),
+        (simulate.simulate, None),
+        (record.run, "record"),
+        (convert.run, "convert"),
+        (calibrate.run, "calibrate"),
+        (explore.explore, None),
+        (export.run, "export"),
+        (design.run, "design"),
+        (sweep.run, "sweep"),
+        (explore.reproduce, None),
+        (muscle.muscles, None),
+        (muscle.laws, None),
+        (muscle.init, None),
+    ):
+        app.command(name, cls=calibrate.COMMAND if name == "calibrate" else Command)(run)
+    return app
+
+
 def _run_command(arguments: list[str]) -> tuple[int, str]:
     """Run the command line `arguments`; exit code, and one line for any error."""
     try:
-        commands = import_module("fascicle.cli.commands")  # by name: commands import this package
-        code = commands.app(arguments, prog_name="fascicle", standalone_mode=False)
+        code = make_app()(arguments, prog_name="fascicle", standalone_mode=False)
         sys.stdout.flush()
     except Exception as error:  # noqa: BLE001 any bug is reported in one line
         from .errors import exit_code_and_message
@@ -71,13 +122,6 @@ def _open_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
-
-
-def _exit_on_interrupt(unraisable: Any) -> None:
-    """As `sys.unraisablehook`: exit at a Ctrl-C in a callback, where Python would continue."""
-    if unraisable.exc_type is KeyboardInterrupt:
-        os._exit(_INTERRUPTED)
-    sys.__unraisablehook__(unraisable)
 
 
 def _warning_printer() -> Callable[..., None]:

@@ -88,14 +88,10 @@ def _usage_message(error: Exception) -> str:
 
 
 def _resource_message(error: Exception) -> str:
-    """Message if memory or a device is missing; empty for any other error."""
-    platforms = os.environ.get("JAX_PLATFORMS", "")
-    if platforms not in ("", "cpu") and (jax := sys.modules.get("jax")):
-        try:
-            jax.devices()
-        except Exception:  # noqa: BLE001 of another kind for each platform
-            return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."
-    text = str(error)
+    """Message if memory or JAX's device is missing; empty for any other error."""
+    text, platforms = str(error), os.environ.get("JAX_PLATFORMS", "")
+    if platforms and "backend" in text:  # JAX's words on a platform that it doesn't find
+        return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."
     if not isinstance(error, MemoryError) and "RESOURCE_EXHAUSTED" not in text:  # XLA's status
         return ""
     size = re.search(r"allocat\w+ ([\d.]+ ?\w+)", text)

@@ -31,7 +31,7 @@ def load_laws() -> None:
     """
     # the CPU is always present; XLA's own log is on standard error
     variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
-    if (folder := cache_folder()) is not None:
+    if (folder := _cache_folder()) is not None:
         variables["JAX_COMPILATION_CACHE_DIR"] = str(folder)
         # below this, reading the file costs as much as compiling
         variables["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
@@ -46,18 +46,17 @@ def load_laws() -> None:
     disable_pressure_unit_warning()  # options and files have units
 
 
-def cache_folder() -> Path | None:
+def _cache_folder() -> Path | None:
     """Folder of compiled functions; `None` if it can't be written or `FASCICLE_NO_CACHE` is set."""
     if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
         return None
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
     try:
-        base = Path(os.environ.get(variable, "") or "~/.cache").expanduser()
-        folder = base / "fascicle" / "compiled"
+        folder = Path(os.environ.get(variable, "") or "~/.cache").expanduser() / "fascicle/compiled"
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, RuntimeError, ValueError):  # RuntimeError: no home
         return None
-    return folder if base.is_absolute() and os.access(folder, os.W_OK) else None
+    return folder if folder.is_absolute() and os.access(folder, os.W_OK) else None
 
 
 def read_target(target: str) -> Any:

@@ -1,9 +1,11 @@
 """Options that commands share, and the class of all commands."""
 
 import contextlib
-import itertools
+import functools
+import inspect
 import re
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +17,20 @@ from ..core.errors import InvalidInputError
 from .errors import UserError
 
 
-_FOLDERS = ("FOLDER", "DIR")  # metavars of outputs, which are recognized by them
-OUTPUTS = ("PATH", *_FOLDERS)
 # arguments of the library, and the parameters of commands that set them
 _PARAMETERS = {
-    "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
-    "strains": "strain", "forces": "force", "names": "fit", "units": "unit", "columns": "column",
-    "constants": "constant", "zeros": "zero", "signs": "sign",
-}  # fmt: skip
+    "supply_pressure": "supply",
+    "pressures": "pressure",
+    "states": "pressure",
+    "strains": "strain",
+    "forces": "force",
+    "names": "fit",
+    "units": "unit",
+    "columns": "column",
+    "constants": "constant",
+    "zeros": "zero",
+    "signs": "sign",
+}
 
 
 def option(text: str, names: str = "", *, default: Any = None, **settings: Any) -> Any:
@@ -48,6 +56,28 @@ def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> An
     """Argument of a command; `text`: its help."""
     show = default not in (None, ...)
     return typer.Argument(default, metavar=metavar, help=text, show_default=show, **settings)
+
+
+def with_options(name: str, group: Callable[..., Any]) -> Callable[[Callable], Callable]:
+    """Give a command the options of a `group`, a function or class whose parameters they are; the
+    command gets what the group makes of them as its parameter `name`.
+    """
+
+    def decorate(command: Callable) -> Callable:
+        added = inspect.signature(group).parameters
+        own = {k: p for k, p in inspect.signature(command).parameters.items() if k != name}
+
+        @functools.wraps(command)
+        def run(**values: Any) -> Any:
+            made = group(**{key: values.pop(key) for key in added})
+            return command(**values, **{name: made})
+
+        parameters = [*own.values(), *added.values()]
+        run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {p.name: p.annotation for p in parameters}
+        return run
+
+    return decorate
 
 
 def complete_target(incomplete: str) -> list[str]:
@@ -113,26 +143,21 @@ OVERWRITE = flag(
 
 
 class Command(TyperCommand):
-    """A command that refuses repeated options and outputs that collide, and names options in the
-    library's messages.
-    """
+    """A command that refuses repeated options, and names options in the library's messages."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the arguments, and check that they fit together."""
-        if ctx.resilient_parsing:  # the shell completes them
-            return super().parse_args(ctx, args)
-        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
-        for parameter, count in Counter[Any](order).items():
-            single = parameter.param_type_name == "option" and not parameter.is_flag
-            if count > 1 and single and not parameter.multiple:
-                name, remedy = _longest_spelling(parameter), "give it once"
-                if parameter.metavar == "LIST":
-                    remedy = f"pass one comma-separated list: {name} VALUE,VALUE"
-                times = "twice" if count == 2 else f"{count} times"
-                raise UserError(f"{name} was given {times}: {remedy}.")
-        extra = super().parse_args(ctx, args)
-        self._check_outputs(ctx)
-        return extra
+        """Read the arguments, of which click would take the last of several."""
+        if not ctx.resilient_parsing:  # else the shell completes them
+            _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+            for parameter, count in Counter[Any](order).items():
+                single = parameter.param_type_name == "option" and not parameter.is_flag
+                if count > 1 and single and not parameter.multiple:
+                    name, remedy = _longest_spelling(parameter), "give it once"
+                    if parameter.metavar == "LIST":
+                        remedy = f"pass one comma-separated list: {name} VALUE,VALUE"
+                    times = "twice" if count == 2 else f"{count} times"
+                    raise UserError(f"{name} was given {times}: {remedy}.")
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; a user's mistake is named by its option."""
@@ -141,32 +166,6 @@ class Command(TyperCommand):
         except UserError as error:
             error.args = (self._with_option_names(error),)
             raise
-
-    def _check_outputs(self, ctx: Any) -> None:
-        """Refuse outputs that share a path, and a file in the folder of another output."""
-        outputs: dict[str, str] = {}
-        folders: list[str] = []
-        for parameter in self.get_params(ctx):
-            value = ctx.params.get(parameter.name)
-            if isinstance(value, str) and parameter.metavar in OUTPUTS:
-                outputs[_longest_spelling(parameter)] = value
-                is_folder = parameter.metavar in _FOLDERS and self.name != "export"
-                if is_folder or value.endswith(".zarr"):
-                    folders.append(_longest_spelling(parameter))
-        paths = {}
-        for name, text in outputs.items():
-            with contextlib.suppress(OSError, RuntimeError, ValueError):  # no path, such as a NUL
-                paths[name] = Path(text).resolve()
-        for first, second in itertools.permutations(paths, 2):
-            if paths[first] == paths[second]:
-                raise UserError(
-                    f"{first} and {second}: both would write {outputs[first]}: name two paths."
-                )
-            if first in folders and paths[first] in paths[second].parents:
-                raise UserError(
-                    f"{second} {outputs[second]}: lies in the folder of {first}, which holds only"
-                    " its own files: name another path."
-                )
 
     def _with_option_names(self, error: UserError) -> str:
         """Message of an error with option names in place of Python's arguments."""

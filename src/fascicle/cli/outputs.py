@@ -4,7 +4,6 @@ import contextlib
 import datetime as dt
 import math
 import os
-import re
 import sys
 import warnings
 from collections import Counter
@@ -15,16 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 from ..io import atomic
 from ..io.sanitize import escape_invisible, sanitize_line
+from . import options
 from .errors import UserError, user_errors
 
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ..results.labelled import Variable
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 _MAX_LINE = 2000  # characters of a line with foreign text, such as file names
 _MAX_NAMES = 2  # files of a kind that are named; more are counted
-_CONTINUED = " (continued)"  # ends the title of columns that follow below
 _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
 
@@ -55,7 +56,7 @@ def print_text(text: str, style: str = "") -> None:
     _console().print(Text(sanitize_line(text, _MAX_LINE), style=style))
 
 
-def _console() -> Any:
+def _console() -> "Console":
     """Console of standard output, without a limit of width in a file."""
     from rich.console import Console
 
@@ -95,7 +96,7 @@ def print_table(
     if narrow:  # heads are broken at spaces, and columns have no padding
         shown = [head.replace(" ", "\n") for head in shown]
         widths = column_widths(shown)
-    names, start = list(range(key_columns)), key_columns
+    names, start, suffix = list(range(key_columns)), key_columns, ""
     while start < len(heads):
         width, end = sum(widths[:key_columns]) + key_columns + 2, start
         while end < len(heads) and (end == start or width + widths[end] < console.width):
@@ -106,9 +107,9 @@ def print_table(
             table.add_column(Text(shown[index]), justify="right", no_wrap=True)
         for row in texts:
             table.add_row(*(Text(row[index]) for index in [*names, *range(start, end)]))
-        print_text(title, "bold")
+        print_text(f"{title}{suffix}", "bold")
         console.print(table)
-        title, start = f"{title.removesuffix(_CONTINUED)}{_CONTINUED}", end
+        start, suffix = end, " (continued)"
     if caption:
         print_text(caption)
 
@@ -127,15 +128,11 @@ def number(value: float, decimals: int) -> str:
 
 
 _updates: list[Callable[[str], None]] = []  # function that changes the displayed status, if any
-_STEPS = re.compile(r"(\d+) of (\d+)$")  # at the end of a status: a bar shows them
 
 
 @contextlib.contextmanager
 def status(text: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal what is being done, and for how long; gives a function that updates it.
-
-    A text that ends in "3 of 12" gets a bar, and an estimate of the time left.
-    """
+    """Show on a terminal what is being done, and for how long; gives a function that updates it."""
     if not sys.stderr.isatty():
         yield lambda _: None
         return
@@ -144,30 +141,15 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
         yield _updates[-1]
         return
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        SpinnerColumn,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    bar = (*columns, BarColumn(20), TimeRemainingColumn(), TextColumn("left"))
-    with Progress(
-        *columns, console=Console(stderr=True, markup=False), transient=True,
-        speed_estimate_period=3600,  # seconds: the whole of a fit, whose steps are slow and few
-    ) as progress:  # fmt: skip
+    console = Console(stderr=True, markup=False)
+    with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(sanitize_line(text), total=None)
 
         def update(text: str) -> None:
-            steps = _STEPS.search(text)
-            progress.columns = columns if steps is None else bar
-            done, total = (0, None) if steps is None else (int(steps[1]), int(steps[2]))
-            progress.update(
-                task, description=sanitize_line(text), completed=done, total=total, refresh=True
-            )
+            progress.update(task, description=sanitize_line(text), refresh=True)
 
         _updates.append(update)
         try:
@@ -189,10 +171,7 @@ def check_file(
 
 @contextlib.contextmanager
 def replace_output(
-    option: str,
-    path: str | Path,
-    overwrite: bool,
-    is_own: Callable[[Path], bool] | None = None,
+    option: str, path: str | Path, overwrite: bool, is_own: Callable[[Path], bool] | None = None
 ) -> Iterator[Path]:
     """Context of a path, not yet made, of a draft that becomes `path`; errors name `option`.
 
@@ -247,7 +226,12 @@ class Outputs:
     """Outputs of a command; refuses what can't be written before the work begins."""
 
     def __init__(
-        self, as_json: bool, as_csv: bool, out: str | None, plot: str | None, overwrite: bool
+        self,
+        as_json: bool = options.JSON,
+        as_csv: bool = options.CSV,
+        out: str | None = options.OUT,
+        plot: str | None = options.PLOT,
+        overwrite: bool = options.OVERWRITE,
     ):
         """**Arguments:** values of the options --json, --csv, --out, --plot and --overwrite."""
         if as_json and as_csv:

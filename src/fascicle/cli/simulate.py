@@ -3,11 +3,10 @@
 import sys
 from typing import Any
 
-from .. import options
-from ..errors import UserError, user_errors
-from ..inputs import read_scenario
-from ..options import argument, flag, option
-from ..outputs import (
+from .errors import UserError, user_errors
+from .inputs import read_scenario
+from .options import argument, flag, option, with_options
+from .outputs import (
     Outputs,
     check_file,
     print_line,
@@ -25,22 +24,20 @@ _ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 
 
 def _complete_scenario(incomplete: str) -> list[str]:
-    from ...files import scenarios
+    from ..files import scenarios
 
     return [name for name in scenarios() if name.startswith(incomplete)]
 
 
-def run(
+@with_options("outputs", Outputs)
+def simulate(
+    outputs: Outputs,
     scenario: str = argument(
         "SCENARIO.toml",
         "Scenario file: bundle, load, fluid, supply, valves and schedule; or a named one, such as"
         " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
         autocompletion=_complete_scenario,
     ),
-    as_json: bool = options.JSON,
-    as_csv: bool = options.CSV,
-    out: str | None = options.OUT,
-    plot: str | None = options.PLOT,
     report: str | None = option("HTML page with traces and energy balances.", metavar="PATH"),
     policy: str | None = option(
         "Control policy: orderly, batch, threshold or hand_over; default: the scenario's.",
@@ -50,15 +47,13 @@ def run(
     compensate: bool | None = option(
         "Friction feedforward; default: the scenario's.", "--compensate/--no-compensate"
     ),
-    overwrite: bool = options.OVERWRITE,
 ) -> int:
     """Simulate a bundle over time and check its energy balance.
 
     Exit code 1 if a balance does not close, or an event makes the run untrustworthy.
     """
-    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     if report is not None:
-        check_file("--report", report, overwrite, [".html"])
+        check_file("--report", report, outputs.overwrite, [".html"])
     if compare and policy is not None:
         raise UserError("--compare runs every policy: drop --policy.")
     with status("reading the scenario") as update:
@@ -74,8 +69,8 @@ def run(
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
-    from ...dynamics.audit import audit_run
-    from ...results.tables import simulated
+    from ..dynamics.audit import audit_run
+    from ..results.tables import simulated
 
     with user_errors():
         result = study.run()
@@ -84,8 +79,8 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     controller = () if control is None else (control.controller, control.reference)
 
     def figure() -> Any:
-        from ...plot.trajectory import traces
-        from ...report.simulation import run_demand
+        from ..plot.trajectory import traces
+        from ..report.simulation import run_demand
 
         return traces(study.plant, result, run_demand(study, result))
 
@@ -98,7 +93,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
         notes=" ".join(notes),
     )
     if report is not None:
-        from ...report.simulation import report as page
+        from ..report.simulation import report as page
 
         _write_report(report, outputs, page(study, result, balances, doubts, today()))
     return _print_doubts({f"{study.name}: the run": doubts})
@@ -108,11 +103,11 @@ def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
     """Run all policies on one scenario; returns the exit code."""
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
-    from ...control import POLICIES
-    from ...dynamics.audit import audit_run
-    from ...plot.trajectory import PolicyCosts, policies
-    from ...report import simulation as pages
-    from ...results.tables import policy_table
+    from ..control import POLICIES
+    from ..dynamics.audit import audit_run
+    from ..plot.trajectory import PolicyCosts, policies
+    from ..report import simulation as pages
+    from ..results.tables import policy_table
 
     runs: dict[str, Any] = {}
     with status("simulating") as update:
@@ -174,8 +169,8 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
 
 
 def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
-    from ...dynamics import events
-    from ...report import simulation as pages
+    from ..dynamics import events
+    from ..report import simulation as pages
 
     plant, control = study.plant, study.control
     balances = audited.balances if audited else ()
