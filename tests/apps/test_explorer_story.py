@@ -95,17 +95,19 @@ def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
     for number in (1, 2, 3, 4):
         scene(page, number)
         explorer.source(page, "bundle" if number == 4 else "solid")
-        # the curves are in view with the sentences
+        # curve and muscle are in view with the sentences
         explorer.wait_for_layout(page)
-        box = page.locator(".bk-Figure").first.bounding_box()
-        assert box["y"] > 0 and box["y"] + box["height"] / 2 < height
-        page.evaluate("() => scrollTo(0, 0)")  # where the story covers nothing
+        for figure in page.locator(".bk-Figure").all()[: 1 if number == 4 else 2]:
+            box = figure.bounding_box()
+            assert box["y"] > 0 and box["y"] + box["height"] / 2 < height
+        page.set_viewport_size({"width": width, "height": 3000})  # where nothing is covered
         for _ in range(20):  # figures shrink a while after the scene's text has come
             explorer.wait_for_layout(page)
             if not (faults := explorer.untidy(page, width)):
                 break
             page.wait_for_timeout(250)  # ms
         assert (number, faults) == (number, [])
+        page.set_viewport_size({"width": width, "height": height})
         if number in (1, 4):  # other scenes have the same parts
             violations = axe.Axe().run(page).response["violations"]
             grave = [fault["id"] for fault in violations

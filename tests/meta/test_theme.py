@@ -39,7 +39,7 @@ def test_contrast_is_what_the_standard_says():
 
 
 def test_every_face_has_the_theme():
-    from fascicle.explorer.theme import DARK, LIGHT, page_css
+    from fascicle.explorer.widgets import DARK, LIGHT, page_css
     from fascicle.report import render
 
     assert set(theme.CYCLE) <= set(theme.LIGHT.curves)

@@ -27,11 +27,15 @@ class InvalidInputError(ValueError):
             # a number without NumPy's name around it
             value_text = str(value) if isinstance(value, Number) else repr(value)
         self._value_text = value_text or ""
-        space = "" if rule.startswith((",", ":")) else " "
-        line = f"`{argument}`{space}{rule}"
-        line += f", got {value_text}" if value_text else ""
-        line += f": {remedy}" if remedy else ""
-        super().__init__(line if line.endswith("?") else f"{line}.")
+        super().__init__(self.line(f"`{argument}`"))
+
+    def line(self, subject: str) -> str:
+        """The line for people, about a `subject` in place of the argument: a label on a page."""
+        space = "" if self.rule.startswith((",", ":")) else " "
+        line = f"{subject}{space}{self.rule}"
+        line += f", got {self._value_text}" if self._value_text else ""
+        line += f": {self.remedy}" if self.remedy else ""
+        return line if line.endswith("?") else f"{line}."
 
     def __reduce__(self) -> tuple[Any, ...]:
         # the error of a worker process arrives with its fields

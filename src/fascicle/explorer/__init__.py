@@ -1,4 +1,4 @@
-"""The explorer: the same laws in a browser, or in a notebook.
+"""Explorer: the same laws in a browser, or in a notebook.
 
 Views are computed as arrays (`…_curves`) by the laws and shown by widgets
 (`…_tab`); what a session shows is one immutable `View`, which its address holds. Names are
@@ -16,9 +16,4 @@ if TYPE_CHECKING:
 
 __all__ = ["panel", "serve"]
 
-_HOMES = {
-    "panel": "page",
-    "serve": "server",
-}
-
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, {"panel": "page", "serve": "server"})

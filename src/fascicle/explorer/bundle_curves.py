@@ -11,6 +11,7 @@ from ..bundle import Bundle, recruitment
 from ..bundle.energetics import unit_volume_change, work
 from ..bundle.pressurized import muscle_strain
 from ..bundle.recruitment import Overlap, Workspace
+from ..bundle.reversal import Reversal, free_strain_curve, reversal
 from ..bundle.states import resolve_supply_pressure, states_of
 from ..core.errors import InvalidInputError
 from .muscle_curves import muscle_curves
@@ -19,6 +20,7 @@ from .state import View
 
 
 LEVELS, POINTS = 5, 161  # curves of each state, and points of each
+_PRESSURES = 97  # steps of 4 kPa at 60 psi, smooth on a screen
 _LOAD_LEVELS = 61  # pressures among which the nearest to a load is sought
 _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _SPACING = 2.7  # from axis to axis at rest, over the largest radius
@@ -75,6 +77,35 @@ class BundleSolids(NamedTuple):
     owners: list[int]
     positions: list[tuple[float, float, float]]
     envelope: float
+
+
+class FreeStrainCurve(NamedTuple):
+    """Free strain over the second unit's `pressure` [Pa]: with resistance, `resisted`, and `free`
+    of it [-]; and the `turn` of the former.
+    """
+
+    pressure: np.ndarray
+    resisted: np.ndarray
+    free: np.ndarray
+    turn: Reversal
+
+
+@lru_cache(maxsize=32)  # visitors share it
+def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
+    """Free strain of a `bundle` over its second unit's pressure, unit 1 at a pressure `first` [Pa],
+    later units vented.
+    """
+    pressure = np.linspace(0.0, first, _PRESSURES)
+    resisted, free = (
+        free_strain_curve(bundle, 2, pressure, first, resistance) for resistance in (True, False)
+    )
+    return FreeStrainCurve(pressure, resisted, free, second_unit_reversal(bundle, first))
+
+
+@lru_cache(maxsize=32)  # visitors share it; it takes a third of a second
+def second_unit_reversal(bundle: Bundle, first: float, resistance: bool = True) -> Reversal:
+    """Turn of the free strain as the second unit's pressure rises to `first` [Pa]."""
+    return reversal(bundle, 2, first, resistance)
 
 
 @lru_cache(maxsize=16)  # visitors share it
@@ -146,11 +177,9 @@ def recruitments(
         # the search never takes an end, such as no pressure
         nearest = min((float(space.level[index]), float(search.x)), key=distance)
         rows.append(row(state, states.pressures(state - 1, nearest, supply), False, False))
-    rows.sort(key=lambda row: (
-        not row.reached, 0.0 if row.reached else abs(row.force - load), np.nan_to_num(row.fluid),
-        row.state, row.pressures,
-    ))  # fmt: skip
-    return rows, remark
+    reached = sorted((row for row in rows if row.reached), key=lambda row: np.nan_to_num(row.fluid))
+    others = sorted((row for row in rows if not row.reached), key=lambda row: abs(row.force - load))
+    return reached + others, remark
 
 
 def bundle_solids(view: View, top: float) -> BundleSolids:

@@ -2,33 +2,38 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
 
+from ..bundle import Bundle
+from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_finite, check_interval
-from ..plot.theme import BLACK, WHITE, Colors, mix
+from ..plot.curves import split_at_reversal
+from ..plot.resistance_loss import efficiency_maps
+from ..plot.theme import BLACK, WHITE, Colors, mix, to_bytes
+from ..plot.workspace import efficiency, efficiency_loss
+from ..results import tables
 from .bundle_curves import (
     BundleSolids,
     BundleState,
     BundleWorkspace,
+    FreeStrainCurve,
     Recruitment,
     bundle_solids,
     bundle_state,
     bundle_workspace,
     recruitments,
+    second_unit_curve,
 )
-from .chart import Chart, cycle_colors, hover_tooltips, screen_height
-from .efficiency_chart import EfficiencyChart
-from .free_strain_chart import FreeStrainChart
+from .chart import Chart, cycle_colors, hover_tooltips, padded_range
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled_muscle
-from .tab import LatestResult, Tab
-from .theme import column, pane, row, side_column
+from .tab import Export, LatestResult, Tab
 from .widgets import (
     SWEEP_STEPS,
     Field,
@@ -36,11 +41,16 @@ from .widgets import (
     QuantitySlider,
     Sweep,
     button,
+    column,
     dropdown,
     format_quantity,
     heading,
+    html_legend,
     html_table,
+    pane,
     readout_table,
+    row,
+    side_column,
     status_line,
     text_html,
     volume_unit,
@@ -49,13 +59,27 @@ from .widgets import (
 
 
 # room for header, readouts and buttons
-_SCENE_HEIGHT = "clamp(240px, min(100vh - 540px, 90vw), 900px)"
+_SCENE_HEIGHT = "var(--scene-height, clamp(240px, min(100vh - 540px, 90vw), 900px))"
+# both figures are on the screen: of the force, and of the free strain below it
+_FORCE_HEIGHT = "var(--figure-height, clamp(300px, min(46vh, 100vw), 800px))"
+_FREE_STRAIN_HEIGHT = "var(--figure-height, clamp(200px, 26vh, 400px))"
+_NO_LOAD = "Enter a load, or click in the figure."
+_EXPLANATION = (
+    "Unit 1 is at P1, unit 2 is being filled, later units are vented. At first unit 2 may resist"
+    " more than when it was empty: the bundle's free strain falls, and rises only past the reversal"
+    " point (triangle)."
+)
+_NO_CURVE = "Raise P1: the curve is that of a bundle whose unit 1 is pressurized."
+_NO_PATH = (
+    "With free recruitment, many pressures of the motor units give one force and contraction, so"
+    " that no path is isobaric: choose the path isotonic."
+)
 
 
 class UnitInputs(NamedTuple):
     """Inputs of a motor unit: count and radius of its muscles, and its pressure."""
 
-    count: Any
+    muscles: pn.widgets.IntInput
     radius: Field
     pressure: QuantitySlider
 
@@ -78,10 +102,12 @@ class UnitRows:
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._make_row(i) for i in range(len(self.rows), len(view.units))]
-            inputs = [w for r in self.rows for w in (r.count, *r.radius.widgets, r.pressure.panel)]
+            inputs = [
+                w for r in self.rows for w in (r.muscles, *r.radius.widgets, r.pressure.panel)
+            ]
             self.panel.objects = [*self._buttons, self.message.pane, *inputs]
         for inputs, unit in zip(self.rows, view.units, strict=True):
-            inputs.count.value = unit.count
+            inputs.muscles.value = unit.count
             inputs.radius.show(
                 float(view.muscle_of(unit).outer_radius), view.display_units["length"]
             )
@@ -93,6 +119,11 @@ class UnitRows:
         for inputs, pressure in zip(self.rows, view.pressures, strict=True):
             inputs.pressure.show(pressure, view.display_units["pressure"], view.supply)
 
+    def set_pressure(self, i: int, pressure: float) -> None:
+        """Set the pressure [Pa] of unit `i`, counted from 0."""
+        pressures = self._session.view.pressures
+        self._session.change(pressures=(*pressures[:i], pressure, *pressures[i + 1 :]))
+
     def _make_row(self, i: int) -> UnitInputs:
         # without limits: at those the browser would refuse without a word
         count = widget(
@@ -100,7 +131,7 @@ class UnitRows:
         )
         radius = Field("Radius", "outer_radius", "length", partial(self._set_radius, i))
         pressure = QuantitySlider(
-            f"Pressure P{i + 1}", "pressure", "pressure", partial(self._set_pressure, i)
+            f"Pressure P{i + 1}", "pressure", "pressure", partial(self.set_pressure, i)
         )
         return UnitInputs(count, radius, pressure)
 
@@ -124,15 +155,11 @@ class UnitRows:
                 for x in (*limits, radius)
             )
             rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
-            raise InvalidInputError("radius", rule, radius, shown=radius_text)
+            raise InvalidInputError("outer_radius", rule, radius, shown=radius_text)
         if unit.own is None:
             self._set_unit(i, replace(unit, size=size))
         else:
             self._set_unit(i, replace(unit, own=scaled_muscle(unit.own, size)))
-
-    def _set_pressure(self, i: int, pressure: float) -> None:
-        pressures = self._session.view.pressures
-        self._session.change(pressures=(*pressures[:i], pressure, *pressures[i + 1 :]))
 
     def _set_unit(self, i: int, unit: Unit) -> None:
         units = self._session.view.units
@@ -155,13 +182,185 @@ class UnitRows:
         self._session.change(units=view.units[:-1], pressures=view.pressures[:-1])
 
 
+class FreeStrainChart:
+    """Chart of free strain over unit 2's pressure, as the layout `panel` of a `tab`; empty for a
+    bundle of one unit. A hand moves the point, and with it unit 2's valve.
+    """
+
+    def __init__(self, tab: "BundleView", colors: Colors):
+        self._tab = tab
+        chart = self.chart = Chart(colors, "Pressure P2", "Free strain [–]", _FREE_STRAIN_HEIGHT)
+        styles = {"resisted": ("solid", 3), "free": ("dashed", 1.8), "jump": ("dotted", 2)}
+        self._lines = {
+            name: chart.add(
+                "multi_line",
+                "xs ys color",
+                f"free_strain_{name}",
+                line_dash=dash,
+                line_width=width,
+            )
+            for name, (dash, width) in styles.items()
+        }
+        self._turn = chart.add(
+            "scatter",
+            "x y label",
+            "turn",
+            size=11,
+            marker="inverted_triangle",
+            line_color=colors.ink,
+            fill_color=colors.ink,
+        )
+        chart.add_labels(self._turn, x_offset=8, y_offset=-18, text_font_size="12px")
+        self._point = chart.add_point(name="free_strain_point")
+        chart.on_hold(self._set_pressure)
+        self._legend = pane()
+        self._message = pane(margin=(2, 8), sizing_mode="stretch_width")
+        self._figure = column(self._legend, chart.new_pane())
+        title = pane(heading("Free strain over the pressure of unit 2"))
+        self.panel = column(title, self._figure, self._message)
+        self._curves = LatestResult(self._show, tab.fail, tab.is_open)
+
+    def draw(self, view: View) -> None:
+        """Request the curve of a `view`."""
+        self.panel.visible = len(view.units) > 1
+        first = view.pressures[0]
+        self._figure.visible = first > 0
+        if not self.panel.visible or not first:
+            self._message.object = status_line(_NO_CURVE)
+            return
+        self._curves.request(lambda: second_unit_curve(view.bundle, first))
+
+    def show_point(self, view: View, free_strain: float) -> None:
+        """Mark the `free_strain` [-] at the pressures of a `view`, where it is on the curve."""
+        is_on_curve = len(view.units) > 1 and not any(view.pressures[2:])
+        is_on_curve &= view.pressures[1:2] <= view.pressures[:1]
+        scale = self._tab.unit("pressure")[1]
+        point = {"x": [view.pressures[1] / scale], "y": [free_strain]} if is_on_curve else None
+        self._point.data = point or {"x": [], "y": []}
+
+    def _set_pressure(self, position: float, _: float) -> None:
+        """Open unit 2's valve to a pressure [shown unit] on the curve."""
+        first, scale = self._tab.session.view.pressures[0], self._tab.unit("pressure")[1]
+        pressure = float(f"{np.clip(position * scale, 0.0, first):.4g}")
+        self._tab.units.set_pressure(1, min(pressure, first))
+
+    def _show(self, curve: FreeStrainCurve) -> None:
+        unit, scale = self._tab.unit("pressure")
+        colors, turn = self._tab.colors, curve.turn
+        entries = [
+            ("with resistance", colors.ink, "solid"),
+            ("without", colors.soft, "dashed"),
+            ("jump", colors.ink, "dotted"),
+        ]
+        drawn, jump = split_at_reversal(curve.pressure, curve.resisted, turn)
+        self._legend.object = html_legend(entries[: 2 + bool(turn.jump)])
+        for name, (pressure, strain), color in (
+            ("resisted", drawn, colors.ink),
+            ("free", (curve.pressure, curve.free), colors.soft),
+            ("jump", jump, colors.ink),
+        ):
+            self._lines[name].data = {"xs": [pressure / scale], "ys": [strain], "color": [color]}
+        falls = turn.depth > 0
+        self._turn.data = {
+            "x": [turn.pressure / scale] * falls,
+            "y": [turn.free_strain] * falls,
+            "label": [f"−{turn.depth:.4f}"] * falls,
+        }
+        highest = float(curve.pressure[-1]) / scale
+        strains = np.concatenate([curve.resisted, curve.free])
+        self.chart.set_ranges((0.0, highest), padded_range(strains, 0.18, 0.004))
+        self.chart.figure.xaxis[0].axis_label = f"Pressure of unit 2 P2 [{unit}]"
+        text = "It never falls."
+        if falls:
+            text = (
+                f"It falls by {turn.depth:.4f} to {turn.free_strain:.4f}, at"
+                f" {turn.pressure / scale:.4g} {unit}{', in a jump' * turn.jump}."
+            )
+        self._message.object = status_line(f"{_EXPLANATION} {text}")
+        self.chart.describe(f"Free strain of the bundle over the pressure of unit 2. {text}")
+
+
+class EfficiencyMaps:
+    """Pictures of a bundle's efficiency over contraction and force, below a button that asks for
+    them, as the layout `panel` of a `tab`.
+    """
+
+    def __init__(self, tab: "BundleView"):
+        session = self._session = tab.session
+        self._path = dropdown("Path", PATHS, lambda path: session.change(path=path), width=200)
+        self._numbers, self._message = pane(), Message()
+        self.pictures = [pn.pane.PNG(width=620, alt_text="") for _ in range(2)]
+        self.toggle = widget(
+            pn.widgets.Toggle,
+            "More: efficiency",
+            lambda _: self.draw(session.view),
+            margin=(8, 8),
+            sizing_mode=None,
+        )
+        self._maps = LatestResult(self._show, self._fail, tab.is_open)
+        explanations = pane(words_html("efficiency", "isobaric", "isotonic", "resistance"))
+        self._content = column(
+            row(self._path, self._numbers, kind="wrapped", sizing_mode=None),
+            self._message.pane,
+            *self.pictures,
+            explanations,
+            visible=False,
+        )
+        self.panel = column(self.toggle, self._content)
+
+    def draw(self, view: View) -> None:
+        """Request the maps of a `view`, where they are shown."""
+        self._content.visible, self._path.value = self.toggle.value, view.path
+        if not self.toggle.value:
+            return
+        if SCHEMES[view.scheme].independent and view.path == "isobaric":
+            self._fail(_NO_PATH)
+            return
+        self._content.loading = True
+        self._maps.request(lambda: _efficiency_pictures(view.bundle, view.path))
+
+    def _show(self, result: tuple[list[str], list[bytes]]) -> None:
+        averages, pictures = result
+        self._content.loading = False
+        self._message.show("")
+        rows = [("with resistance", averages[0]), ("without", averages[1])]
+        self._numbers.object = html_table(("this bundle", "average efficiency"), rows)
+        texts = "Efficiency with resistance and without", "Efficiency lost to resistance"
+        for picture, raw, text in zip(self.pictures, pictures, texts, strict=True):
+            picture.param.update(object=raw, alt_text=f"{text}, over contraction and force")
+
+    def _fail(self, error: ValueError | str) -> None:
+        """Show the error of a computation in place of the pictures."""
+        self._content.loading, self._numbers.object = False, ""
+        for picture in self.pictures:
+            picture.object = None
+        self._message.show(error)
+
+
+def _efficiency_pictures(bundle: Bundle, path: str) -> tuple[list[str], list[bytes]]:
+    """Average efficiencies with resistance and without, and the maps' pictures as PNG."""
+    maps = efficiency_maps(bundle, path)
+    averages = [f"{result.average:.4f}" for result in (maps.resisted, maps.free)]
+    figures = (
+        efficiency(maps.resisted, maps.free),
+        efficiency_loss(maps.loss, maps.resistance_gaps),
+    )
+    return averages, [to_bytes(figure, "png") for figure in figures]
+
+
 class BundleView(Tab):
     """Widgets and figures of a bundle."""
 
     name: ClassVar[str] = "bundle"
     fields: ClassVar[tuple[str, ...]] = (
-        "muscle", "units", "supply", "scheme", "resistance", "display_units", "distance",
-    )  # fmt: skip
+        "muscle",
+        "units",
+        "supply",
+        "scheme",
+        "resistance",
+        "display_units",
+        "distance",
+    )
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
@@ -171,40 +370,40 @@ class BundleView(Tab):
             "Recruitment", list(SCHEMES), lambda scheme: session.change(scheme=scheme)
         )
         self._resistance = widget(
-            pn.widgets.Checkbox, "Muscles push back past their free strain",
-            lambda resistance: session.change(resistance=resistance), margin=(6, 8),
-        )  # fmt: skip
+            pn.widgets.Checkbox,
+            "Muscles push back past their free strain",
+            lambda resistance: session.change(resistance=resistance),
+            margin=(6, 8),
+        )
         self._supply = Field("Supply pressure", "supply", "pressure", self._set_supply)
         self._strain = self.strain_slider()
         self._add_chart()
         self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
         self._sweep = Sweep("", self._advance)
         self._numbers = pane()
-        self._workspace = LatestResult(self._show_workspace, self.fail, is_open=self.is_open)
-        self._state = LatestResult(self._show_state, self.fail, is_open=self.is_open)
+        self._workspace, self._state, self._recruitments = (
+            LatestResult(show, self.fail, self.is_open)
+            for show in (self._show_workspace, self._show_state, self._show_recruitments)
+        )
         self._load = Field("Load", "load", "force", self._set_load, optional=True)
         self._load_strain = Field("at contraction ε", "strain", "strain", self._set_load_strain)
-        self._recruitments = LatestResult(self._show_recruitments, self.fail, is_open=self.is_open)
-        explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
-        left = side_column(
-            self._scheme, *self._supply.widgets, self._resistance, self.units.panel, explanations,
-            width=318,
-        )  # fmt: skip
-        space = column(self.chart.new_pane(), self.message.pane, kind="equal")
+        for field in (self._load, self._load_strain):
+            field.message.pane.param.watch(self._hide_solutions, "visible")
         self._solution_column = column()
-        for demand_field in (self._load, self._load_strain):
-            demand_field.message.pane.param.watch(self._hide_solutions, "visible")
-        demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
+        explanations = pane(words_html("motor unit", "recruitment state", "overlap", "resistance"))
+        inputs = (self._scheme, *self._supply.widgets, self._resistance, self.units.panel)
+        left = side_column(*inputs, explanations, width=318)
         self.free_strain = FreeStrainChart(self, colors)
-        self.efficiency = EfficiencyChart(self, session, colors)
-        parts = (*self._scene.panes(self._sweep.button), self._numbers, demand,
-                 self._solution_column)  # fmt: skip
+        self.efficiency = EfficiencyMaps(self)
+        curves = (self.chart.new_pane(), self.message.pane, self.free_strain.panel)
+        demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
+        asides = column(self._numbers, demand, self._solution_column, kind="aside")
+        scene = column(*self._scene.panes(self._sweep.button), asides, kind="equal picture")
         main = column(
             self.notes,
             self._strain.panel,
             self.status,
-            row(space, column(*parts, kind="equal")),
-            self.free_strain.panel,
+            row(column(*curves, kind="equal"), scene),
             self.efficiency.panel,
         )
         self.panel = row(left, main)
@@ -228,7 +427,7 @@ class BundleView(Tab):
             self.units.show_pressures(after)
             if before.pressures[0] != after.pressures[0]:
                 self.free_strain.draw(after)
-        if changed(before, after, "path", "map"):
+        if changed(before, after, "path"):
             self.efficiency.draw(after)
         if changed(before, after, "strain"):
             self._strain.show(min(after.strain, self._top), "", self._top)
@@ -236,6 +435,12 @@ class BundleView(Tab):
             self._request_state(after)
         if changed(before, after, "load", "strain", "path"):
             self._request_recruitments(after)
+
+    def export(self) -> Export:
+        """Picture and data of the workspace."""
+        target, resistance = self.session.view.bundle, self.session.view.resistance
+        variables = tables.space(target.workspace(resistance=resistance))
+        return Export(self.stem("space"), variables, lambda: target.plot(resistance=resistance))
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""
@@ -250,11 +455,11 @@ class BundleView(Tab):
     def _advance(self) -> bool:
         """Raise the last unit's pressure, or begin again at zero; False if another tab is open."""
         view = self.session.view
-        if view.tab != self.name:
+        if not self.is_open():
             return False
         following = float(f"{view.pressures[-1] + view.supply / SWEEP_STEPS:.6g}")
         last = 0.0 if following > view.supply else following
-        self.session.change(pressures=(*view.pressures[:-1], last))
+        self.units.set_pressure(len(view.pressures) - 1, last)
         return True
 
     # the figure
@@ -262,40 +467,66 @@ class BundleView(Tab):
     def _add_chart(self) -> None:
         """Add the chart of force over strain: workspace, units, bundle, equilibria, point."""
         colors = self.colors
-        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(290))
+        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", _FORCE_HEIGHT)
         chart.add_zero_line()
         self._regions = chart.add(
-            "patches", "xs ys color label", "regions", color="color", fill_alpha=0.16,
-            line_width=1.5, legend_field="label",
-        )  # fmt: skip
+            "patches",
+            "xs ys color label",
+            "regions",
+            color="color",
+            fill_alpha=0.16,
+            line_width=1.5,
+            legend_field="label",
+        )
         self._levels = chart.add(
             "multi_line", "xs ys color width", line_width="width", line_alpha=0.7
         )
         self._overlap = chart.add(
-            "patches", "xs ys", "overlap", fill_alpha=0, line_alpha=0, hatch_color=colors.ink,
-            hatch_pattern="right_diagonal_line", hatch_alpha=0.55, hatch_scale=9,
+            "patches",
+            "xs ys",
+            "overlap",
+            fill_alpha=0,
+            line_alpha=0,
+            hatch_color=colors.ink,
+            hatch_pattern="right_diagonal_line",
+            hatch_alpha=0.55,
+            hatch_scale=9,
             legend_label="overlap of states",
-        )  # fmt: skip
+        )
         self._unit_forces = chart.add(
-            "multi_line", "xs ys color", line_width=1.6, line_dash="dashed",
+            "multi_line",
+            "xs ys color",
+            line_width=1.6,
+            line_dash="dashed",
             legend_label="each motor unit",
-        )  # fmt: skip
+        )
         self._force = chart.new_source("strain force", "bundle_force")
-        chart.figure.line("strain", "force", source=self._force, line_color=colors.ink,
-                          line_width=3, legend_label="all motor units")  # fmt: skip
+        style = {"line_color": colors.ink, "line_width": 3, "legend_label": "all motor units"}
+        chart.figure.line("strain", "force", source=self._force, **style)
         self._hover = chart.add_force_hover()
         self._equilibria = chart.add(
-            "scatter", "x y fill", "equilibria", size=10, line_color=colors.ink, fill_color="fill",
-            line_width=2, legend_label="equilibria (hollow: unstable)",
-        )  # fmt: skip
+            "scatter",
+            "x y fill",
+            "equilibria",
+            size=10,
+            line_color=colors.ink,
+            fill_color="fill",
+            line_width=2,
+            legend_label="equilibria (hollow: unstable)",
+        )
         self._point = chart.add_point(legend_label="this contraction")
         self._target = chart.add(
-            "scatter", "x y", "target", size=16, marker="cross", line_color=colors.curves[1],
-            line_width=3, legend_label="the chosen point",
-        )  # fmt: skip
-        chart.on_click(self._set_at_click)
-        self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
-        self._target_entry.visible = False
+            "scatter",
+            "x y",
+            "target",
+            size=16,
+            marker="cross",
+            line_color=colors.bad,
+            line_width=3,
+            legend_label="the load",
+        )
+        chart.on_hold(self._set_demand)
+        chart.style_legend(glyph_height=20)  # of points
 
     def _show_workspace(self, result: BundleWorkspace) -> None:
         view, space = self.session.view, result.workspace
@@ -310,14 +541,17 @@ class BundleView(Tab):
             "color": colors,
             "label": [f"recruitment state {state}" for state in states],
         }
-        lines = [
-            (np.where(force >= 0, force / scale, np.nan), color, 0.5 + 1.2 * k / len(curves))
+        levels = [
+            (force, color, 0.5 + 1.2 * k / len(curves))  # thicker with rising pressure
             for curves, color in zip(space.force, colors, strict=True)
-            for k, force in enumerate(curves)  # thicker with rising pressure
+            for k, force in enumerate(curves)
         ]
-        self._levels.data = {"xs": [space.strain] * len(lines)} | dict(
-            zip(("ys", "color", "width"), map(list, zip(*lines, strict=True)), strict=True)
-        )
+        self._levels.data = {
+            "xs": [space.strain] * len(levels),
+            "ys": [np.where(force >= 0, force / scale, np.nan) for force, _, _ in levels],
+            "color": [color for _, color, _ in levels],
+            "width": [width for _, _, width in levels],
+        }
         outlines = [result.overlap.outline(i) for i in range(len(result.overlap.states))]
         outlines = [(strain, force) for strain, force in outlines if strain.size]
         self._overlap.data = {
@@ -361,19 +595,21 @@ class BundleView(Tab):
             "color": colors,
         }
         self._force.data = {"strain": state.strain, "force": state.force / scale}
+        fills = {True: self.colors.ink, False: self.colors.paper}
         self._equilibria.data = {
-            "x": state.equilibria, "y": np.zeros(state.equilibria.size),
-            "fill": [self.colors.ink if stable else self.colors.paper for stable in state.stable],
-        }  # fmt: skip
+            "x": state.equilibria,
+            "y": np.zeros(state.equilibria.size),
+            "fill": [fills[bool(stable)] for stable in state.stable],
+        }
         self._point.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
         self.free_strain.show_point(view, float(state.equilibria[0]))
-        demand = f"{force / scale:.4g} {unit} at a contraction of {min(view.strain, self._top):.4g}"
+        point = f"{force / scale:.4g} {unit} at a contraction of {min(view.strain, self._top):.4g}"
         self.chart.describe(
             f"Force over contraction that {len(self._regions.data['xs'])} recruitment states reach,"
-            f" up to {self._highest / scale:.4g} {unit}; at these pressures {demand}."
+            f" up to {self._highest / scale:.4g} {unit}; at these pressures {point}."
         )
         count = sum(unit.count for unit in view.units)
-        self._scene.describe(f"Drawing of {count} muscles in {len(colors)} motor units: {demand}.")
+        self._scene.describe(f"Drawing of {count} muscles in {len(colors)} motor units: {point}.")
         pale = 0.35 if self.colors.dark else 0.62  # fibers contrast with it
         shades = [(mix(c, WHITE, pale), mix(c, BLACK, 0.35)) for c in colors]
         length, envelope = float(view.bundle.length), scene.envelope
@@ -395,14 +631,11 @@ class BundleView(Tab):
         """Set a load inside the space, for keyboards too."""
         self._set_demand(0.5 * self._top, self._middle_force)
 
-    def _set_at_click(self, event: Any) -> None:
-        if event.x is not None and 0 <= event.x <= self._top:
-            self._set_demand(float(event.x), float(event.y))
-
     def _set_demand(self, x: float, y: float) -> None:
         """Set the contraction `x` [-] and the load `y` [shown unit], with a pointer's digits."""
         _, scale = self.unit("force")
-        self.session.change(strain=round(x, 4), load=float(f"{y:.4g}") * scale)
+        strain = round(float(np.clip(x, 0.0, self._top)), 4)
+        self.session.change(strain=strain, load=float(f"{y:.4g}") * scale)
 
     def _set_load_strain(self, value: float) -> None:
         """Set the contraction [-] of the load; `ValueError` beyond those that are drawn."""
@@ -420,20 +653,17 @@ class BundleView(Tab):
         strain, load = min(view.strain, self._top), view.load
         self._load.show(load, unit)
         self._load_strain.show(strain, "")
-        exists = load is not None
-        point = {"x": [strain], "y": [load / scale]} if load is not None else {"x": [], "y": []}
-        self._target.data, self._target_entry.visible = point, exists
         if load is None:
-            text = "Enter a load, or click in the figure."
-            self._solution_column.objects = [
-                pane(status_line(text)), button("Try a point", self.try_point),
-            ]  # fmt: skip
+            self._target.data = {"x": [], "y": []}
+            example = button("Try a point", self.try_point)
+            self._solution_column.objects = [pane(status_line(_NO_LOAD)), example]
             return
+        self._target.data = {"x": [strain], "y": [load / scale]}
         self._recruitments.request(
             lambda: recruitments(view.bundle, load, strain, view.resistance, view.path)
         )
 
-    def _hide_solutions(self, *_: Any) -> None:
+    def _hide_solutions(self, *_: object) -> None:
         """Hide the pressures of the last load while a field of the demand shows an error."""
         fields = self._load, self._load_strain
         self._solution_column.visible = not any(x.message.pane.visible for x in fields)
@@ -443,28 +673,32 @@ class BundleView(Tab):
         several, remark = result
         (unit, _), (volume, _) = self.unit("pressure"), volume_unit(self.unit("length")[0])
         heads = ("state", f"pressures [{unit}]", "load", f"fluid [{volume}]", "η [–]")
-        first, *rows = map(self._recruitment_cells, several)
-        if several[0].reached and len(several) > 1:
+        first, *others = map(self._recruitment_cells, several)
+        if several[0].reached and others:
             first = [f"<b>{cell}</b>" for cell in first]
             first[2] = first[2].replace("reached", "reached, cheapest")
         path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
         note = f"Fluid is counted from rest length on, efficiency η at {path}. {remark}"
-        table = html_table(heads, [first, *rows]) + status_line(text_html(note))
+        table = html_table(heads, [first, *others]) + status_line(text_html(note))
         buttons = [
-            button(
-                f"Set state {recruitment.state}"
-                + ("" if recruitment.reached else ", the nearest")
-                + (", unstable" if recruitment.reached and not recruitment.stable else ""),
-                lambda pressures=recruitment.pressures: self.session.change(
-                    pressures=tuple(float(f"{P:.6g}") for P in pressures)
-                ),
-            )
+            button(self._set_label(recruitment), partial(self._set_recruitment, recruitment))
             for recruitment in several
             if recruitment.reached or recruitment is several[0]
         ]
-        self._solution_column.objects = [
-            pane(f'<div class="scroll">{table}</div>'), row(*buttons, kind="wrapped")
-        ]  # fmt: skip
+        scroll = pane(f'<div class="scroll">{table}</div>')
+        self._solution_column.objects = [scroll, row(*buttons, kind="wrapped")]
+
+    def _set_recruitment(self, recruitment: Recruitment) -> None:
+        pressures = tuple(float(f"{P:.6g}") for P in recruitment.pressures)
+        self.session.change(pressures=pressures)
+
+    @staticmethod
+    def _set_label(recruitment: Recruitment) -> str:
+        """Label of the button that sets a recruitment's pressures."""
+        label = f"Set state {recruitment.state}"
+        if not recruitment.reached:
+            return f"{label}, the nearest"
+        return label if recruitment.stable else f"{label}, unstable"
 
     def _recruitment_cells(self, recruitment: Recruitment) -> list[str]:
         """Cells of a row of the table: state, pressures, status, fluid and efficiency."""

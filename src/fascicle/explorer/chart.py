@@ -9,29 +9,31 @@ from typing import Any
 import numpy as np
 import panel as pn
 from bokeh.core.properties import value
-from bokeh.events import Press, Tap
-from bokeh.models import (
-    ColumnDataSource,
-    CustomJS,
-    HoverTool,
-    LabelSet,
-    LegendItem,
-    Range1d,
-    Span,
-)
+from bokeh.events import Pan, PanEnd, Press, Tap
+from bokeh.models import ColumnDataSource, CustomJS, HoverTool, LabelSet, Range1d, Span
 from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
+from numpy.typing import ArrayLike
 
 from ..plot.theme import FIGURES, Colors
-from .theme import LAYOUT_CSS, height_css
+from .widgets import LAYOUT_CSS, height_css
 
 
 _VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a light, a dark page
-# a finger scrolls the page, when the figure is laid out
-_NO_PAN = 'if (matchMedia("(pointer: coarse)").matches) toolbar.active_drag = null;'
+# the server feels a hand in the figure at most every 40 ms, unless a tool of the toolbar has it
+_HOLD = """
+const drag = cb_obj.event_name.startsWith("pan");
+if (cb_obj.x == null || drag && figure.toolbar.gestures.pan.active) return;
+const now = performance.now();
+if (cb_obj.event_name === "pan" && now - (hand.last ?? 0) < 40) return;
+hand.last = now;
+hand.data = {x: [cb_obj.x], y: [cb_obj.y]};
+"""
+# a finger moves the point sideways, and scrolls the page up and down
+_TOUCH = ".bk-events { touch-action: pan-y !important; cursor: crosshair; }"
 # arguments of glyphs that are columns' names
-_COLUMNS: dict[str, dict[str, Any]] = {
+_COLUMNS: dict[str, dict[str, str]] = {
     "multi_line": {"xs": "xs", "ys": "ys", "line_color": "color"},
     "patches": {"xs": "xs", "ys": "ys"},
     "quad": {"left": "left", "right": "right"},
@@ -43,13 +45,13 @@ _COLUMNS: dict[str, dict[str, Any]] = {
 def pressure_colors(colors: Colors, count: int) -> list[str]:
     """Colors for `count` rising pressures on a page of these `colors`."""
     low, high = _VIRIDIS[colors.dark]
-    steps = [low + (high - low) * i / max(count - 1, 1) for i in range(count)]
-    return [to_hex(colormaps["viridis"](x)) for x in steps]
+    return [to_hex(colormaps["viridis"](x)) for x in np.linspace(low, high, max(count, 2))][:count]
 
 
-def cycle_colors(colors: Colors, count: int) -> list[str]:
-    """Colors for `count` curves, again from the first where there are too few."""
-    return [colors.curves[i % len(colors.curves)] for i in range(count)]
+def cycle_colors(colors: Colors, count: int, first: int = 0) -> list[str]:
+    """Colors for `count` curves from the `first` on, which come again where there are too few."""
+    cycle = colors.curves[first:]
+    return [cycle[i % len(cycle)] for i in range(count)]
 
 
 def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> None:
@@ -70,7 +72,8 @@ def _figure_colors(colors: Colors) -> tuple[str, ...]:
 def screen_height(margin: int) -> str:
     """Height of a figure in CSS that leaves a `margin` of so many pixels on the screen."""
     # on a phone little higher than wide: the sliders stay on the screen
-    return f"clamp(340px, min(100vh - {margin}px - var(--story, 0px), 110vw), 1200px)"
+    height = f"clamp(340px, min(100vh - {margin}px - var(--story, 0px), 110vw), 1200px)"
+    return f"var(--figure-height, {height})"  # of the story on a phone
 
 
 def hover_tooltips(unit: str) -> list[tuple[str, str]]:
@@ -78,7 +81,7 @@ def hover_tooltips(unit: str) -> list[tuple[str, str]]:
     return [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
 
 
-def padded_range(values: Any, fraction: float, minimum: float = 0.0) -> tuple[float, float]:
+def padded_range(values: ArrayLike, fraction: float, minimum: float = 0.0) -> tuple[float, float]:
     """Range of `values`, wider on both sides by a `fraction` of it, and by `minimum` or more."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     gap = max(fraction * (high - low), minimum)
@@ -91,29 +94,42 @@ class Chart:
     def __init__(self, colors: Colors, x: str, y: str, height: str, **options: Any):
         """Figure with axes labeled `x` and `y`, or none, and a `height` in CSS."""
         self.colors = colors
-        fig: Any = figure(
-            height=500, sizing_mode="stretch_width", output_backend="canvas",
-            x_range=Range1d(start=0, end=1), y_range=Range1d(start=0, end=1),
-            x_axis_type="auto" if x else None, y_axis_type="auto" if y else None,
-            stylesheets=[height_css(height)],
-            tools=options.pop("tools", "pan,box_zoom,wheel_zoom,reset"), **options,
-        )  # fmt: skip
+        style = {
+            "height": 500,
+            "sizing_mode": "stretch_width",
+            "output_backend": "canvas",
+            "x_range": Range1d(start=0, end=1),
+            "y_range": Range1d(start=0, end=1),
+            "x_axis_type": "auto" if x else None,
+            "y_axis_type": "auto" if y else None,
+            "stylesheets": [height_css(height)],
+            "tools": "pan,box_zoom,wheel_zoom,reset",
+            "active_drag": None,
+        }
+        fig: Any = figure(**style | options)
         self.figure = fig
         self.describe(f"{y} over {x}" if x else "Drawing")
         fig.toolbar.update(logo=None, autohide=True)
-        fig.js_on_change("inner_width", CustomJS(args={"toolbar": fig.toolbar}, code=_NO_PAN))
         fig.update(  # on the page's own ground
-            background_fill_color=None, border_fill_color=None, outline_line_color=None,
+            background_fill_color=None,
+            border_fill_color=None,
+            outline_line_color=None,
             min_border_right=18 if x else 0,
-        )  # fmt: skip
+        )
         for axis, label in zip(fig.axis, (x, y), strict=False):
             axis.update(
-                axis_label=label, axis_label_text_font=FIGURES, major_label_text_font=FIGURES,
-                axis_label_text_color=colors.ink, major_label_text_color=colors.ink,
-                axis_label_text_font_style="normal", axis_label_text_font_size="14px",
-                major_label_text_font_size="12px", axis_line_color=colors.soft,
-                major_tick_line_color=colors.soft, minor_tick_line_color=None,
-            )  # fmt: skip
+                axis_label=label,
+                axis_label_text_font=FIGURES,
+                axis_label_text_color=colors.ink,
+                axis_label_text_font_style="normal",
+                axis_label_text_font_size="14px",
+                major_label_text_font=FIGURES,
+                major_label_text_color=colors.ink,
+                major_label_text_font_size="12px",
+                axis_line_color=colors.soft,
+                major_tick_line_color=colors.soft,
+                minor_tick_line_color=None,
+            )
         for grid in fig.grid:
             grid.grid_line_color = colors.line
 
@@ -121,7 +137,7 @@ class Chart:
         """Say what the figure shows, for those who don't see it."""
         self.figure.html_attributes = {"role": "figure", "aria-label": text}
 
-    def new_pane(self) -> Any:
+    def new_pane(self) -> pn.pane.Bokeh:
         """A new pane of the figure."""
         return pn.pane.Bokeh(
             self.figure, margin=0, css_classes=["figure"], stylesheets=[LAYOUT_CSS]
@@ -143,23 +159,26 @@ class Chart:
         self.figure.add_layout(line)
 
     def add_point(self, **options: Any) -> Any:
-        """Draw the point that the sliders and clicks move, and return its source."""
-        return self.add(
-            "scatter", "x y", size=13, marker="diamond", line_color=self.colors.paper,
-            fill_color=self.colors.curves[1], **options,
-        )  # fmt: skip
+        """Draw the point that sliders and hands move, and return its source."""
+        style = {"line_color": self.colors.ink, "fill_color": self.colors.accent}
+        return self.add("scatter", "x y", size=14, marker="diamond", **style | options)
 
-    def add_labels(self, source: Any, **options: Any) -> None:
+    def add_labels(self, source: ColumnDataSource, **options: Any) -> None:
         """Write the `label`s of a `source` at its points, readable on every curve."""
-        defaults: dict[str, Any] = {"x_offset": 5, "y_offset": 3, "text_font_size": "11px"}
         font: Any = value(FIGURES)  # a bare text would be a column's name
-        self.figure.add_layout(LabelSet(
-            x="x", y="y", text="label", source=source, text_color=self.colors.ink, text_font=font,
-            background_fill_color=self.colors.paper, background_fill_alpha=0.8,
-            **defaults | options,
-        ))  # fmt: skip
+        style = {
+            "x_offset": 5,
+            "y_offset": 3,
+            "text_font_size": "11px",
+            "text_font": font,
+            "text_color": self.colors.ink,
+            "background_fill_color": self.colors.paper,
+            "background_fill_alpha": 0.8,
+        }
+        labels = LabelSet(x="x", y="y", text="label", source=source, **style | options)
+        self.figure.add_layout(labels)
 
-    def add_hover(self, tooltips: Any, **options: Any) -> HoverTool:
+    def add_hover(self, tooltips: list[tuple[str, str]], **options: Any) -> HoverTool:
         """Add and return a tool with `tooltips` on the glyph that was drawn last."""
         tool = HoverTool(renderers=[self.figure.renderers[-1]], tooltips=tooltips, **options)
         self.figure.add_tools(tool)
@@ -169,22 +188,33 @@ class Chart:
         """Add and return a tool that shows strain and force of the curve that was drawn last."""
         return self.add_hover(hover_tooltips("N"), mode="vline", line_policy="interp")
 
-    def on_click(self, callback: Callable[[Any], None]) -> None:
-        """Call `callback` with the event of each click, also of a long one."""
-        for event in (Tap, Press):
-            self.figure.on_event(event, callback)
+    def on_hold(self, callback: Callable[[float, float], None]) -> None:
+        """Call `callback` with the place [shown units] of each click, and of a hand that drags."""
+        hand = self.new_source("x y")
+        code = CustomJS(args={"hand": hand, "figure": self.figure}, code=_HOLD)
+        for event in (Tap, Press, Pan, PanEnd):
+            self.figure.js_on_event(event, code)
+        self.figure.stylesheets = [*self.figure.stylesheets, _TOUCH]
+        hand.on_change("data", lambda _attr, _old, new: callback(new["x"][0], new["y"][0]))
 
-    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> list[LegendItem]:
-        """Style the legend, whose entries hide their curves at a click, and return its entries."""
+    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> None:
+        """Style the legend, whose entries hide their curves at a click."""
         (legend,) = self.figure.legend
         legend.update(
-            location=location, padding=6, margin=4, spacing=1,
-            background_fill_color=self.colors.paper, background_fill_alpha=0.85,
-            border_line_color=None, label_text_color=self.colors.ink, label_text_font=FIGURES,
-            label_text_font_size="12px", label_height=16, glyph_height=glyph_height,
+            location=location,
+            padding=6,
+            margin=4,
+            spacing=1,
+            background_fill_color=self.colors.paper,
+            background_fill_alpha=0.85,
+            border_line_color=None,
+            label_text_color=self.colors.ink,
+            label_text_font=FIGURES,
+            label_text_font_size="12px",
+            label_height=16,
+            glyph_height=glyph_height,
             click_policy="hide",
-        )  # fmt: skip
-        return legend.items
+        )
 
     def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
         """Show these ranges [shown unit], also after the reset tool."""

@@ -3,39 +3,35 @@
 import html
 from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import panel as pn
 
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..files.shipped_files import named_muscles
+from ..muscle import Muscle
+from ..plot.curves import force_comparison
 from ..plot.theme import DASHES, Colors
+from ..results import tables
 from .chart import Chart, cycle_colors, padded_range, screen_height
-from .exports import comparison_downloads, download_buttons
-from .link import linked_pins
 from .muscle_curves import alternative_laws, law_label, with_alternative
-from .pins import (
-    PinQuantity,
-    add_pin,
-    pin_curve,
-    quantities,
-    quantity_texts,
-    rename_pin,
-    shipped_muscle,
-    top_strain,
-)
+from .pins import add_pin, difference_text, name_difference, pin_curve, rename_pin, top_strain
 from .remarks import validity_warnings
-from .state import Pin, Session, Unit, View, changed
-from .tab import Tab
-from .theme import column, pane, row, side_column
+from .state import Pin, Session, Unit, View, changed, shipped_muscle
+from .tab import Export, Tab
 from .widgets import (
     Field,
     Message,
     button,
+    column,
     dropdown,
+    format_quantity,
     heading,
-    status_line,
+    html_table,
+    pane,
+    row,
+    side_column,
     text_html,
     widget,
 )
@@ -44,11 +40,27 @@ from .widgets import (
 _CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
 _LINE_WIDTH = 2.4  # pixels of a curve; dashes are as many times longer
 _ANGLE_STEP = 0.9  # ratio of braid angles of the example: 33 to 29.7 degrees
+_POINTS = 201  # of a downloaded curve
 _EMPTY = (
-    "<h2>Compare curves</h2><p>Pin the force of a muscle at a pressure, change the muscle or the"
-    " pressure, and pin it again: the curves lie over one another here, and a table shows their"
+    "<h2>Compare curves</h2><p>Pin the force of a muscle at a pressure, change the muscle, a law or"
+    " the pressure, and pin it again: the curves lie over one another here, and a table shows their"
     " differences. <i>Pin this curve</i> is in the tab Muscle, too.</p>"
 )
+
+
+def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> str:
+    """Pin a `muscle` at a `pressure` [Pa], and return its name: what differs from the first pin,
+    or the muscle's `name` and its pressure; `InvalidInputError` if it can't be pinned.
+    """
+    view = session.view
+    difference = name_difference(view.pins[0].muscle, muscle) if view.pins else ""
+    same_pressure = view.pins and view.pins[0].pressure == pressure
+    if not (difference and same_pressure):
+        at = format_quantity(pressure, view.display_units["pressure"], "pressure", 4)
+        difference = f"{difference or name.removesuffix('.toml')}, {at}"
+    pins = add_pin(view.pins, difference, muscle, pressure)
+    session.change(pins=pins)
+    return pins[-1].name
 
 
 class PinButton:
@@ -59,16 +71,17 @@ class PinButton:
         self._message = Message()
         self._status = pane(margin=(0, 8), css_classes=["live"])
         pin = button("Pin this curve", self._pin, margin=(8, 8, 2, 8))
-        self.panel = column(pin, sizing_mode=None)
+        self.panel = column(pin, kind="aside", sizing_mode=None)
         self.result = column(self._status, self._message.pane)
 
     def _pin(self) -> None:
         """Pin the muscle shown at its pressure, or show an error below."""
         view, self._status.object = self._session.view, ""
         with self._message.errors():
-            _pin_muscle(self._session, view.name, view.muscle, view.pressure)
-            name = html.escape(self._session.view.pins[-1].name)
-            self._status.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
+            name = pin_muscle(self._session, view.name, view.muscle, view.pressure)
+            self._status.object = (
+                f'<p class="small">Pinned in Compare as “{html.escape(name)}”.</p>'
+            )
 
 
 class PinForm:
@@ -82,9 +95,8 @@ class PinForm:
         self._pressure = Field("Pressure P", "pressure", "pressure", self._set_pressure)
         self._message = Message()
         pin = button("Pin this curve", self._pin, color="primary")
-        self.widgets = (
-            self._muscle, self._law, *self._pressure.widgets, pin, self._message.pane,
-        )  # fmt: skip
+        fields = self._pressure.widgets
+        self.widgets = (self._muscle, self._law, *fields, pin, self._message.pane)
 
     def show(self, view: View) -> None:
         """Show the laws and units of a `view`, and its pressure if it is another one."""
@@ -93,7 +105,7 @@ class PinForm:
         self._pressure.show(self._pressure_value, view.display_units["pressure"])
         self._offer_laws()
 
-    def _selected_muscle(self) -> Any:
+    def _selected_muscle(self) -> Muscle:
         name = self._muscle.value
         return self._session.view.muscle if name == _CURRENT else shipped_muscle(name)
 
@@ -114,7 +126,7 @@ class PinForm:
         with self._message.errors():
             if self._law.value:
                 muscle = with_alternative(muscle, self._law.value)
-            _pin_muscle(self._session, name, muscle, self._pressure_value)
+            pin_muscle(self._session, name, muscle, self._pressure_value)
 
 
 class CompareView(Tab):
@@ -126,55 +138,51 @@ class CompareView(Tab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self._form = PinForm(session)
-        self._names: list[Any] = []
         self._rows = column()
         self._strain = self.strain_slider("Contraction ε to compare at")
-        chart = self.chart = Chart(
-            colors, "Contraction ε [–]", "Force F [N]", screen_height(430)
-        )  # room for header, slider, legend and the head of the table
+        # room for header, slider, legend and the head of the table
+        chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(430))
+        self.chart = chart
         chart.add_zero_line()
         self._curves = chart.add(
-            "multi_line", "xs ys color dash label", "compared", line_dash="dash",
+            "multi_line",
+            "xs ys color dash label",
+            "compared",
+            line_dash="dash",
             line_width=_LINE_WIDTH,
-        )  # fmt: skip
-        self._hover = chart.add_hover("")
+        )
+        self._hover = chart.add_hover([])
         self._points = chart.add(
-            "scatter", "x y color", "compared_points", size=11, marker="diamond",
-            line_color=colors.paper, fill_color="color",
-        )  # fmt: skip
-        chart.on_click(self._move_strain)
-        self._legend = pane(sizing_mode="stretch_width", margin=(4, 8))
+            "scatter",
+            "x y color",
+            "compared_points",
+            size=11,
+            marker="diamond",
+            line_color=colors.paper,
+            fill_color="color",
+        )
+        chart.on_hold(self._move_strain)
         self._table = pane(sizing_mode="stretch_width", margin=(8, 8))
-        pinned = (self._strain.panel, self._legend, chart.new_pane(), self._table)
-        downloads = row(
-            *download_buttons(
-                lambda: comparison_downloads(session.view, session.input_names),
-                self.download_message,
-            ),
-            kind="wrapped", sizing_mode=None,
-        )  # fmt: skip
-        self._comparison = column(self.notes, *pinned, downloads, self.download_message.pane)
+        shown = (self._strain.panel, chart.new_pane(), self._table)
+        self._comparison = column(self.notes, *shown)
         example = button("Try two braid angles", self.pin_example)
         self._empty = column(pane(_EMPTY), example, kind="framed")
-        side = side_column(
-            pane(heading("Pin another curve")), *self._form.widgets, self._rows, self.message.pane,
-            width=318,
-        )  # fmt: skip
-        self.panel = row(side, column(self._empty, self._comparison))
+        title = pane(heading("Pin another curve"))
+        inputs = (title, *self._form.widgets, self._rows, self.message.pane)
+        self.panel = row(side_column(*inputs, width=318), column(self._empty, self._comparison))
 
     @property
     def _colors(self) -> list[str]:
-        """Colors of curves, in their order."""
-        return cycle_colors(self.colors, len(DASHES))
+        """Colors of curves, in their order; the first two are motor units' in other tabs."""
+        return cycle_colors(self.colors, len(DASHES), first=2)
 
     def draw(self, view: View) -> None:
         """Draw all that the tab shows of a `view`."""
         self._form.show(view)
-        self._show_rows(view)
+        self._rows.objects = [self._make_row(i, pin) for i, pin in enumerate(view.pins)]
         self.message.show("")
-        exist = bool(view.pins)
-        self._empty.visible, self._comparison.visible = not exist, exist
-        if not exist:
+        self._empty.visible, self._comparison.visible = not view.pins, bool(view.pins)
+        if not view.pins:
             return
         unit, scale = self.unit("force")
         top = top_strain(view.pins)
@@ -190,15 +198,9 @@ class CompareView(Tab):
         forces = np.concatenate([curve.force for curve in curves]) / scale
         self.chart.set_ranges((0.0, top), padded_range(forces, 0.06))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        self._hover.tooltips = [
-            ("", "@label"), ("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")
-        ]  # fmt: skip
-        entries = (
-            f"<span>{self._sample(i)}{html.escape(pin.name)}</span>"
-            for i, pin in enumerate(view.pins)
-        )
-        self._legend.object = f'<div class="legend">{"".join(entries)}</div>'
-        self.notes.object = _notes_html(view)
+        point = [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
+        self._hover.tooltips = [("", "@label"), *point]
+        self.notes.object = _warnings_html(view)
         self._show_strain(view)
 
     def follow(self, before: View, after: View) -> None:
@@ -206,41 +208,53 @@ class CompareView(Tab):
         if changed(before, after, "strain") and after.pins:
             self._show_strain(after)
 
+    def export(self) -> Export:
+        """Picture and data of the pins."""
+        view = self.session.view
+        if not view.pins:
+            raise ValueError("Pin a curve first: there is nothing to download yet.")
+        top = top_strain(view.pins)
+        strain, chosen = np.linspace(0.0, top, _POINTS), min(view.strain, top)
+        muscles = {pin.name: pin.muscle for pin in view.pins}
+        arguments = muscles, [pin.pressure for pin in view.pins], strain, chosen
+        variables = tables.force_comparison(*arguments)
+        return Export(self.stem("compare"), variables, lambda: force_comparison(*arguments))
+
     def pin_example(self) -> None:
         """Pin the current muscle, and the same with a smaller braid angle."""
         view = self.session.view
         angle = float(view.muscle.braid_angle) * _ANGLE_STEP
         with self.message.errors():
             for muscle in (view.muscle, view.muscle.replace(braid_angle=angle)):
-                _pin_muscle(self.session, view.name, muscle, view.pressure)
+                pin_muscle(self.session, view.name, muscle, view.pressure)
 
     def _show_strain(self, view: View) -> None:
         """Show forces at the view's contraction, and the table."""
         top = top_strain(view.pins)
         strain = min(view.strain, top)
         self._strain.show(strain, "", top)
-        values = quantities(view.pins, strain)
-        _, scale = self.unit("force")
-        forces = values[-1].values
+        unit, scale = self.unit("force")
+        forces = [float(pin.muscle.force(pin.pressure, strain)) / scale for pin in view.pins]
         self._points.data = {
             "x": [strain] * len(forces),
-            "y": [force / scale for force in forces],
+            "y": forces,
             "color": self._colors[: len(forces)],
         }
-        tables = "".join(self._table_html(quantity, view.pins) for quantity in values)
-        self._table.object = f'<div class="tables">{tables}</div>'
-
-    def _table_html(self, quantity: PinQuantity, pins: tuple[Pin, ...]) -> str:
-        unit = self.unit("force")[0] if quantity.dimension == "force" else ""
-        heads = "".join(f"<th>{text}</th>" for text in ("curve", "value", "difference", "percent"))
-        lines = "".join(
-            f"<tr><th><div>{self._sample(i)}<span>{html.escape(pin.name)}</span></div></th>"
-            + "".join(f"<td>{text}</td>" for text in texts)
-            + "</tr>"
-            for i, (pin, texts) in enumerate(zip(pins, quantity_texts(quantity, unit), strict=True))
-        )
-        caption = f"{quantity.label} [{unit or '–'}]"
-        return f"<table><caption>{caption}</caption><tr>{heads}</tr>{lines}</table>"
+        curves = [pin_curve(pin.muscle, pin.pressure, top) for pin in view.pins]
+        columns: dict[str, tuple[str, list[float]]] = {
+            f"Blocked force [{unit}]": (".4g", [curve.blocked_force / scale for curve in curves]),
+            "Free strain [–]": (".4f", [curve.free_strain for curve in curves]),
+            "Collapse strain [–]": (".4f", [curve.collapse_strain for curve in curves]),
+            f"Force at ε = {strain:.4g} [{unit}]": (".4g", forces),
+        }
+        rows = [
+            [f"{self._sample(i)} {html.escape(pin.name)}"]
+            + [difference_text(values[i], values[0], form) for form, values in columns.values()]
+            for i, pin in enumerate(view.pins)
+        ]
+        table = html_table(["curve", *columns], rows)
+        note = "Percentages are of the first curve's magnitude."
+        self._table.object = f'<div class="scroll">{table}</div><p class="small note">{note}</p>'
 
     def _sample(self, index: int) -> str:
         """Line of a curve as an image in HTML."""
@@ -250,47 +264,27 @@ class CompareView(Tab):
             f' stroke="{self._colors[index]}" stroke-width="3" stroke-dasharray="{dashes}"/></svg>'
         )
 
-    def _show_rows(self, view: View) -> None:
-        """Show a name and a button to remove it for each curve."""
-        number = len(view.pins)
-        if number != len(self._names):  # rows that stay keep the focus
-            self._names = self._names[:number]
-            self._names += [self._make_name_input(i) for i in range(len(self._names), number)]
-            rows = self._rows.objects[1 : number + 1]
-            rows += [self._make_row(i) for i in range(len(rows), number)]
-            self._rows.objects = [pane(heading("Pinned curves")), *rows] if rows else []
-        for name, pin in zip(self._names, view.pins, strict=True):
-            name.value = pin.name
-
-    def _make_name_input(self, index: int) -> Any:
-        label = f"Name of curve {index + 1}"
-        return widget(pn.widgets.TextInput, label, partial(self._rename, index))
-
-    def _make_row(self, index: int) -> Any:
-        remove = button(
-            f"Remove {index + 1}", lambda: self._remove(index), margin=(20, 8, 2, 0), width=90
+    def _make_row(self, index: int, pin: Pin) -> pn.Row:
+        """Name of a pinned curve, and a button to remove it."""
+        name = widget(
+            pn.widgets.TextInput,
+            f"Name of curve {index + 1}",
+            partial(self._rename, index),
+            value=pin.name,
         )
-        return row(self._names[index], remove, kind="")
+        remove = partial(self._remove, index)
+        return row(name, button(f"Remove {index + 1}", remove, margin=(20, 8, 2, 0)), kind="")
 
     def _rename(self, index: int, name: str) -> None:
-        if name == self.session.view.pins[index].name:  # the page's own
-            return
-        with self.message.errors(name=f"Name of curve {index + 1}"):
-            self.session.change(pins=rename_pin(self.session.view.pins, index, name))
+        self.session.change(pins=rename_pin(self.session.view.pins, index, name))
 
     def _remove(self, index: int) -> None:
         pins = self.session.view.pins
         self.session.change(pins=(*pins[:index], *pins[index + 1 :]))
 
-    def _move_strain(self, event: Any) -> None:
-        if event.x is not None and 0 <= event.x <= top_strain(self.session.view.pins):
-            self.session.change(strain=round(float(event.x), 4))
-
-
-def _pin_muscle(session: Session, name: str, muscle: Any, pressure: float) -> None:
-    """Pin a `muscle` at a `pressure` [Pa]; `InvalidInputError` if it can't be."""
-    view = session.view
-    session.change(pins=add_pin(view.pins, name, muscle, pressure, view.display_units["pressure"]))
+    def _move_strain(self, strain: float, _: float) -> None:
+        top = top_strain(self.session.view.pins)
+        self.session.change(strain=round(float(np.clip(strain, 0, top)), 4))
 
 
 def _dash(index: int) -> list[int]:
@@ -298,13 +292,10 @@ def _dash(index: int) -> list[int]:
     return [round(length * _LINE_WIDTH) for length in DASHES[index]]
 
 
-def _notes_html(view: View) -> str:
-    """Validity warnings of all pins, and a note on those that the link leaves out."""
+def _warnings_html(view: View) -> str:
+    """Validity warnings of all pins."""
     lines: list[str] = []
     for pin in view.pins:
         pinned_view = replace(view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),))
         lines += [f"{pin.name}: {text}" for text in validity_warnings(pinned_view, "muscle")]
-    warnings = "".join(f'<p class="warning">{text_html(line)}</p>' for line in lines)
-    number = linked_pins(view)
-    left_out = f"The link has room for the first {number} of these curves only."
-    return warnings + status_line(left_out if number < len(view.pins) else "")
+    return "".join(f'<p class="warning">{text_html(line)}</p>' for line in lines)

@@ -2,24 +2,26 @@
 
 import datetime as dt
 import threading
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
 
-from ..calibrate import Calibration, Selection
-from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
+from ..calibrate import Selection
+from ..calibrate.messages import interval_texts
 from ..calibrate.parameters import parameters_of
-from ..calibrate.plot_data import figures
+from ..calibrate.plot_data import figures, measured_with_curves
+from ..core.validation import HIGHEST_PRESSURE
 from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
+from ..plot.calibration import fit as draw_fit
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..report.calibration import report
 from ..report.calibration_words import verdict_lines, warning_lines, warnings_by_topic
+from ..results import Table, Variable
 from .chart import Chart, padded_range, pressure_colors, screen_height
-from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (
     AUTOMATIC,
     MOST_POINTS,
@@ -31,19 +33,23 @@ from .measured import (
     fit_record,
     mismatch_reason,
     preview_curves,
-    read_headers,
     read_record,
 )
 from .state import Session, View, view_of
-from .tab import LatestResult, Progress, Tab
-from .theme import column, height_css, pane, row, side_column
+from .tab import Export, LatestResult, Progress, Tab, output_stem
 from .widgets import (
-    WHOLE_ROW,
     button,
+    column,
+    download_button,
     dropdown,
     file_input,
+    fold,
+    height_css,
     html_table,
+    pane,
     parse_field,
+    row,
+    side_column,
     status_line,
     text_html,
     widget,
@@ -56,11 +62,9 @@ _EXAMPLE = "example.csv"
 RECORD_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
 _REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
+_MOST_NOTES = 12  # of a record
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
-_DETECT = "(automatic)"
-_WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 _BY_NAME = "constants of your choice"
-_STAGES = ("fitting", "drawing")  # that are verbs
 # as measured with 300 and 5000 readings on two cores
 _DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
 _UNDETERMINED = (
@@ -86,43 +90,29 @@ class RecordInputs:
     """Fields for information that a record's file lacks; a change reads it again."""
 
     def __init__(self, on_change: Callable[[], None]):
-        self._on_change, self._updating = on_change, False
+        def change(_: object) -> None:
+            on_change()
+
         label = "Rest length, if the record doesn't have it"
-        self.length = widget(pn.widgets.TextInput, label, self._change, **WHOLE_ROW)
+        self.length = widget(pn.widgets.TextInput, label, change)
         label = "A force of exactly 0 means 0 or less"
-        self.clipped = widget(pn.widgets.Checkbox, label, self._change, margin=(6, 8), **WHOLE_ROW)
-        self.toggle = widget(pn.widgets.Toggle, "Show columns and units", margin=(4, 8))
-        self.columns = {
-            role: dropdown(f"Column of {role}", [_DETECT], self._change) for role in _ROLES
-        }
-        self.units = {
-            role: widget(pn.widgets.TextInput, f"Unit of {role}", self._change) for role in _ROLES
-        }
+        self.clipped = widget(pn.widgets.Checkbox, label, change, margin=(6, 8))
+        self.columns, self.units = (
+            {role: widget(pn.widgets.TextInput, f"{kind} of {role}", change) for role in _ROLES}
+            for kind in ("Column", "Unit")
+        )
         pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
-        # a grid's style would show it: the column around it can be hidden
-        fields = column(column(*pairs, kind="pairs"), kind="whole-row", visible=False)
-        self.toggle.link(fields, value="visible")
-        self.panel = column(self.length, self.clipped, self.toggle, fields, kind="pairs")
+        fields = fold("Columns and units", column(*pairs, kind="pairs"))
+        self.panel = column(self.length, self.clipped, fields)
 
-    def _change(self, _: Any) -> None:
-        if not self._updating:
-            self._on_change()
-
-    def offer(self, headers: Sequence[str]) -> None:
-        """Offer the columns of a file by their `headers`; all are chosen automatically at first."""
-        self._updating = True
-        for choice in self.columns.values():
-            choice.param.update(options=[_DETECT, *headers], value=_DETECT)
-        self._updating = False
-
-    def options(self, length_unit: str) -> dict[str, Any]:
+    def options(self, length_unit: str) -> dict[str, object]:
         """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`.
 
         Raises `ValueError` for a rest length that can't be read.
         """
         text = self.length.value.strip()
         options = {
-            "columns": {r: w.value for r, w in self.columns.items() if w.value != _DETECT},
+            "columns": {r: w.value.strip() for r, w in self.columns.items() if w.value.strip()},
             "units": {r: w.value.strip() for r, w in self.units.items() if w.value.strip()},
             "rest_length": text and parse_field(text, "length", length_unit, "rest_length"),
             "clipped_at_zero": self.clipped.value,
@@ -131,23 +121,12 @@ class RecordInputs:
 
 
 class FitResult(NamedTuple):
-    """Result of a fit to a `record`, with the `muscle` before it and the `names` of constants."""
+    """Result of a fit to a `record`, with its report and the tuned muscle's file."""
 
     selection: Selection
     report: str
+    toml: str
     record: Record
-    muscle: Muscle
-    names: tuple[str, ...]
-
-    @property
-    def calibration(self) -> Calibration:
-        """Calibration of the `selection`: its best candidate, or the only fit."""
-        return self.selection.calibration
-
-    @property
-    def candidates(self) -> Selection | None:
-        """The selection, if there was one among several fits; else `None`."""
-        return self.selection if self.selection.candidates else None
 
 
 class DataView(Tab):
@@ -161,65 +140,56 @@ class DataView(Tab):
         self.record: Record | None = None
         self.fit: FitResult | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
-        self._read_options: Mapping[str, Any] = {}
         self._stage = ""  # of a fit
         self._cancelled = threading.Event()
         self._add_widgets()
         self._add_chart()
-        self._curves = LatestResult(self._show_curves, self.message.show, is_open=self.is_open)
-        self._fits = LatestResult(self._show_fit, self._fail_fit, is_open=self.is_open)
-        left = side_column(
-            self.file, self._other_example, self.message.pane, self.read_inputs.panel, self.kind,
-            self.constants, self.calibrate, self.cancel, self.progress.bar, self.status, self.table,
-            self.use, row(*self.saves, kind=""), self.fit_notes, self.notes, width=420,
-        )  # fmt: skip
+        self._curves = LatestResult(self._show_curves, self.message.show, self.is_open)
+        self._fits = LatestResult(self._show_fit, self._fail_fit, self.is_open)
+        inputs = (self.file, self._other_example, self.message.pane, self.read_inputs.panel)
+        fit = (self.kind, self.constants, self.calibrate, self.cancel, self.progress.bar)
+        results = (self.status, self.table, self.use, row(*self.saves, kind=""), self.fit_notes)
+        left = side_column(*inputs, *fit, *results, self.notes, width=420)
         self.empty_state = _empty_state(self._example)
-        self._download_row = row(
-            *self.record_downloads, kind="wrapped", visible=False, margin=(0, 8)
-        )
-        parts = (self.empty_state, self.chart.new_pane(), self._download_row,
-                 self.download_message.pane)  # fmt: skip
-        self.panel = row(left, column(*parts, kind="equal"))
+        self.panel = row(left, column(self.empty_state, self.chart.new_pane(), kind="equal"))
 
     def _add_widgets(self) -> None:
-        self.file = file_input(
-            "Open a record (CSV, .xlsx, .mat)", RECORD_SUFFIXES, self.open_record
-        )
-        self._example, self._other_example = (
-            button("Try an example record (synthetic)", self.open_example, color=color,
-                   visible=visible, sizing_mode="stretch_width")
-            for color, visible in (("primary", True), ("default", False))
-        )  # fmt: skip
+        label = "Open a record (CSV, .xlsx, .mat)"
+        self.file = file_input(label, RECORD_SUFFIXES, self.open_record)
+        label = "Try an example record (synthetic)"
+        wide = {"sizing_mode": "stretch_width"}
+        self._example = button(label, self.open_example, color="primary", **wide)
+        self._other_example = button(label, self.open_example, visible=False, **wide)
         self.read_inputs = RecordInputs(self._read)
-        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING,
-                 _BY_NAME: _BY_NAME}  # fmt: skip
-        self.kind = dropdown(
-            "What to fit", kinds,
-            lambda kind: self.constants.param.update(visible=kind == _BY_NAME),
-        )  # fmt: skip
+        kinds = {
+            "what the data determine": AUTOMATIC,
+            "the paper's tuning": TUNING,
+            _BY_NAME: _BY_NAME,
+        }
         self.constants = widget(
             pn.widgets.MultiSelect, "Constants", size=6, visible=False, css_classes=["several"]
         )
-        wide = {"margin": (6, 8), "disabled": True, **_WIDE}
+        self.kind = dropdown(
+            "What to fit",
+            kinds,
+            lambda kind: self.constants.param.update(visible=kind == _BY_NAME),
+        )
+        wide |= {"margin": (6, 8), "disabled": True}
         self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
-        self.cancel = button("Cancel the fit", self.cancel_fit, visible=False, **wide)
-        self.cancel.disabled = False
-        self.status, self.fit_notes = (pane(**_WIDE) for _ in range(2))
+        self.cancel = button("Cancel the fit", self.cancel_fit, visible=False)
+        self.fit_notes = pane(sizing_mode="stretch_width")
         self.progress = Progress("fitting", self.status, self.is_open)
         self.table = pane(margin=(4, 8))
         self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
             download_button(
-                "Download tuned muscle", "toml",
-                lambda: self._as_file("tuned", self._tuned_muscle_toml()), self.download_message,
-                disabled=True, width=184,
+                "Download tuned muscle", lambda: self._as_file("tuned", "toml"), self.message
             ),
             download_button(
-                "Download report", "html", lambda: self._as_file("report", self._shown_fit.report),
-                self.download_message, disabled=True,
+                "Download report", lambda: self._as_file("report", "html"), self.message
             ),
-        ]  # fmt: skip
-        self.record_downloads = download_buttons(self.export, self.download_message, disabled=True)
+        ]
+        self._enable_results(False)
 
     def draw(self, view: View) -> None:
         """Show force curves of the muscle and the fit, at the record's pressures, if any."""
@@ -229,31 +199,61 @@ class DataView(Tab):
         def compute() -> tuple[ModelCurves, ModelCurves | None]:
             if record is None:
                 return preview_curves(view.muscle), None
-            before = curves_at_levels(view.muscle, record)
-            return before, fit and curves_at_levels(fit.calibration.muscle, record)
+            tuned = fit and curves_at_levels(fit.selection.calibration.muscle, record)
+            return curves_at_levels(view.muscle, record), tuned
 
         self._curves.request(compute)
 
+    def export(self) -> Export:
+        """Picture and data of the record and the muscle, the tuned one where there is one."""
+        record = self.record
+        if record is None:
+            raise ValueError("Open a record first: there is nothing to download yet.")
+        drawn, label = self.session.view.muscle, "the muscle"
+        if self.fit is not None:
+            drawn, label = self.fit.selection.calibration.muscle, "tuned"
+        force = drawn.force(np.clip(record.pressure, 0.0, HIGHEST_PRESSURE), record.strain)
+        columns: Mapping[str, tuple[np.ndarray, str]] = {
+            "pressure": (record.pressure, "Pa"),
+            "strain": (record.strain, "-"),
+            "force": (record.force, "N"),
+            "muscle": (np.asarray(force), "N"),
+        }
+        variables = Table(
+            {name: Variable(("reading",), *values) for name, values in columns.items()}
+        )
+        inputs = [self.file_name, *self.session.input_names]
+        stem = output_stem(self.file_name, "comparison", inputs)
+        return Export(stem, variables, lambda: draw_fit(measured_with_curves(record, drawn, label)))
+
     def _add_chart(self) -> None:
         """Add the chart of force over strain."""
-        chart = self.chart = Chart(
-            self.colors, "Contraction ε [–]", "Force F [N]", screen_height(_MARGIN_EMPTY)
-        )
+        height = screen_height(_MARGIN_EMPTY)
+        chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", height)
         self.readings = chart.add(
-            "scatter", "x y color", "readings", size=4, color="color", alpha=0.55,
+            "scatter",
+            "x y color",
+            "readings",
+            size=4,
+            color="color",
+            alpha=0.55,
             legend_label="measured",
-        )  # fmt: skip
+        )
         self._before = chart.add(
-            "multi_line", "xs ys color", "untuned", line_width=1.5, line_dash="dashed",
+            "multi_line",
+            "xs ys color",
+            "untuned",
+            line_width=1.5,
+            line_dash="dashed",
             legend_label="this muscle",
-        )  # fmt: skip
+        )
         self._after = chart.add(
             "multi_line", "xs ys color", "tuned", line_width=2.6, legend_label="tuned"
         )
         self._labels = chart.new_source("x y label")
         chart.add_labels(self._labels)
         chart.add_zero_line()
-        self._measured_entry, _, self._tuned_entry = chart.style_legend()
+        chart.style_legend()
 
     # the record
 
@@ -266,7 +266,6 @@ class DataView(Tab):
         """Open a file; the earlier record is dropped, even if the file can't be read."""
         self._raw, self.file_name = raw, name
         self.session.input_names.add(name)
-        self.read_inputs.offer(read_headers(raw, name))
         self._set_record(None)
         self.notes.object = ""
         self._read()
@@ -283,16 +282,14 @@ class DataView(Tab):
             record = read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
-            self.read_inputs.toggle.value = bool(self._raw)  # columns and units may help
             return
-        self._read_options = options
         names = parameters_of(view.muscle)
         self.constants.options = {name.replace("_", " "): name for name in names}
         self.message.show(mismatch_reason(view.muscle, record))
         self._set_record(record)
         kind = " synthetic" if name == _EXAMPLE else ""
         plural = "s" * (len(record) != 1)
-        notes = "".join(f"<li>{text_html(note)}</li>" for note in record.notes[:12])
+        notes = "".join(f"<li>{text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
         self.notes.object = (
             f'<div class="note">{len(record)}{kind} reading{plural}.<ul>{notes}</ul></div>'
         )
@@ -304,11 +301,14 @@ class DataView(Tab):
         self.record, self.fit = record, None
         self._end_fit()
         self.table.object = self.fit_notes.object = ""
-        exists = record is not None
-        self.empty_state.visible = not exists
-        self._download_row.visible = self._other_example.visible = exists
-        self.enable([self.use, *self.saves], False)
-        self.enable(self.record_downloads, exists)
+        self.empty_state.visible = record is None
+        self._other_example.visible = record is not None
+        self._enable_results(False)
+
+    def _enable_results(self, enabled: bool) -> None:
+        """Enable the buttons of a fit's results."""
+        for result in (self.use, *self.saves):
+            result.disabled = not enabled
 
     def _show_curves(self, pair: tuple[ModelCurves, ModelCurves | None]) -> None:
         """Show a muscle's curves before and after tuning, beside the readings."""
@@ -318,12 +318,12 @@ class DataView(Tab):
         colors = pressure_colors(self.colors, number)
         strain, force, nearest = self._drawn_readings(before.pressure)
         self.readings.data = {
-            "x": strain, "y": force / scale, "color": [colors[i] for i in nearest]
-        }  # fmt: skip
+            "x": strain,
+            "y": force / scale,
+            "color": [colors[i] for i in nearest],
+        }
         margin = _MARGIN_EMPTY if self.record is None else _MARGIN
         self.chart.figure.stylesheets = [height_css(screen_height(margin))]
-        self._measured_entry.visible = self.record is not None
-        self._tuned_entry.visible = after is not None
         for source, curves in ((self._before, before), (self._after, after)):
             rows = [] if curves is None else list(curves.force / scale)
             source.data = {
@@ -341,10 +341,8 @@ class DataView(Tab):
             "y": np.array(tops) / scale,
             "label": [f"{before.pressure[i] / pressure_scale:.3g} {unit}" for i in labeled],
         }
-        self.status.object = status_line(
-            f"Curves of {number} of {before.total} pressures are drawn."
-            if before.total > number else ""
-        )  # fmt: skip
+        text = f"Curves of {number} of {before.total} pressures are drawn."
+        self.status.object = status_line(text if before.total > number else "")
         readings = "No" if self.record is None else f"{len(self.record)}"
         tuned = ", and of the tuned one" if after is not None else ""
         self.chart.describe(
@@ -389,14 +387,16 @@ class DataView(Tab):
         def progress(stage: str) -> None:
             if cancelled.is_set():
                 raise ValueError("The fit was cancelled.")
-            self._stage = stage if stage.startswith(_STAGES) else f"fitting: {stage}"
+            self._stage = stage
 
         def compute() -> FitResult:
-            fit = FitResult(fit_record(record, muscle, progress, names), "", record, muscle, names)
+            selection = fit_record(record, muscle, progress, names)
+            calibration, today = selection.calibration, f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+            candidates = selection if selection.candidates else None
             progress("drawing the report")
-            pictures = figures(fit.calibration)
-            page = report(fit.calibration, _today(), pictures, choice=fit.candidates)
-            return fit._replace(report=page)
+            page = report(calibration, today, figures(calibration), choice=candidates)
+            toml = calibrated_text(calibration, today, candidates, warning_lines(calibration))
+            return FitResult(selection, page, toml, record)
 
         self._fits.request(compute)
 
@@ -420,65 +420,35 @@ class DataView(Tab):
         if fit.record is not self.record:  # another one was opened meanwhile
             return
         self._end_fit()
-        self.fit, calibration = fit, fit.calibration
+        self.fit, calibration = fit, fit.selection.calibration
         rows = []
         for parameter in calibration.parameters:
             value, interval = interval_texts(parameter)
             text = interval if parameter.identifiable else "not known from these data"
             rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
-        first, _ = verdict_lines(calibration, fit.selection)
-        lines = [
-            *first,
-            *fit_data_lines(calibration.fit_data),
-            hysteresis_message(calibration),
-            *fit.selection.reasons,
-        ]
+        lines, _ = verdict_lines(calibration, fit.selection)
+        lines = [*lines, *fit.selection.reasons]
         if not all(parameter.identifiable for parameter in calibration.parameters):
             lines.append(_UNDETERMINED)
-        warnings = warnings_by_topic(calibration)
-        names = {name for candidate in fit.selection.candidates for name in candidate.names}
-
-        def note(text: str) -> str:
-            """A `text` in HTML with the page's labels of constants."""
-            for name in names:
-                text = text.replace(name, name.replace("_", " "))
-            return text_html(text)
-
-        self.fit_notes.object = "".join(
-            [status_line(note(line)) for line in lines if line]
-            + [
-                f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(note, texts)))}"
-                for topic, texts in warnings.items()
-            ]
+        doubts = (
+            f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(text_html, texts)))}"
+            for topic, texts in warnings_by_topic(calibration).items()
         )
-        self.enable([self.use, *self.saves], True)
+        notes = (status_line(text_html(line)) for line in lines if line)
+        self.fit_notes.object = "".join([*notes, *doubts])
+        self._enable_results(True)
         self.draw(self.session.view)
 
-    # downloads
-
-    def export(self) -> Export:
-        """Downloads of the record and the muscle, the tuned one where there is one."""
-        fit, record = self.fit, self.record
-        assert record is not None  # else the buttons are disabled
-        muscle, tuned, names = self.session.view.muscle, None, (AUTOMATIC,)
-        if fit is not None:
-            muscle, tuned, names = fit.muscle, fit.calibration.muscle, fit.names
-        inputs = self.session.input_names
-        return data(muscle, record, tuned, self.file_name, self._read_options, names, inputs)
-
-    def _tuned_muscle_toml(self) -> str:
+    def _as_file(self, kind: str, suffix: str) -> tuple[str, bytes]:
+        """Name and bytes of a file of the fit, its report or its tuned muscle."""
         fit = self._shown_fit
-        return calibrated_text(
-            fit.calibration, _today(), fit.candidates, warning_lines(fit.calibration)
-        )
-
-    def _as_file(self, kind: str, text: str) -> tuple[str, bytes]:
-        """Stem of a download's name, with its `kind`, and `text` as its bytes."""
-        return output_stem(self.file_name, kind, self.session.input_names), text.encode()
+        text = fit.report if kind == "report" else fit.toml
+        stem = output_stem(self.file_name, kind, self.session.input_names)
+        return f"{stem}.{suffix}", text.encode()
 
     def _use_tuned_muscle(self) -> None:
-        muscle = self._shown_fit.calibration.muscle
+        muscle: Muscle = self._shown_fit.selection.calibration.muscle
         self.session.open(view_of(muscle, "tuned muscle", self.session.view))
 
     @property
@@ -487,15 +457,11 @@ class DataView(Tab):
         return self.fit
 
 
-def _today() -> str:
-    """Local date, such as 2026-03-31."""
-    return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-
-
-def _empty_state(example: Any) -> Any:
+def _empty_state(example: pn.widgets.Button) -> pn.Row:
     """Framed panel above the muscle's curves; `example` is the button of an example record."""
-    text = pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", (0, APART, APART, APART), **_WIDE)
+    margin, wide = (0, APART, APART, APART), "stretch_width"
+    text = pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", margin, sizing_mode=wide)
     form = f'<p class="small">Such a file begins with</p><pre>{_FORM}</pre>'
     left = column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
-    right = pane(form, 0, styles={"flex": "2 1 0", "min-width": "0"}, **_WIDE)
+    right = pane(form, 0, sizing_mode=wide, styles={"flex": "2 1 0", "min-width": "0"})
     return row(left, right, kind="stacked framed", margin=APART)

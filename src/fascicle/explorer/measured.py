@@ -1,20 +1,17 @@
 """Records of a visitor: reading within limits, a muscle's curves at their pressures, the fit."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..calibrate.data import assign_levels
-from ..core.errors import MissingExtraError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
 from ..records import loads
-from ..records.formats import table_texts
 from ..records.headers import MissingMetadataError
 from ..records.record import Record
-from ..records.tables import open_table
 from ..units import pretty
 
 
@@ -26,10 +23,8 @@ MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
 AUTOMATIC, TUNING = "automatic", "tuning"  # instead of names of constants to fit
-_FIELDS = ("columns", "units")  # arguments of `records.load` that the page has
 _POINTS = 121  # along a curve
 _PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
-_HEADER_BYTES = 200_000  # that hold the header
 _TAIL = 0.02  # of the largest force: above it a muscle still pulls
 _PLAUSIBLE = 1.4  # of the free strain: no muscle's own record pulls beyond it
 
@@ -48,33 +43,25 @@ class ModelCurves(NamedTuple):
 
 
 def read_record(
-    raw: bytes, name: str, muscle: Muscle, options: Mapping[str, Any] | None = None
+    raw: bytes, name: str, muscle: Muscle, options: Mapping[str, object] | None = None
 ) -> Record:
     """Record of an uploaded file; the `muscle`'s length stands in for a missing rest length."""
     if not raw.strip():
         raise ValueError(f"{name}: the file is empty, {len(raw)} bytes.")
     if len(raw) > LARGEST_FILE:
         raise ValueError(f"{name}: a record may have {LARGEST_FILE} bytes, got {len(raw)}.")
-    text = _unpack(raw, name)
-    rows = text.count(b"\n")
-    if rows > MOST_ROWS:
+    length = float(muscle.length)
+    try:
+        record = loads(raw, name, default_length=length, **dict(options or {}))
+    except MissingMetadataError as error:
+        raise ValueError(error.message(_in_page_words)) from None
+    except ImportError as error:
+        raise ValueError(f"{name}: {error}") from None
+    if len(record) > MOST_ROWS:
         raise ValueError(
-            f"{name}: a record may have {MOST_ROWS} rows here, got {rows}:"
+            f"{name}: a record may have {MOST_ROWS} rows here, got {len(record)}:"
             " thin it out, or use `fascicle calibrate`."
         )
-    try:
-        record = loads(text, name, default_length=float(muscle.length), **dict(options or {}))
-    except MissingMetadataError as error:
-        if not (error.role and error.argument in _FIELDS):
-            problem = error.before.rpartition(": ")[0]
-            raise ValueError(
-                f"{problem}: add that to the file, or use `fascicle calibrate`."
-            ) from None
-        # in the words of the fields on the page
-        what = "" if error.argument == "columns" else "its unit in "
-        fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
-        then = f",{error.after}" if error.after.startswith(" ") else error.after
-        raise ValueError(f"{error.before}{fields}{then}.") from None
     try:
         curves_at_levels(muscle, record)
     except ValueError as error:
@@ -82,23 +69,12 @@ def read_record(
     return record
 
 
-def read_headers(raw: bytes, name: str) -> tuple[str, ...]:
-    """Headers of the columns of an uploaded file of a `name`; none where it has none."""
-    try:
-        return open_table(_unpack(raw, name)[:_HEADER_BYTES], name).header
-    except ValueError:
-        return ()
-
-
-def _unpack(raw: bytes, name: str) -> bytes:
-    """Text of an uploaded file."""
-    try:
-        return next(iter(table_texts(raw, name).values()))  # without a pattern it is one
-    except MissingMetadataError as error:
-        problem = error.before.rpartition(": ")[0]
-        raise ValueError(f"{problem}: save one of them, or use `fascicle calibrate`.") from None
-    except MissingExtraError as error:
-        raise ValueError(f"{name}: {error}") from None
+def _in_page_words(argument: str, role: str, value: str) -> str:
+    """An argument of the reader as the page has it."""
+    fields = {"columns": "Column", "units": "Unit"}
+    if not role or argument not in fields:
+        return "`fascicle calibrate`, which takes more"
+    return f"the field {fields[argument]} of {role}" + f", `{value}` for instance" * bool(value)
 
 
 def example_record(muscle: Muscle) -> bytes:

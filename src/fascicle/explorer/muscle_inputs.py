@@ -1,26 +1,23 @@
 """Inputs of a muscle: its sizes, material and laws; errors appear at their own fields."""
 
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import panel as pn
+
 from ..core.errors import InvalidInputError
 from ..core.module import replace_checked
-from ..files.shipped_files import named_muscles
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
-from .pins import shipped_muscle
-from .state import Session, View
-from .theme import column
-from .widgets import SIZES, WHOLE_ROW, Field, Message, dropdown, field_unit
+from .state import CHANGED, Session, View, is_shipped
+from .widgets import SIZES, Field, Message, column, dropdown, field_unit, fold
 
 
-_CUSTOM, _CHANGED = "its own", ", changed"
+_CUSTOM = "its own"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
-_INDENT: dict[str, Any] = {"margin": (2, 8, 2, 20), **WHOLE_ROW}
 
 
 class MuscleInputs:
@@ -32,13 +29,15 @@ class MuscleInputs:
             name: Field(label, name, dimension, partial(self._set_size, name))
             for name, (label, dimension) in SIZES.items()
         }
-        self._material = dropdown(
-            "Material", [*MATERIALS, _CUSTOM], self._choose_material, **WHOLE_ROW
-        )
-        self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
-        self.panel = column(kind="pairs")
+        options = [*MATERIALS, _CUSTOM]
+        self._material = dropdown("Material", options, self._choose_material)
         self.message = Message()
-        self.arrange()
+        self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
+        sizes = [widget for field in self.fields.values() for widget in field.widgets]
+        laws = fold(
+            "Advanced: laws and their constants", *(law.panel for law in self.laws.values())
+        )
+        self.panel = column(column(*sizes, kind="pairs"), self._material, self.message.pane, laws)
 
     def show(self, view: View) -> None:
         """Show the muscle of a `view`."""
@@ -52,17 +51,7 @@ class MuscleInputs:
             law.show(getattr(muscle, kind), view.display_units)
         self.message.show("")
 
-    def show_error(self, error: ValueError | str) -> None:
-        """Show an error that isn't of one field, below all of them."""
-        self.message.show(error, self._session.view.display_units)
-
-    def arrange(self) -> None:
-        """Put all widgets in order, after a law has got other fields."""
-        laws = [widget for law in self.laws.values() for widget in law.widgets]
-        sizes = [widget for field in self.fields.values() for widget in field.widgets]
-        self.panel.objects = [*sizes, self._material, *laws, self.message.pane]
-
-    def change(self, **parts: Any) -> None:
+    def change(self, **parts: object) -> None:
         """Replace parts of the session's muscle, and rename it; `ValueError` if it can't be."""
         view = self._session.view
         muscle = view.muscle.replace(**parts)
@@ -70,18 +59,17 @@ class MuscleInputs:
         _ = after.bundle  # raises at this field if it can't be a bundle any more
         self._session.show(after)
 
+    def try_change(self, message: Message, **parts: object) -> None:
+        """As `change`, with an error in a `message`."""
+        with message.errors():
+            self.change(**parts)
+
     def _name_of(self, muscle: Muscle) -> str:
-        """Name of a `muscle` that was changed: the opened one's if it is the same again."""
-        opened, name = self._session.opened, self._session.view.name.removesuffix(_CHANGED)
+        """Name of a changed `muscle`; again the first one's name if it has returned to that."""
+        opened, name = self._session.opened, self._session.view.name.removesuffix(CHANGED)
         if muscle == opened.muscle:
             return opened.name
-        if name in named_muscles() and muscle == shipped_muscle(name):
-            return name
-        return f"{name}{_CHANGED}"
-
-    def errors(self) -> AbstractContextManager[None]:
-        """Show a `ValueError` of the block below all fields."""
-        return self.message.errors(self._session.view.display_units)
+        return name if is_shipped(name, muscle) else f"{name}{CHANGED}"
 
     def _set_size(self, name: str, value: float) -> None:
         """Set the size with a `name`; errors are for the field to show."""
@@ -95,8 +83,7 @@ class MuscleInputs:
 
     def _choose_material(self, name: str) -> None:
         if name != _CUSTOM and MATERIALS[name] != self._session.view.muscle.material:
-            with self.errors():
-                self.change(material=name)
+            self.try_change(self.message, material=name)
 
 
 class LawInputs:
@@ -106,22 +93,37 @@ class LawInputs:
         self._kind, self._inputs = kind, inputs
         self._law: Any = None
         self.fields: dict[str, Field] = {}
-        self.choices: dict[str, Any] = {}
+        self.choices: dict[str, pn.widgets.Select] = {}
         names = {name.replace("_", " "): name for name in LAWS[kind]}
         title = _TITLES.get(kind, kind.capitalize())
-        self.select = dropdown(title, names, self._choose_law, **WHOLE_ROW)
-
-    @property
-    def widgets(self) -> list[Any]:
-        """Widgets in the order of the page."""
-        fields = [widget for field in self.fields.values() for widget in field.widgets]
-        return [self.select, *fields, *self.choices.values()]
+        self.select = dropdown(title, names, self._choose_law)
+        self._message = Message()
+        self._constants = column(margin=(0, 0, 0, 12))
+        self.panel = column(self.select, self._message.pane, self._constants)
 
     def show(self, law: Any, units: Mapping[str, str]) -> None:
         """Show a `law` with quantities in `units`, by dimension."""
         before, self._law = self._law, law
         if type(law) is not type(before):
-            self._make_widgets(law)
+            self.fields = {
+                constant.name: Field(
+                    _label_of(constant.name),
+                    constant.name,
+                    constant.dimension,
+                    partial(self._set_constant, constant.name),
+                )
+                for constant in law.constants()
+            }
+            self.choices = {
+                switch.name: dropdown(
+                    _label_of(switch.name),
+                    {option.replace("_", " "): option for option in switch.options},
+                    partial(self._choose_option, switch.name),
+                )
+                for switch in law.switches()
+            }
+            fields = [widget for field in self.fields.values() for widget in field.widgets]
+            self._constants.objects = [*fields, *self.choices.values()]
         self.select.value = law.name
         for constant in law.constants():
             unit = field_unit(constant.dimension, units)
@@ -129,34 +131,17 @@ class LawInputs:
         for name, choice in self.choices.items():
             choice.value = getattr(law, name)
 
-    def _make_widgets(self, law: Any) -> None:
-        self.fields = {
-            constant.name: Field(
-                _label_of(constant.name), constant.name, constant.dimension,
-                partial(self._change_law, constant.name), **_INDENT,
-            )
-            for constant in law.constants()
-        }  # fmt: skip
-        self.choices = {}
-        for switch in law.switches():
-            names = {option.replace("_", " "): option for option in switch.options}
-            self.choices[switch.name] = dropdown(
-                _label_of(switch.name), names, partial(self._choose_option, switch.name), **_INDENT
-            )
-        self._inputs.arrange()
-
-    def _change_law(self, name: str, value: Any) -> None:
+    def _set_constant(self, name: str, value: object) -> None:
         self._inputs.change(**{self._kind: replace_checked(self._law, {name: value})})
 
     def _choose_law(self, name: str) -> None:
         if name != self._law.name:
-            with self._inputs.errors():
-                self._inputs.change(**{self._kind: name})
+            self._inputs.try_change(self._message, **{self._kind: name})
 
     def _choose_option(self, name: str, option: str) -> None:
         if option != getattr(self._law, name):
-            with self._inputs.errors():
-                self._change_law(name, option)
+            law = replace_checked(self._law, {name: option})
+            self._inputs.try_change(self._message, **{self._kind: law})
 
 
 def _label_of(name: str) -> str:

@@ -1,17 +1,18 @@
 """Tab of one muscle: its force over strain with its parts, and the muscle itself."""
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ..plot.theme import Colors
+from ..results import tables
 from ..units import pretty
-from .chart import Chart, hover_tooltips, pressure_colors, screen_height
+from .chart import Chart, cycle_colors, hover_tooltips, pressure_colors, screen_height
 from .compare_tab import PinButton
 from .muscle_curves import (
     PARTS,
+    POINTS,
     REGIONS,
     MuscleCurves,
     curve_marks,
@@ -23,15 +24,18 @@ from .muscle_inputs import MuscleInputs
 from .remarks import branches_text, remarks_html, tuning_note, words_html
 from .solid import Scene, muscle_solid
 from .state import Session, View, changed
-from .tab import Tab
-from .theme import column, pane, row, side_column
+from .tab import Export, Tab
 from .widgets import (
     SWEEP_STEPS,
     QuantitySlider,
     Sweep,
+    column,
     format_quantity,
     heading,
+    pane,
     readout_table,
+    row,
+    side_column,
     status_line,
     unit_factor,
     volume_unit,
@@ -39,7 +43,7 @@ from .widgets import (
 
 
 # room for header, sliders and readouts
-_SCENE_HEIGHT = "clamp(220px, min(100vh - 500px, 90vw), 900px)"
+_SCENE_HEIGHT = "var(--scene-height, clamp(220px, min(100vh - 500px, 90vw), 900px))"
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 _FAR = 1e9  # [shown unit] beyond every picture
@@ -62,7 +66,7 @@ class MuscleView(Tab):
         )
         self._strain = self.strain_slider()
         self._add_chart()
-        self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
+        self._scene = Scene(colors, "solid", _SCENE_HEIGHT, self._set_strain)
         self._numbers = pane(sizing_mode="stretch_width")
         self._sweep = Sweep("the strain", self._advance)
         explanations = pane(
@@ -70,26 +74,24 @@ class MuscleView(Tab):
         )
         left = side_column(self.inputs.panel, self.message.pane, explanations, width=284)
         curves = column(self.chart.new_pane(), kind="equal")
-        scene = column(*self._scene.panes(self._sweep.button), self._numbers, kind="equal")
+        scene = column(
+            *self._scene.panes(self._sweep.button),
+            column(self._numbers, kind="aside"),
+            kind="equal picture",
+        )
         pin = PinButton(session)
-        sliders = row(self._pressure.panel, self._strain.panel, pin.panel)
+        sliders = row(self._pressure.panel, self._strain.panel, pin.panel, kind="stacked pinned")
         main = column(self.notes, sliders, pin.result, row(curves, scene))
         self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
-        """Show a `view`, with its strain lowered to the muscle's limit."""
-        self.top, strain = strain_limit(view.muscle, view.supply), view.strain
-        if strain > self.top:
-            self.session.view = view = replace(view, strain=self.top)
+        """Show a `view`."""
+        self.top = strain_limit(view.muscle, view.supply)
         self.inputs.show(view)
         curves = self._compute_curves(view)
         self._show_family(curves)
         self._show_curve_and_regions(view, curves)
         self._show_point(view, curves)
-        if strain > self.top:
-            self._strain.field.show_error(
-                f"Contraction ε is drawn up to {self.top:g} for this muscle, got {strain:g}."
-            )
         note = tuning_note(view.muscle, view.display_units["pressure"])
         self.notes.object = remarks_html(view, "muscle") + status_line(note)
 
@@ -101,8 +103,16 @@ class MuscleView(Tab):
                 self._show_curve_and_regions(after, curves)
             self._show_point(after, curves)
 
+    def export(self) -> Export:
+        """Picture and data of the curve at the view's pressure."""
+        muscle, pressures = self.session.view.muscle, [self.session.view.pressure]
+        strain = np.linspace(0.0, self.top, POINTS)
+        variables = tables.muscle_force(muscle, pressures, strain)
+        return Export(self.stem("force"), variables, lambda: muscle.plot(pressures, strain))
+
     def _compute_curves(self, view: View) -> MuscleCurves:
-        return muscle_curves(view.muscle, view.pressure, view.strain, view.supply, self.top)
+        strain = min(view.strain, self.top)
+        return muscle_curves(view.muscle, view.pressure, strain, view.supply, self.top)
 
     # the figure
 
@@ -111,14 +121,25 @@ class MuscleView(Tab):
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(270))
         self.strips = chart.add(
-            "quad", "left right color alpha", "strips", top=_FAR, bottom=-_FAR,
-            fill_color="color", fill_alpha="alpha", line_color=None,
-        )  # fmt: skip
+            "quad",
+            "left right color alpha",
+            "strips",
+            top=_FAR,
+            bottom=-_FAR,
+            fill_color="color",
+            fill_alpha="alpha",
+            line_color=None,
+        )
         chart.add_zero_line()
         self.region_names = chart.add(
-            "text", "x y label", "regions", text_color=colors.soft, text_align="center",
-            text_baseline="top", text_font_size="12px",
-        )  # fmt: skip
+            "text",
+            "x y label",
+            "regions",
+            text_color=colors.soft,
+            text_align="center",
+            text_baseline="top",
+            text_font_size="12px",
+        )
         self._family = chart.add(
             "multi_line", "xs ys color label", "family", line_width=1.2, line_alpha=0.9
         )
@@ -126,20 +147,45 @@ class MuscleView(Tab):
         self._family_names = chart.new_source("x y label")
         chart.add_labels(self._family_names)
         self.curve = chart.new_source(f"strain {' '.join(PARTS)}", "curve")
-        for (component, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
-            chart.figure.line("strain", component, source=self.curve, line_color=color,
-                              line_dash=dash, line_width=1.8, legend_label=component)  # fmt: skip
-        chart.figure.line("strain", "force", source=self.curve, line_color=colors.ink,
-                          line_width=3, legend_label="force")  # fmt: skip
+        for (component, dash), color in zip(
+            _PART_DASHES.items(), cycle_colors(colors, 3, first=2), strict=True
+        ):
+            chart.figure.line(
+                "strain",
+                component,
+                source=self.curve,
+                line_color=color,
+                line_dash=dash,
+                line_width=1.8,
+                legend_label=component,
+            )
+        chart.figure.line(
+            "strain",
+            "force",
+            source=self.curve,
+            line_color=colors.ink,
+            line_width=3,
+            legend_label="force",
+        )
         self._hover = chart.add_force_hover()
         self._marks = chart.add(
-            "scatter", "x y label above beside align", "marks", size=9, line_color=colors.ink,
-            line_width=2, fill_color=colors.paper,
-        )  # fmt: skip
-        chart.add_labels(self._marks, x_offset="beside", y_offset="above", text_align="align",
-                         text_font_size="12px")  # fmt: skip
+            "scatter",
+            "x y label above beside align",
+            "marks",
+            size=9,
+            line_color=colors.ink,
+            line_width=2,
+            fill_color=colors.paper,
+        )
+        chart.add_labels(
+            self._marks,
+            x_offset="beside",
+            y_offset="above",
+            text_align="align",
+            text_font_size="12px",
+        )
         self._point = chart.add_point(name="point")
-        chart.on_click(self._move_point)
+        chart.on_hold(self._set_strain)
         chart.style_legend("right")
 
     def _show_family(self, curves: MuscleCurves) -> None:
@@ -175,10 +221,15 @@ class MuscleView(Tab):
             "label": [self._family.data["label"][i] for i in labeled],
         }
         colors = self.colors
-        fills = [(colors.paper, 0.0), (colors.curves[4], 0.14), (colors.soft, 0.20),
-                 (colors.curves[5], 0.14)]  # fmt: skip
+        fills = [
+            (colors.paper, 0.0),
+            (colors.curves[4], 0.14),
+            (colors.soft, 0.20),
+            (colors.curves[5], 0.14),
+        ]
         strips = region_strips(curves.strain[-1], curves.regions)
-        left, right, regions = map(list, zip(*strips, strict=True))
+        left, right = ([strip[end] for strip in strips] for end in (0, 1))
+        regions = [region for _, _, region in strips]
         self.strips.data = {
             "left": left,
             "right": right,
@@ -198,23 +249,25 @@ class MuscleView(Tab):
         self._marks.data = curve_marks(curves, self.top, scale, unit)
 
     def _show_point(self, view: View, curves: MuscleCurves) -> None:
-        self._strain.show(view.strain, "", self.top)
+        strain = min(view.strain, self.top)
+        self._strain.show(strain, "", self.top)
         unit, scale = self.unit("force")
         pressure = format_quantity(view.pressure, self.unit("pressure")[0], "pressure", 4)
         force, region = f"{curves.point_force / scale:.4g} {unit}", REGIONS[curves.region]
-        position_text = f"at a contraction of {view.strain:.4g}, {region}"
+        position_text = f"at a contraction of {strain:.4g}, {region}"
         marks = ", ".join(self._marks.data["label"])
         self.chart.describe(
             f"Force over contraction at {pressure}: {marks}; {force} {position_text}."
         )
         self._scene.describe(f"Drawing of the muscle {position_text}.")
-        self._point.data = {"x": [view.strain], "y": [curves.point_force / scale]}
-        solid = muscle_solid(view.muscle, curves, view.strain)
+        self._point.data = {"x": [strain], "y": [curves.point_force / scale]}
+        solid = muscle_solid(view.muscle, curves, strain)
         length = float(view.muscle.length)
         # a stubby muscle is wider than long; it bows out to its side
         reach = max(0.53 * length, 2.0 * solid.radius), 2.0 * solid.radius + 0.16 * length
         colors = [(self.colors.tube, self.colors.fiber)]
-        self._scene.show([solid], colors, self.colors.fitting, [(0.0, 0.0, 0.0)], reach)
+        positions = [(0.0, 0.0, 0.0)]
+        self._scene.show([solid], colors, self.colors.fitting, positions, reach, (strain, length))
         # the volume is a straight muscle's of this length: no law has that of a bent one
         fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
         length_unit, length_scale = self.unit("length")
@@ -232,19 +285,19 @@ class MuscleView(Tab):
             rows["several equilibria"] = branches
         self._numbers.object = heading("At this point") + readout_table(rows)
 
-    # a click, and the sweep
+    # the hand, and the sweep
 
-    def _move_point(self, event: Any) -> None:
-        if event.x is not None and 0 <= event.x <= self.top:
-            self.session.change(strain=round(float(event.x), 4))
+    def _set_strain(self, strain: float, _: float = 0.0) -> None:
+        """Move the point to a `strain` [-] that is drawn."""
+        self.session.change(strain=round(float(np.clip(strain, 0.0, self.top)), 4))
 
     def _advance(self) -> bool:
         """Raise the strain by a step, or begin again at zero; False if another tab is open."""
         view = self.session.view
-        if view.tab != self.name:
+        if not self.is_open():
             return False
-        following = round(view.strain + self.top / SWEEP_STEPS, 4)
-        self.session.change(strain=0.0 if following > self.top else following)
+        following = view.strain + self.top / SWEEP_STEPS
+        self._set_strain(0.0 if following > self.top else following)
         return True
 
 

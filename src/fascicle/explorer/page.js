@@ -21,6 +21,23 @@ window.fascicleStyle = (css) => {
   document.getElementById(id)?.remove();
   document.head.append(Object.assign(sheet, {id, textContent: css}));
 };
+// without the clipboard, which browsers give to this machine's pages and encrypted ones alone
+window.fascicleCopy = () => {
+  const local = /^(127\.|localhost$|\[::1\]$)/.test(location.hostname);
+  const place = local ? "on this machine, while fascicle explore runs at this address"
+    : "while fascicle explore runs at this address";
+  const copied = () => fascicleNotice("copied", `Link copied. It opens ${place}.`, true);
+  const show = () => prompt(`Link. It opens ${place}`, location.href);
+  navigator.clipboard ? navigator.clipboard.writeText(location.href).then(copied, show) : show();
+};
+// Ctrl+Z and Ctrl+Y take back and repeat a change, but in a text that is being typed
+addEventListener("keydown", (event) => {
+  const key = event.key.toLowerCase();
+  if (!(event.ctrlKey || event.metaKey) || !["z", "y"].includes(key)
+      || deepest(document.activeElement)?.matches?.("input[type=text], textarea")) return;
+  event.preventDefault();
+  findButton(find(key === "y" || event.shiftKey ? ".redo" : ".undo"))?.click();
+});
 // a refused file is past with the next input
 addEventListener("input", () => fascicleNotice("size", ""), {capture: true});
 
@@ -77,7 +94,16 @@ window.fascicleDismiss = () => {
   page.setProperty("--offer", "none");
   findActive()?.focus();
 };
+// on a narrow page the scenes have room for the muscle, the curve and the sliders, all on the screen
+const SCENE = {"--figure-height": "230px", "--scene-height": "190px", "--picture-order": "-1",
+  "--pinned": "sticky", "--pinned-order": "1", "--aside": "none"};
+const setScene = (running) => {
+  for (const [name, value] of Object.entries(SCENE))
+    if (running && narrow.matches) page.setProperty(name, value);
+    else page.removeProperty(name);
+};
 window.fascicleStory = (running, ifLost = false) => setTimeout(() => {
+  setScene(running);
   if (ifLost && document.activeElement !== document.body) return;
   const next = running ? find(".story-next") : null;
   (next ? findButton(next) : findActive())?.focus({preventScroll: running});

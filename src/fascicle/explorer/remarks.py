@@ -14,12 +14,19 @@ from ..muscle.validation import (
     published_range_message,
 )
 from .muscle_curves import is_tuned
-from .state import View
-from .widgets import format_quantity, page_message, status_line, text_html, unit_factor
+from .state import CHANGED, View
+from .widgets import format_quantity, status_line, text_html, unit_factor
 
 
-_FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
-            "hinge_stiffness": "hinge stiffness"}  # fmt: skip
+_FACTORS = {
+    "youngs_modulus": "Young's modulus",
+    "collapse_moment": "collapse moment",
+    "hinge_stiffness": "hinge stiffness",
+}
+_UNMEASURED_SIZE = (
+    "The tuning was measured on a muscle of another size and is used unchanged: how well it holds"
+    " at this size was not measured."
+)
 
 _WORDS = {
     "mesh": "force of the braid: pressure pulls its fibers, and with them the ends, together",
@@ -53,30 +60,18 @@ def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
 
 def remarks_html(view: View, tab: str) -> str:
     """Validity warnings, marked, and notes of a `tab` on a `view`."""
+    lines = []
+    others = sum(unit.own is not None for unit in view.units)
+    if tab == "muscle" and others:
+        lines.append(f"This is the muscle of unit 1; {others} of the others have their own.")
+    scaled = tab == "bundle" and any(unit.size != 1 for unit in view.units)
+    edited = tab == "muscle" and view.name.endswith(CHANGED)
+    if (scaled or edited) and is_tuned(view.muscle):
+        lines.append(_UNMEASURED_SIZE)
     warnings = (
         f'<p class="warning">{text_html(text)}</p>' for text in validity_warnings(view, tab)
     )
-    return "".join(warnings) + status_line(" ".join(notes(view, tab)))
-
-
-def notes(view: View, tab: str) -> list[str]:
-    """Sentences on a `tab` with a `view`; none where the picture is complete."""
-    several = sum(unit.own is not None for unit in view.units)
-    sized = any(unit.size != 1 for unit in view.units)
-    lines = []
-    if tab == "muscle" and several:
-        subject = "Another unit has a different muscle"
-        if several > 1:
-            subject = f"{several} other units have different muscles"
-        lines.append(f"This is the muscle of unit 1. {subject}.")
-    scaled = tab == "bundle" and sized
-    edited = tab == "muscle" and view.name.endswith(", changed")
-    if (scaled or edited) and is_tuned(view.muscle):
-        lines.append(
-            "The tuning was measured on a muscle of another size and is used unchanged: how well it"
-            " holds at this size was not measured."
-        )
-    return lines
+    return "".join(warnings) + status_line(" ".join(lines))
 
 
 def validity_warnings(view: View, tab: str) -> list[str]:
@@ -89,17 +84,16 @@ def validity_warnings(view: View, tab: str) -> list[str]:
     muscles = [view.muscle] if single else [view.muscle_of(unit) for unit in view.units]
     lines = []
     for muscle in muscles:
-        proportions = proportions_message(muscle.length, muscle.outer_radius)
         lines += [
             published_range_message(muscle),
             fitted_length_mismatch(muscle),
             muscle.tuning.extrapolation_message(view.supply),
-            page_message(proportions, view.display_units),
+            proportions_message(muscle.length, muscle.outer_radius),
         ]
         if not single and view.distance is not None:
             strain = muscle_strain(view.distance / muscle.length, 0.0)
             lines.append(extension_message(strain, lowest_strain(muscle.law)))
-    return [line[0].upper() + line[1:] for line in dict.fromkeys(lines) if line]
+    return [line for line in dict.fromkeys(lines) if line]
 
 
 def tuning_note(muscle: Muscle, unit: str) -> str:

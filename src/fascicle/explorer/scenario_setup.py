@@ -11,10 +11,12 @@ from typing import Any, NamedTuple
 
 import tomlkit
 
+from ..bundle import Bundle
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
+from ..files import dumps
 from ..files.muscle_files import parse_file
-from ..files.shipped_files import example_text, named_muscles, scenarios
+from ..files.shipped_files import example_text, named_muscles
 from ..units import exact, parse
 
 
@@ -28,7 +30,6 @@ POLICIES = {
 }
 DEFAULT = "raise_1_4"
 LARGEST_FILE = 100_000  # bytes: a hundred times the shipped ones
-_MOST_VALUES = 40  # in a link: two valves of each of twenty motor units
 # value that stands for the load, by its kind: key, label and dimension
 _LOADS = {
     "hanging_mass": ("mass", "Mass of the load", "mass"),
@@ -45,6 +46,7 @@ _SIZES = {
     "Cv": ("Cv", "number"),
 }
 _VALVES = {"valve": "Valve", "exhaust_valve": "Exhaust"}
+_BY_UNIT = ("fluid", "run", *_VALVES)  # sections whose lists have an entry for each motor unit
 
 
 class ScenarioValue(NamedTuple):
@@ -64,13 +66,15 @@ class Setup:
     """A scenario to simulate, with changes.
 
     `name` of the scenario; `own` text of a visitor's file, empty for a shipped one; changed
-    `values` [SI] by path; `policies` to compare, none for that of the file.
+    `values` [SI] by path; `policies` to compare, none for that of the file. With `page_bundle`, the
+    page's bundle is run in place of the file's.
     """
 
     name: str = DEFAULT
     own: str = ""
     values: tuple[tuple[str, float], ...] = ()
     policies: tuple[str, ...] = ()
+    page_bundle: bool = True
 
     @property
     def source(self) -> str:
@@ -83,11 +87,18 @@ class Setup:
         return isinstance(_scenario_tables(self.source, self.name).get("control"), dict)
 
     @property
+    def takes_bundle(self) -> bool:
+        """True for a scenario of one bundle; a joint has two."""
+        return not isinstance(_scenario_tables(self.source, self.name).get("bundle"), list)
+
+    @property
     def fields(self) -> list[ScenarioValue]:
         """The scenario's quantities that can be changed, each with this setup's value."""
         values = dict(self.values)
-        return [field._replace(value=values.get(field.path, field.value))
-                for field in _fields(self.source, self.name)]  # fmt: skip
+        return [
+            field._replace(value=values.get(field.path, field.value))
+            for field in _fields(self.source, self.name)
+        ]
 
     def with_value(self, path: str, value: float) -> "Setup":
         """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path."""
@@ -97,8 +108,8 @@ class Setup:
         changed = tuple((key, x) for key, x in values.items() if x != original[key])
         return replace(self, values=changed)
 
-    def text(self, policy: str = "") -> str:
-        """Text of the file with the changed values, and another `policy` if there is one."""
+    def text(self, policy: str = "", bundle: Bundle | None = None) -> str:
+        """Text of the file with the changed values, and another `policy` or `bundle`."""
         document: Any = tomlkit.parse(self.source)
         dimensions = {field.path: field.dimension for field in _fields(self.source, self.name)}
         for path, value in self.values:
@@ -109,7 +120,24 @@ class Setup:
             table[last] = exact(value, dimensions[path])
         if policy and self.has_control and document["control"].get("policy") != policy:
             document["control"]["policy"] = policy
+        if bundle is not None and self.page_bundle and self.takes_bundle:
+            _set_bundle(document, bundle)
         return tomlkit.dumps(document)
+
+
+def _set_bundle(document: Any, bundle: Bundle) -> None:
+    """Set a scenario's `bundle`; lists by unit become as long, their last entry repeated."""
+    number = len(bundle.motor_units)
+    tables = tomlkit.parse(dumps(bundle))
+    for key in ("muscle", "bundle"):
+        document.pop(key, None)
+        if key in tables:
+            document[key] = tables[key]
+    sections = [document[key] for key in _BY_UNIT if key in document]
+    for section in (*sections, *document.get("schedule", [])):
+        for key, values in section.items():
+            if isinstance(values, list):
+                section[key] = [*values, *[values[-1]] * number][:number]
 
 
 def open_setup(text: str, name: str) -> Setup:
@@ -127,7 +155,7 @@ def open_setup(text: str, name: str) -> Setup:
     hysteresis = data.get("hysteresis")
     if isinstance(hysteresis, dict) and hysteresis.get("kind") == "measured":
         raise ValueError(_file_message(name, 'hysteresis: kind = "measured"'))
-    return Setup(name, text)
+    return Setup(name, text, page_bundle=False)
 
 
 def _file_message(name: str, key: str) -> str:
@@ -151,7 +179,7 @@ def _fields(text: str, name: str) -> tuple[ScenarioValue, ...]:
 
 
 def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:
-    rows: list[tuple[str, str, str, Any]] = []
+    rows: list[tuple[str, str, str, object]] = []
     load, supply = data.get("load"), data.get("supply")
     if isinstance(load, dict) and load.get("kind") in _LOADS:
         key, label, dimension = _LOADS[load["kind"]]
@@ -170,43 +198,11 @@ def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:
                 ]
             else:
                 rows.append((path, text, dimension, value))
-    for path, label, dimension, text in rows:
+    for path, label, dimension, value in rows:
         try:
-            yield ScenarioValue(path, label, dimension, parse(text, dimension))
+            yield ScenarioValue(path, label, dimension, parse(value, dimension))
         except (ValueError, TypeError):  # missing, or an error that the run reports
             continue
-
-
-# the link
-
-
-def setup_query(setup: Setup) -> dict[str, str]:
-    """Parts of the link of a `setup`, by key, without the file; none of the default one."""
-    if setup == Setup():
-        return {}
-    dimensions = {field.path: field.dimension for field in setup.fields}
-    query = {"scenario": setup.name}
-    if setup.values:
-        query["set"] = ",".join(
-            f"{path}:{exact(value, dimensions[path]).replace(' ', '')}"
-            for path, value in setup.values
-        )
-    return query | ({"policies": ",".join(setup.policies)} if setup.policies else {})
-
-
-def read_setup(setup: Setup, key: str, text: str) -> Setup:
-    """The `setup` with the `text` of a `key` of a link; `ValueError` for an invalid one."""
-    if key == "scenario":
-        if setup.own:  # the name of the file that is in the link
-            return replace(setup, name=text[:60])
-        return Setup(check_choice(text, scenarios(), "scenario"))
-    if key == "policies":
-        return replace(setup, policies=check_policies(setup, text.split(",")))
-    for entry in text.split(",")[:_MOST_VALUES]:
-        path, _, value = entry.partition(":")
-        dimensions = {field.path: field.dimension for field in setup.fields}
-        setup = setup.with_value(path, parse(value, dimensions.get(path, "number"), "set"))
-    return setup
 
 
 def check_policies(setup: Setup, policies: list[str]) -> tuple[str, ...]:

@@ -1,18 +1,22 @@
-"""The server of the explorer, for this machine alone unless another address is given.
+"""Server of the explorer, for this machine alone unless another address is given.
 
-Panel serves the pages and keeps their sessions. Beyond it: a check of who asks and for what
-(`allowed_hosts`), limits on the size of messages, and logs in which a visitor's text can't look
-like other lines.
+Panel serves the pages and keeps their sessions. Beyond it: limits on the size of messages, logs in
+which a visitor's text can't look like other lines, and a check of each request. Bokeh checks the
+`Origin` of a websocket and nothing else; but pages of strangers can make a browser ask for anything
+here, and can't forge `Host`, which stays the stranger's name if that is made to point at this
+machine (DNS rebinding).
 """
 
 import asyncio
 import contextlib
 import errno
+import ipaddress
 import logging
+import re
 import signal
 import socket
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import panel as pn
@@ -22,17 +26,20 @@ from bokeh.server.util import bind_sockets
 from panel.io.application import build_applications
 from panel.io.resources import DIST_DIR
 from tornado.httpserver import HTTPServer
+from tornado.httputil import HTTPHeaders, HTTPServerRequest
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
+from tornado.routing import Matcher, Rule
+from tornado.web import Application, OutputTransform, RequestHandler
 from tornado.websocket import WebSocketClosedError
 
 from ..io.sanitize import sanitize_line
-from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
+from ..report.page import render
 from .link import from_query, has_state
 from .page import Page, prepare_document
 from .state import Session, View
-from .theme import column, page_colors, page_css
-from .worker import stop_jobs
+from .tab import stop_jobs
+from .widgets import column, page_colors, page_css
 
 
 PORT = 5006  # Bokeh's
@@ -41,6 +48,11 @@ _LARGEST_MESSAGE = 16 * 2**20  # bytes from a browser: an uploaded file and its 
 _CLOSED_SESSION = 15_000  # ms until a closed session is freed
 _LINE = 300  # characters of a line in the terminal
 _SENDING = 0.02  # s for the loop to send a page; a longer pause would delay the next visitor
+_LOCAL = ("127.0.0.1", "localhost", "::1")  # only this machine reaches them
+_ANY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
+_HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
+# of Panel, to embed the page elsewhere and to import modules: the explorer needs none
+_CLOSED = ("/autoload.js", "/components/", "/metadata")
 
 
 def serve(
@@ -64,7 +76,12 @@ def serve(
 
     **Raises:** `OSError` where it can't listen there.
     """
-    configure_logs()
+    handler = logging.StreamHandler()
+    handler.setFormatter(LineFormatter())
+    log = logging.getLogger("bokeh")
+    log.handlers, log.propagate = [handler], False
+    for name in ("bokeh", "tornado.access", "tornado.general"):
+        logging.getLogger(name).setLevel(logging.ERROR)
     with warnings.catch_warnings():
         # warnings are for the visitor, on the page: the terminal may be somebody else's
         warnings.simplefilter("ignore", UserWarning)
@@ -73,9 +90,13 @@ def serve(
 
 
 async def _serve(
-    view: View, host: str, port: int | None, show: bool, print_line: Callable[[str], None],
+    view: View,
+    host: str,
+    port: int | None,
+    show: bool,
+    print_line: Callable[[str], None],
     allowed: Sequence[str],
-) -> None:  # fmt: skip
+) -> None:
     pn.extension()
     loop, stop = asyncio.get_running_loop(), asyncio.Event()
     loop.set_exception_handler(_handle_exception)
@@ -84,12 +105,12 @@ async def _serve(
         with contextlib.suppress(RuntimeError, ValueError):  # outside of the main thread
             loop.add_signal_handler(number, stop.set)
     server.start()
-    if host not in LOOPBACK:
+    if host not in _LOCAL:
         print_line(
             f"listening on {host}: anyone who reaches port {server.port} of this machine can use"
             " the explorer and its processor, without password or encryption."
         )
-    name = "127.0.0.1" if host in ANY_ADDRESS else f"[{host}]" if ":" in host else host
+    name = "127.0.0.1" if host in _ANY_ADDRESS else f"[{host}]" if ":" in host else host
     print_line(f"fascicle explorer at http://{name}:{server.port}/ (Ctrl-C stops it)")
     if show:
         server.show("/")
@@ -100,20 +121,22 @@ async def _serve(
     stop_jobs()
 
 
-def start_server(view: View, host: str, port: int | None, allowed: Sequence[str] = ()) -> Any:
+def start_server(
+    view: View, host: str, port: int | None, allowed: Sequence[str] = ()
+) -> BaseServer:
     """Server, not yet started, on the `port`; by default the first free one of 5006 to 5025, else
     any. `OSError` where it can't listen.
     """
     sockets, drawing = _bind(host, port), asyncio.Lock()
     app = BokehTornado(
         build_applications({"/": lambda: page(view, drawing)}, title="fascicle"),
-        extra_websocket_origins=["*"],  # `allowed_hosts` checks it, and the host, too
+        extra_websocket_origins=["*"],  # `reject_reason` checks it, and the host, too
         ico_path=str(DIST_DIR / "images" / "favicon.ico"),
         unused_session_lifetime_milliseconds=_CLOSED_SESSION,
         check_unused_sessions_milliseconds=2_000,
         websocket_max_message_size_bytes=_LARGEST_MESSAGE,
     )
-    guard(app, AllowedHosts.of(host, allowed))
+    guard(app, host, allowed)
     http = HTTPServer(app, max_buffer_size=_LARGEST_MESSAGE)
     http.add_sockets(sockets)
     return BaseServer(IOLoop.current(), app, http)
@@ -140,7 +163,7 @@ def _bind(host: str, port: int | None) -> list[socket.socket]:
     raise AssertionError  # the last candidate returns or raises
 
 
-def page(start: View, drawing: asyncio.Lock) -> Any:
+def page(start: View, drawing: asyncio.Lock) -> pn.Column:
     """Page of one visitor: the view of its address, or the `start` view.
 
     It is empty until its browser is connected: a request without a browser costs little. Pages are
@@ -158,8 +181,8 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
 
     async def fill() -> None:
         async with drawing:
-            view, errors = from_query(query, start)
-            session = Session(view, pn.io.unlocked)
+            view, opened, errors = from_query(query, start)
+            session = Session(view, opened, pn.io.unlocked)
             content = Page(session, theme, errors, "theme" in query, not has_state(query))
             shell.objects = [content.panel]
             await asyncio.sleep(_SENDING)
@@ -170,18 +193,94 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
     return shell
 
 
-def configure_logs() -> None:
-    """Log errors of the web server alone, a line each: their text is a visitor's."""
-    handler = logging.StreamHandler()
-    handler.setFormatter(LineFormatter())
-    log = logging.getLogger("bokeh")
-    log.handlers, log.propagate = [handler], False
-    for name in ("bokeh", "tornado.access", "tornado.general"):
-        logging.getLogger(name).setLevel(logging.ERROR)
+def reject_reason(
+    path: str, headers: Mapping[str, str], host: str, allowed: Sequence[str] = ()
+) -> tuple[int, str] | None:
+    """Status and sentence for a request to reject, or `None`.
+
+    The server listens on `host`, and answers to `allowed` names besides its own.
+    """
+    requested = headers.get("Host", "").lower()
+    name, allowed_names = _host_name(requested), set(map(_host_name, allowed))
+    names = {*_LOCAL, *allowed_names}
+    if host not in _LOCAL:
+        names |= {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
+        if _is_ip_address(name):  # which no stranger can make to point elsewhere
+            names.add(name)
+    if name not in names:
+        return 403, (
+            f"This explorer isn't called `{sanitize_line(requested, 80)}`: this request may come"
+            " from the page of a stranger. If the name is yours, start it with `--allow-host`."
+        )
+    # same name and port; a name that was allowed may stand before another server's port
+    origin = headers.get("Origin", f"http://{requested}").lower().partition("://")[2]
+    if origin != requested and _host_name(origin) not in allowed_names:
+        return 403, "Only the explorer's own page may talk to it."
+    return (404, "This page doesn't exist.") if path.startswith(_CLOSED) else None
+
+
+def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
+    """Let a tornado `app` reject requests before any of its own rules, and protect its answers."""
+
+    class RejectedRequests(Matcher):
+        """Matches requests with a `reject_reason`."""
+
+        def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
+            """Arguments of the handler of a rejected request."""
+            reason = reject_reason(request.path, request.headers, host, allowed)
+            if request.host.startswith("["):
+                # Panel splits it at the colon: an IPv6 address would end in a page of status 500
+                request.host = "localhost" + request.host.partition("]")[2]
+            return None if reason is None else {"target_kwargs": {"reason": reason}}
+
+    app.default_router.rules.insert(0, Rule(RejectedRequests(), _RejectPage))
+    app.add_transform(_ProtectedAnswer)
+
+
+class _ProtectedAnswer(OutputTransform):
+    """Headers of every answer: no other site shows it in a frame, no browser guesses its type."""
+
+    def transform_first_chunk(
+        self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool
+    ) -> tuple[int, HTTPHeaders, bytes]:
+        """The answer with these headers."""
+        del finishing  # all chunks have the headers of the first
+        headers["Content-Security-Policy"] = "frame-ancestors 'self'"
+        headers["X-Content-Type-Options"] = "nosniff"
+        return status_code, headers, chunk
+
+
+class _RejectPage(RequestHandler):
+    """Answers a rejected request by a page with the reason, and its status."""
+
+    def initialize(self, reason: tuple[int, str]) -> None:
+        """Take the status and the sentence of the page."""
+        self._reason = reason
+
+    def prepare(self) -> None:
+        """Send the page."""
+        status, text = self._reason
+        self.set_status(status)
+        title = "This explorer can't be opened like that"
+        self.finish(render("rejected.html", title=title, reason=text, footer="fascicle"))
+
+
+def _host_name(host: str) -> str:
+    """Name in a `Host` header, without its port; empty where there is none."""
+    match = _HOST.fullmatch(host.lower())
+    return match["name"].strip("[]").rstrip(".") if match else ""
+
+
+def _is_ip_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
 
 
 class LineFormatter(logging.Formatter):
-    """Formats a log record as one line, without its traceback."""
+    """Formats a log record as one line, without its traceback: its text is a visitor's."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Line of the record."""

@@ -10,11 +10,10 @@ browser projects and shades the points (`plot/projection.js`), and turns them wi
 server.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import panel as pn
@@ -26,7 +25,7 @@ from ..plot.shapes import PROJECTION, Outline, outline
 from ..plot.theme import Colors, red_green_blue
 from .chart import Chart
 from .muscle_curves import MuscleCurves
-from .theme import WIDGET_CSS, row
+from .widgets import WIDGET_CSS, row
 
 
 RINGS, AROUND = 45, 20  # points of a tube: smooth on a screen, and few enough to turn at once
@@ -35,10 +34,7 @@ AZIMUTH, ELEVATION = 30, 20  # degrees, of the camera at first
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
 _FIBER_WIDTH = 0.0028  # half of it, over the width of the view
-_SHOW, _TURN = (
-    Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("solid.js", "camera.js")
-)
-_PROJECT = PROJECTION + _SHOW
+_SCRIPT = Path(__file__).with_name("scene.js").read_text(encoding="utf-8")
 _FRAME = ":host { border-radius: var(--round); background: var(--raised); cursor: grab; }"
 
 
@@ -123,17 +119,26 @@ def _fitting(flat: Outline, index: int) -> np.ndarray:
     stations = [(end, closed), (end, radius), (end + out, radius), (end + out, closed)]
     # faces look outward if the rings run toward larger z
     stations = stations if index == -1 else stations[::-1]
-    return np.concatenate([
+    rings = [
         np.stack([r * np.sin(angle), r * np.cos(angle), np.full(AROUND, z)], axis=-1)
         for z, r in stations
-    ])  # fmt: skip
+    ]
+    return np.concatenate(rings)
 
 
 class Scene:
     """A figure of solids that the pointer turns, and a slider; a double click turns it back."""
 
-    def __init__(self, colors: Colors, name: str, height: str):
-        """Scene whose sources have a `name`, and a `height` in CSS."""
+    def __init__(
+        self,
+        colors: Colors,
+        name: str,
+        height: str,
+        on_pull: Callable[[float], None] | None = None,
+    ):
+        """Scene whose sources have a `name`, and a `height` in CSS; `on_pull` takes the strain [-]
+        to which a hand pulls an end of the muscle.
+        """
         chart = self._chart = Chart(
             colors, "", "", height, tools="", toolbar_location=None, min_border=0
         )
@@ -141,33 +146,49 @@ class Scene:
         figure.stylesheets = [*figure.stylesheets, _FRAME]
         camera = chart.new_source("azimuth elevation")
         camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
+        camera.tags = [AZIMUTH, ELEVATION]
         self.points = chart.new_source("x y z", name)
         self._faces = chart.new_source("a b c d red green blue")
         self._fibers = chart.new_source("x y z nx ny nz", f"{name}_fibers")
+        self._hand = chart.new_source("strain")
         drawn = chart.add("patches", "xs ys color", f"{name}_drawn", color="color", line_width=0.6)
-        project = CustomJS(
-            args={"camera": camera, "points": self.points, "faces": self._faces,
-                  "fibers": self._fibers, "drawn": drawn, "along": ALONG, "lift": _LIFT,
-                  "frame": figure},
-            code=_PROJECT,
-        )  # fmt: skip
-        for source in (self.points, camera):  # all else changes before the points do
-            source.js_on_change("data", project)
-        for size in ("inner_width", "inner_height"):  # laid out when the tab is first opened
-            figure.js_on_change(size, project)
         slider = self._slider = Slider(
-            title="Turn the view [°]", start=-180, end=180, value=AZIMUTH, step=1,
-            stylesheets=[WIDGET_CSS], sizing_mode="stretch_width", margin=(0, 14),
-        )  # fmt: skip
-        models = {"camera": camera, "slider": slider}
-        turn = CustomJS(args=models | {"azimuth": AZIMUTH, "elevation": ELEVATION}, code=_TURN)
-        slider.js_on_change("value", turn)
+            title="Turn the view [°]",
+            start=-180,
+            end=180,
+            value=AZIMUTH,
+            step=1,
+            stylesheets=[WIDGET_CSS],
+            sizing_mode="stretch_width",
+            margin=(0, 14),
+        )
+        models = {
+            "camera": camera,
+            "slider": slider,
+            "points": self.points,
+            "faces": self._faces,
+            "fibers": self._fibers,
+            "hand": self._hand,
+            "drawn": drawn,
+            "frame": figure,
+            "along": ALONG,
+            "lift": _LIFT,
+        }
+        code = CustomJS(args=models, code=PROJECTION + _SCRIPT)
+        for source in (self.points, camera):  # all else changes before the points do
+            source.js_on_change("data", code)
+        for size in ("inner_width", "inner_height"):  # laid out when the tab is first opened
+            figure.js_on_change(size, code)
+        slider.js_on_change("value", code)
         for event in (PanStart, Pan, DoubleTap):
-            figure.js_on_event(event, turn)
+            figure.js_on_event(event, code)
+        if on_pull is not None:
+            self._hand.on_change("data", lambda _attr, _old, new: on_pull(new["strain"][0]))
+        self._pulls = on_pull is not None
         self.describe = chart.describe
-        self._kinds: tuple[Any, ...] = ()
+        self._kinds: tuple[object, ...] = ()
 
-    def panes(self, *widgets: Any) -> tuple[Any, Any]:
+    def panes(self, *widgets: object) -> tuple[pn.pane.Bokeh, pn.Row]:
         """The figure, and a row of the slider that turns it and `widgets`."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
         return self._chart.new_pane(), row(slider, *widgets, kind="")
@@ -179,10 +200,12 @@ class Scene:
         fitting: str,
         positions: Sequence[tuple[float, float, float]],
         reach: tuple[float, float],
+        rest: tuple[float, float] = (0.0, 1.0),
     ) -> None:
         """Show solids at `positions` (angle [rad], x, y [m]), and `reach` [m] across and up.
 
-        `colors` of each one's tube and fibers; color of each `fitting`.
+        `colors` of each one's tube and fibers; color of each `fitting`. `rest`: strain [-] and
+        rest length [m] of a muscle that can be pulled.
         """
         parts = [
             solid.transform(*position) for solid, position in zip(solids, positions, strict=True)
@@ -202,7 +225,8 @@ class Scene:
             self._kinds = kinds
         normals = _columns(("nx", "ny", "nz"), normals)
         self._fibers.data = _columns("xyz", lines - middle) | normals
-        self.points.tags = [*reach, _FIBER_WIDTH * reach[0]]
+        self._hand.tags = [rest[0]] if self._pulls else []
+        self.points.tags = [*reach, _FIBER_WIDTH * reach[0], rest[1]]
         self.points.data = _columns("xyz", points - middle)
 
 

@@ -1,7 +1,6 @@
-"""State of a session: one immutable `View`, and callbacks for its changes.
+"""State of a session: one immutable `View`, which tabs watch and replace, and its history.
 
-Values are in SI; the units shown are part of the view. Tabs never call one another: each changes
-the view, and is called after every change.
+Values are in SI; the units shown are part of the view.
 """
 
 import math
@@ -9,13 +8,17 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING
+
+import param
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
-from ..files import dumps
+from ..files import dumps, example
+from ..files.shipped_files import named_muscles
 from ..muscle import Muscle
 from .scenario_setup import Setup
 
@@ -24,13 +27,13 @@ TABS = ("muscle", "bundle", "compare", "data", "time")
 DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
-MAPS = ("resisted", "free", "loss")  # of efficiency
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
+SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
+CHANGED = ", changed"  # after the name of an opened muscle that was changed
 _DISPLAY_FIELDS = ("tab", "display_units")  # that undo and reset leave as they are
 _ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider's steps
 _MOST_UNDONE = 200  # views, which share what they have in common
-SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
 # of a muscle without a bundle: the paper's 1 + 4, whose free strain falls at this pressure [Pa]
 _COUNTS, _SECOND_PRESSURE = (1, 4), 60e3
 
@@ -59,8 +62,8 @@ class View:
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
     `load` on the bundle [N], if any; `distance` between the plates [m], where muscles differ;
-    `pins` to compare, the first is the reference; `map` of efficiency that is shown;
-    `display_units` by dimension; the `setup` of a simulation.
+    `pins` to compare, the first is the reference; `path` of the efficiency; `display_units` by
+    dimension; the `setup` of a simulation.
     """
 
     name: str
@@ -76,7 +79,6 @@ class View:
     resistance: bool = True
     pins: tuple[Pin, ...] = ()
     path: str = "isobaric"
-    map: str = MAPS[0]
     display_units: Mapping[str, str] = field(
         default_factory=lambda: {kind: units[0] for kind, units in DISPLAY_UNITS.items()}
     )
@@ -116,7 +118,7 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        names = ("display_units", "tab", "resistance", "path", "map", "pins", "setup")
+        names = ("display_units", "tab", "resistance", "path", "pins", "setup")
         view = replace(view, **{name: getattr(before, name) for name in names})
     if isinstance(target, Muscle):
         units = tuple(map(Unit, _COUNTS))
@@ -139,6 +141,17 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     )
 
 
+@lru_cache(maxsize=64)  # more than there are; a link is written after every move
+def shipped_muscle(name: str) -> Muscle:
+    """Muscle of an example or of a measured muscle; of a bundle, its first unit's."""
+    return view_of(example(name), name).muscle
+
+
+def is_shipped(name: str, muscle: Muscle) -> bool:
+    """True for the shipped `muscle` of a `name`, unchanged."""
+    return name in named_muscles() and muscle == shipped_muscle(name)
+
+
 def check_units(units: tuple[Unit, ...]) -> None:
     """Raise `InvalidInputError` for `units` that are too many to show, or impossible."""
     if not 1 <= len(units) <= MOST_UNITS:
@@ -154,27 +167,38 @@ def check_units(units: tuple[Unit, ...]) -> None:
             raise InvalidInputError("radius", rule, unit.size, shown=f"{unit.size:g} times")
 
 
-class Session:
-    """View of one visitor, the callbacks for its changes, and the views before.
+class Session(param.Parameterized):
+    """View of one visitor, and the views before.
 
     `opened`: the view that was opened last, by a link, an example or a file.
     """
 
-    def __init__(self, view: View, batch: Callable[[], AbstractContextManager[Any]] = nullcontext):
+    if TYPE_CHECKING:
+        view: View
+    else:
+        view = param.ClassSelector(class_=View, allow_None=False)
+
+    def __init__(
+        self,
+        view: View,
+        opened: View | None = None,
+        batch: Callable[[], AbstractContextManager[None]] = nullcontext,
+    ):
         """Session whose callbacks run in a `batch`, which sends all changes at once."""
-        self.view = self.opened = view
-        self._batch = batch
+        super().__init__(view=view)
+        self.opened = opened or view
         self.input_names: set[str] = set()  # of files that were read: no output may have one
-        self._callbacks: list[Callable[[View, View], None]] = []
-        self._past: list[tuple[View, View]] = []  # views, and what was opened
+        self._batch = batch
+        self._past: list[View] = []
+        self._future: list[View] = []  # views that were undone
         self._oldest = 0  # in the past, of the views to which undo may go back
         self._last: tuple[set[str], float] = (set(), -math.inf)  # fields changed, and when [s]
 
-    def watch(self, callback: Callable[[View, View], None]) -> None:
+    def watch(self, callback: Callable[[View, View], object]) -> None:
         """Call `callback` with the views before and after each change."""
-        self._callbacks.append(callback)
+        self.param.watch(lambda event: callback(event.old, event.new), "view")
 
-    def change(self, **changes: Any) -> None:
+    def change(self, **changes: object) -> None:
         """Replace some fields of the view; values that it has already change nothing.
 
         A widget that is set to show the view calls this with the view's own value.
@@ -183,58 +207,70 @@ class Session:
             self.show(replace(self.view, **changes))
 
     def show(self, view: View) -> None:
-        """Replace the view, and call all callbacks."""
-        self._remember(view)
-        self._replace_view(view)
+        """Replace the view, and remember the present one unless this is the next step of the last
+        change.
+        """
+        names = {name for name in CONTENT_FIELDS if changed(self.view, view, name)}
+        (last_names, last), time_now = self._last, time.monotonic()
+        if names:
+            if names != last_names or time_now - last > _ONE_CHANGE:
+                self._past = [*self._past[1 - _MOST_UNDONE :], self.view]
+            self._future, self._last = [], (names, time_now)
+        self._set(view)
 
     def open(self, view: View) -> None:
         """Show a view that was opened, to which `reset` returns."""
-        self._last = set(), -math.inf
-        self._remember(view)
         self.opened = view
-        self._replace_view(view)
+        self._last = set(), -math.inf
+        self.show(view)
 
     @property
     def can_undo(self) -> bool:
         """True if there is a change to undo."""
         return len(self._past) > self._oldest
 
+    @property
+    def can_redo(self) -> bool:
+        """True if there is a change to redo."""
+        return bool(self._future)
+
     def limit_undo(self, limited: bool) -> None:
-        """Let undo go back to the present view at most, or again to all before it."""
+        """Let undo go back to the present view at most; then forget the views since, and let it go
+        back to all before.
+        """
+        if not limited:
+            self._past = self._past[: self._oldest]
         self._oldest = len(self._past) if limited else 0
 
     def undo(self) -> None:
         """Show the view before the last change; the tab and the units shown stay."""
         if self.can_undo:
-            view, self.opened = self._past.pop()
-            self._last = set(), -math.inf
-            self._replace_view(self._with_display(view))
+            self._future.append(self.view)
+            self._step(self._past.pop())
+
+    def redo(self) -> None:
+        """Show the view before the last `undo`."""
+        if self.can_redo:
+            self._past.append(self.view)
+            self._step(self._future.pop())
 
     def reset(self) -> None:
         """Show the view as it was opened, but keep the tab and the display units."""
         self._last = set(), -math.inf  # not a step of the last change
         self.show(self._with_display(self.opened))
 
-    def _remember(self, view: View) -> None:
-        """Keep the present view to undo, if a `view` differs by more than the last change's next
-        step.
-        """
-        names = {name for name in CONTENT_FIELDS if changed(self.view, view, name)}
-        (last_names, last), time_now = self._last, time.monotonic()
-        if names and (names != last_names or time_now - last > _ONE_CHANGE):
-            self._past = [*self._past[1 - _MOST_UNDONE :], (self.view, self.opened)]
-        if names:
-            self._last = names, time_now
+    def _step(self, view: View) -> None:
+        """Show a `view` of the history."""
+        self._last = set(), -math.inf
+        self._set(self._with_display(view))
 
     def _with_display(self, view: View) -> View:
         """The `view` with the tab and the display units of the session's present view."""
         return replace(view, **{name: getattr(self.view, name) for name in _DISPLAY_FIELDS})
 
-    def _replace_view(self, view: View) -> None:
-        before, self.view = self.view, view
+    def _set(self, view: View) -> None:
         with self._batch():
-            for callback in self._callbacks:
-                callback(before, view)
+            self.view = view
 
 
 def changed(before: View, after: View, *names: str) -> bool:

@@ -4,26 +4,27 @@ A scene sets the inputs of its tab; its sentences follow the view, with the mode
 end the inputs are again those from before the story, unless another muscle was opened meanwhile.
 """
 
-import html
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
-from typing import Any
 
 import numpy as np
+import panel as pn
 
-from ..bundle import Bundle
-from ..bundle.reversal import Reversal, reversal
+from .bundle_curves import second_unit_reversal
 from .muscle_curves import REGIONS, strain_limit
 from .state import Session, Unit, View
-from .tab import LatestResult
-from .theme import column, pane, row
-from .widgets import button, format_quantity
+from .tab import LatestResult, session_document
+from .widgets import button, column, format_quantity, pane, row, text_html
 
 
 TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens the reach")
 _OFFER = "See in four steps why a buckled muscle resists"
 _PROMISE = "Move the sliders as you like. Your own inputs come back at the end."
+_WHY = (
+    "Unit 2 begins with its pressure at zero, contracted past its own free strain: its slack tubes"
+    " bow and push a little. A little pressure stiffens the tubes before it shortens them, so that"
+    " they push harder against unit 1; only more pressure lets them pull along."
+)
 _SET_FIELDS = (
     "tab",
     "name",
@@ -39,6 +40,7 @@ _TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
 _SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
 _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
 _ROUND_PRESSURE = 1e3  # Pa: the next whole kPa past the turn, where the reach is short
+_STEPS, _STEP_TIME = 24, 150  # of the second unit's pressure, from zero on; ms of each
 _FOCUS = "window.fascicleStory?.(cb_obj.visible)"
 _KEEP_FOCUS = "window.fascicleStory?.(true, true)"  # a button with another label is a new element
 
@@ -49,7 +51,7 @@ class Story:
     def __init__(self, session: Session, offer: bool = False):
         """Story of a `session`; with an `offer`, which browsers show until it is dismissed."""
         self._session, self._before, self.scene = session, session.view, 0
-        self._opened = session.opened
+        self._opened, self._timer = session.opened, None
         self._text = pane(margin=0, css_classes=["live", "scene-text"], sizing_mode="stretch_width")
         self._texts = LatestResult(self._show_text, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
@@ -71,7 +73,7 @@ class Story:
             self.panel.insert(0, row(start, dismiss, kind="offer"))
         session.watch(lambda _, after: self._request_text(after))
 
-    def start_button(self, label: str, **options: Any) -> Any:
+    def start_button(self, label: str, **options: object) -> pn.widgets.Button:
         """A new button with a `label` that starts the story, and dismisses the offer."""
         start = button(label, self.start, **options)
         start.js_on_click(code="window.fascicleDismiss?.(); window.fascicleTop?.()")
@@ -86,11 +88,12 @@ class Story:
 
     def end(self) -> None:
         """Hide the story, and set its inputs as they were before it."""
+        self._stop_playing()
         self.scene = 0
-        self._session.limit_undo(False)
         if self._session.opened is self._opened:
             inputs = {name: getattr(self._before, name) for name in _SET_FIELDS}
             self._session.show(replace(self._session.view, **inputs))
+        self._session.limit_undo(False)
         self._running.visible = False
 
     def _move(self, step: int) -> None:
@@ -101,10 +104,37 @@ class Story:
             self.end()
 
     def _show_scene(self, scene: int) -> None:
+        self._stop_playing()
         self.scene = scene
         self.next.label = "Done" if scene == len(TITLES) else "Next"
-        self._session.show(scene_view(self._session.view, scene))
+        view = scene_view(self._session.view, scene)
+        if scene == len(TITLES) and session_document() is not None:
+            self._play(view)
+        else:
+            self._session.show(view)
         self._running.visible = True
+
+    def _play(self, view: View) -> None:
+        """Raise the second unit's pressure from zero to that of a `view`, step by step."""
+        first, last, *others = view.pressures
+        steps = iter(np.linspace(0.0, last, _STEPS).tolist())
+        self._session.show(replace(view, pressures=(first, next(steps), *others)))
+
+        def step() -> None:
+            second = next(steps, None)
+            if second is None:
+                self._stop_playing()
+                self._session.show(replace(self._session.view, strain=view.strain))
+                return
+            pressures = (first, float(f"{second:.5g}"), *others)
+            self._session.show(replace(self._session.view, pressures=pressures))
+
+        self._timer = pn.state.add_periodic_callback(step, period=_STEP_TIME)
+
+    def _stop_playing(self) -> None:
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
 
     def _request_text(self, view: View) -> None:
         if scene := self.scene:
@@ -113,11 +143,12 @@ class Story:
     def _show_text(self, result: tuple[int, str]) -> None:
         scene, text = result
         title = f"{scene} of {len(TITLES)}: {TITLES[scene - 1]}"
-        promise = f' <span class="soft">{_PROMISE}</span>' if scene == 1 else ""
-        self._text.object = f"<h2>{title}</h2><p>{text}{promise}</p>"
+        more = {1: _PROMISE, len(TITLES): _WHY}.get(scene, "")
+        note = f' <span class="soft">{more}</span>' if more else ""
+        self._text.object = f"<h2>{title}</h2><p>{text}{note}</p>"
 
     def _show_error(self, error: ValueError | str) -> None:
-        self._text.object = f"<p>{html.escape(str(error))}</p>"
+        self._text.object = f"<p>{text_html(str(error))}</p>"
 
 
 def scene_view(view: View, scene: int) -> View:
@@ -125,28 +156,24 @@ def scene_view(view: View, scene: int) -> View:
     if scene == len(TITLES):
         units = view.units if len(view.units) > 1 else (Unit(1), Unit(4))
         view = replace(view, tab="bundle", units=units, resistance=True)
-        turn = _reversal(view.bundle, view.supply, True)
+        turn = second_unit_reversal(view.bundle, view.supply)
         second = _ROUND_PRESSURE * np.ceil(turn.pressure / _ROUND_PRESSURE)
         second = second if turn.depth > 0 else _SECOND_PRESSURE
         pressures = (view.supply, min(float(second), view.supply), *(0.0,) * (len(units) - 2))
         reach = float(view.bundle.free_strain(pressures))
         return replace(view, pressures=pressures, strain=round(max(reach, 0.0), 4))
     pressure = float(f"{view.supply * _SHARE:.4g}")
-    free, collapse, top = _drawn_strains(view, pressure)
+    top = strain_limit(view.muscle, view.supply)
+    free = min(float(view.muscle.free_strain(pressure)), top)
+    collapse = min(float(view.muscle.collapse_strain(pressure)), top)
     strains = (free / 2, (free + collapse) / 2, collapse + (top - collapse) / 3)
     return replace(view, tab="muscle", pressure=pressure, strain=round(strains[scene - 1], 4))
 
 
 def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
-    return (_pull_text, _buckling_text, _collapse_text, _reversal_text)[scene - 1](view)
-
-
-def _drawn_strains(view: View, pressure: float) -> tuple[float, float, float]:
-    """Free and collapse strain at a `pressure` [Pa], at most the largest drawn, and that [-]."""
-    top = strain_limit(view.muscle, view.supply)
-    free, collapse = view.muscle.free_strain(pressure), view.muscle.collapse_strain(pressure)
-    return min(float(free), top), min(float(collapse), top), top
+    text = _in_units(view)
+    return _reversal_text(view, text) if scene == len(TITLES) else _muscle_text(view, text)
 
 
 def _in_units(view: View) -> Callable[[float, str], str]:
@@ -156,70 +183,44 @@ def _in_units(view: View) -> Callable[[float, str], str]:
     )
 
 
-def _point(view: View) -> tuple[float, int]:
-    """Force [N] and region of the muscle at the view's point."""
-    response = view.muscle.response(view.pressure, view.strain)
-    return float(response.force), int(response.region)
-
-
-def _pull_text(view: View) -> str:
-    text, (force, region) = _in_units(view), _point(view)
-    free, at = _drawn_strains(view, view.pressure)[0], f"At {text(view.pressure, 'pressure')}"
-    if region != _TENSION or force <= 0:
-        return (
-            f"{at} the muscle no longer pulls at contraction {view.strain:#.3g}: its free strain is"
-            f" {free:#.3g}. Move the contraction below it, or raise the pressure."
-        )
-    blocked = float(view.muscle.blocked_force(view.pressure))
-    return (
-        f"{at} and contraction {view.strain:#.3g} the muscle pulls with {text(force, 'force')}. At"
-        f" rest length it pulls with {text(blocked, 'force')}. Without a load it shortens to its"
-        f" free strain, {free:#.3g}, where the force is zero."
-    )
-
-
-def _buckling_text(view: View) -> str:
-    text, (force, region) = _in_units(view), _point(view)
-    free, collapse, _ = _drawn_strains(view, view.pressure)
+def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
+    """Sentences on the muscle at the view's point."""
+    muscle, pressure, strain = view.muscle, view.pressure, view.strain
+    response = muscle.response(pressure, strain)
+    force, region = float(response.force), int(response.region)
+    free, collapse = float(muscle.free_strain(pressure)), float(muscle.collapse_strain(pressure))
     if region == _TENSION:
+        blocked = float(muscle.blocked_force(pressure))
         return (
-            f"At contraction {view.strain:#.3g} the muscle is straight and pulls. Move the"
-            f" contraction past its free strain, {free:#.3g}, to see it buckle."
+            f"At {text(pressure, 'pressure')} and contraction {strain:#.3g} the muscle is straight"
+            f" and pulls with {text(force, 'force')}. At rest length it pulls with"
+            f" {text(blocked, 'force')}. Without a load it shortens to its free strain,"
+            f" {free:#.3g}, where the force is zero."
         )
-    if region != _BUCKLED:
+    if region == _BUCKLED:
+        bow = float(muscle.deflection(pressure, strain))
         return (
-            f"At contraction {view.strain:#.3g} the muscle is {REGIONS[region]}. It is buckled"
-            f" between contractions {free:#.3g} and {collapse:#.3g}."
+            f"Contracted past its free strain, {free:#.3g}, to {strain:#.3g}, the muscle bows out"
+            f" by {text(bow, 'length')}, as a slender column does. It resists: it pushes with"
+            f" {text(-force, 'force')}. A model that ends at the free strain has no such force."
         )
-    bow = float(view.muscle.deflection(view.pressure, view.strain))
+    if region == _COLLAPSED:
+        onset = -float(muscle.force(pressure, collapse))
+        change = "falls" if -force < onset else "rises"
+        return (
+            f"At contraction {collapse:#.3g} the wall can't carry more bending: it folds at a hinge"
+            f" in the middle. From there to {strain:#.3g} the push {change} from"
+            f" {text(onset, 'force')} to {text(-force, 'force')}."
+        )
     return (
-        f"Contracted past its free strain, {free:#.3g}, to {view.strain:#.3g}, the muscle bows out"
-        f" by {text(bow, 'length')}, as a slender column does. It resists: it pushes with"
-        f" {text(-force, 'force')}. A model that ends at the free strain has no such force."
+        f"At contraction {strain:#.3g} the muscle is {REGIONS[region]}, past its free strain of"
+        f" {free:#.3g}: it pushes with {text(-force, 'force')}."
     )
 
 
-def _collapse_text(view: View) -> str:
-    text, (force, region) = _in_units(view), _point(view)
-    collapse = float(view.muscle.collapse_strain(view.pressure))
-    if region != _COLLAPSED:
-        where = f"at contraction {collapse:#.3g}" if np.isfinite(collapse) else "at no contraction"
-        return (
-            f"At contraction {view.strain:#.3g} the muscle is {REGIONS[region]}. At"
-            f" {text(view.pressure, 'pressure')} it folds {where}."
-        )
-    onset = -float(view.muscle.force(view.pressure, collapse))
-    change = "falls" if -force < onset else "rises"
-    return (
-        f"At contraction {collapse:#.3g} the wall can't carry more bending: it folds at a hinge in"
-        f" the middle. From there to {view.strain:#.3g} the push {change} from"
-        f" {text(onset, 'force')} to {text(-force, 'force')}."
-    )
-
-
-def _reversal_text(view: View) -> str:
+def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
     """Sentences on the bundle's free strain without pressure in unit 2 and with it."""
-    text, bundle = _in_units(view), view.bundle
+    bundle = view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
         return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."
     first, second = view.pressures[:2]
@@ -241,19 +242,11 @@ def _reversal_text(view: View) -> str:
         lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {reach:#.3g}.")
     if any(view.pressures[2:]):  # the turn is that of two units
         return " ".join(lines)
-    turn = _reversal(bundle, first, view.resistance)
+    turn = second_unit_reversal(bundle, first, view.resistance)
     if turn.depth > 0:
-        lengthens = "; more pressure lengthens it again" if turn.pressure < first else ""
         lines.append(
-            f"The reach is shortest, {turn.free_strain:#.3g}, at {text(turn.pressure, 'pressure')}"
-            f"{lengthens}."
+            f"The reach is shortest, {turn.free_strain:#.3g}, at {text(turn.pressure, 'pressure')}."
         )
     else:
         lines.append("No pressure in unit 2 shortens the reach of this bundle.")
     return " ".join(lines)
-
-
-@lru_cache(maxsize=32)  # visitors share it; it takes a third of a second
-def _reversal(bundle: Bundle, supply: float, resistance: bool) -> Reversal:
-    """Turn of the free strain as the second unit's pressure rises to a `supply` [Pa]."""
-    return reversal(bundle, 2, supply, resistance)

@@ -1,28 +1,69 @@
-"""Base of the tabs, and slow computations in threads, so that a fit stops nobody's slider.
+"""Base of the tabs, and slow computations in threads and processes, which stop nobody's slider.
 
 A tab is drawn when it is open, and only if its content has changed.
 """
 
 import asyncio
+import multiprocessing
+import re
+import signal
 import time
+import traceback
+import warnings
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, ClassVar
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, ClassVar, TypeVar
 
 import panel as pn
+from bokeh.document import Document
+from matplotlib.figure import Figure
 
-from ..plot.theme import Colors
+from ..plot.theme import Colors, to_bytes
+from ..results import Table
 from .chart import replace_colors
 from .state import Session, View, changed
-from .theme import pane
-from .widgets import Message, QuantitySlider, status_line, unit_factor
-from .worker import result_and_error
+from .widgets import Message, QuantitySlider, pane, status_line, unit_factor
 
 
-_WORKERS = ThreadPoolExecutor(2, thread_name_prefix="fascicle")  # a fit, and a map beside it
+_MOST_JOBS = 2  # at once, in threads and in processes; others wait
+_WORKERS = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle")
+WAITING = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle-job")  # for processes
 _RUNNING: set["Future[Any]"] = set()
 _PERIOD = 500  # ms between the seconds that a progress shows
 Outcome = tuple[Any, ValueError | None]  # of a computation: result, and error
+_Result = TypeVar("_Result")
+
+
+@dataclass(frozen=True)
+class Export:
+    """What a tab shows, as a table of `variables` and a `figure`; `stem` of the files' names."""
+
+    stem: str
+    variables: Table
+    figure: Callable[[], Figure]
+
+    def content(self, suffix: str) -> bytes:
+        """Bytes of a picture (svg, png, pdf) or of the data (csv), by `suffix`."""
+        if suffix == "csv":
+            return self.variables.to_csv().encode()
+        return to_bytes(self.figure(), suffix)
+
+
+def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
+    """Name of an output without its suffix, never that of a file that was read."""
+    # the name is a visitor's: nothing in it may leave a folder
+    base = Path(name.replace("\\", "/")).name
+    base = re.sub(r"\.(toml|csv|txt|tsv)$", "", base, flags=re.IGNORECASE)
+    safe = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
+    stem = f"{safe}_{kind}"
+    stems = {Path(input_name).stem.lower() for input_name in input_names}
+    while stem.lower() in stems:
+        stem = f"{stem}_{kind}"
+    return stem
 
 
 class Tab:
@@ -34,15 +75,13 @@ class Tab:
 
     name: ClassVar[str]
     fields: ClassVar[tuple[str, ...]]
-    panel: Any
+    panel: pn.Row
 
     def __init__(self, session: Session, colors: Colors):
         self.session, self.colors = session, colors
         self.status = pane(height=22)
         self.notes = pane(margin=(2, 8), sizing_mode="stretch_width")
         self.message = Message()
-        self.downloads: list[Any] = []  # buttons of files of what is drawn
-        self.download_message = Message()  # where a file can't be made
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
@@ -57,8 +96,6 @@ class Tab:
             return
         self._drawn = view
         if before is None or changed(before, view, *self.fields):
-            self.enable(self.downloads, True)
-            self.download_message.show("")
             self.draw(view)
         else:
             self.follow(before, view)
@@ -70,16 +107,24 @@ class Tab:
     def follow(self, before: View, after: View) -> None:
         """Update only what depends on fields of the view outside `fields`, such as a slider's."""
 
+    def export(self) -> Export:
+        """Picture and data of what is drawn; `ValueError` where there is nothing yet."""
+        raise NotImplementedError
+
     def set_colors(self, colors: Colors) -> None:
         """Replace the colors of the figures; what the tab shows is drawn anew when it is open."""
-        figures = (pane.object for pane in self.panel.select(pn.pane.Bokeh))
-        replace_colors(figures, self.colors, colors)
+        panes: Any = self.panel.select(pn.pane.Bokeh)
+        replace_colors((pane.object for pane in panes), self.colors, colors)
         self.colors, self._drawn = colors, None
 
     def unit(self, dimension: str) -> tuple[str, float]:
         """Unit shown of a `dimension`, and its value [SI]."""
         unit = self.session.view.display_units[dimension]
         return unit, unit_factor(unit, dimension)
+
+    def stem(self, kind: str) -> str:
+        """Name of a file of some `kind` from this tab, without its suffix."""
+        return output_stem(self.session.view.name, kind, self.session.input_names)
 
     def strain_slider(self, label: str = "Contraction ε") -> QuantitySlider:
         """A slider of the view's contraction."""
@@ -88,33 +133,26 @@ class Tab:
         )
 
     def fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation, and end its status: there is nothing to download."""
+        """Show the error of a computation, and end its status."""
         self.status.object = ""
-        self.enable(self.downloads, False)
-        self.message.show(error, self.session.view.display_units)
-
-    @staticmethod
-    def enable(buttons: Iterable[Any], enabled: bool) -> None:
-        """Enable or disable `buttons`."""
-        for button in buttons:
-            button.disabled = not enabled
+        self.message.show(error)
 
 
-def session_document() -> Any:
+def session_document() -> Document | None:
     """Document of the visitor's session; `None` in a notebook, or a test."""
     doc = pn.state.curdoc
     return doc if doc is not None and doc.session_context else None
 
 
-def _is_alive(doc: Any) -> bool:
+def _is_alive(doc: Document) -> bool:
     """True while somebody has the page of a document."""
-    return bool(doc.session_context) and not doc.session_context.destroyed
+    return doc.session_context is not None and not doc.session_context.destroyed
 
 
 class Progress:
     """A bar that moves while a computation of unknown duration runs, and a line with its time."""
 
-    def __init__(self, label: str, status: Any, is_open: Callable[[], bool]):
+    def __init__(self, label: str, status: pn.pane.HTML, is_open: Callable[[], bool]):
         """Progress with a `label` for screen readers; `status` is the pane of the line, which
         changes while `is_open` is true.
         """
@@ -144,30 +182,25 @@ class Progress:
         self.bar.visible, self._status.object = False, ""
 
 
-def is_computing() -> bool:
-    """True while a computation is running."""
-    return bool(_RUNNING)
-
-
 class LatestResult:
     """Runs one computation at a time in a thread, and shows the result of the latest request."""
 
     def __init__(
         self,
-        show: Callable[[Any], None],
-        fail: Callable[[ValueError | str], None],
-        workers: ThreadPoolExecutor = _WORKERS,
+        show: Callable[[Any], object],
+        fail: Callable[[ValueError | str], object],
         is_open: Callable[[], bool] = lambda: True,
+        workers: ThreadPoolExecutor = _WORKERS,
     ):
         """On the loop, `show` takes a result, and `fail` an error, once `is_open` is true: Panel
         gives what changes in a hidden tab style sheets from another machine. `workers` are its
         threads.
         """
         self._show, self._fail, self._workers, self._is_open = show, fail, workers, is_open
-        self._latest: Callable[[], Any] | None = None
+        self._latest: Callable[[], object] | None = None
         self._busy, self._task = False, None
 
-    def request(self, compute: Callable[[], Any]) -> None:
+    def request(self, compute: Callable[[], object]) -> None:
         """Run `compute` in a thread, and show what it returns unless there is a later request."""
         self._latest, doc = compute, session_document()
         if doc is None:
@@ -179,7 +212,7 @@ class LatestResult:
         """Drop the result of the running computation."""
         self._latest = None
 
-    def _start(self, doc: Any, compute: Callable[[], Any]) -> None:
+    def _start(self, doc: Document, compute: Callable[[], object]) -> None:
         """Run `compute` in a thread; at its end show its result, or start a newer request."""
         self._busy = True
 
@@ -210,3 +243,57 @@ class LatestResult:
                 self._show(result)
             else:
                 self._fail(error)
+
+
+def is_computing() -> bool:
+    """True while a computation is running."""
+    return bool(_RUNNING)
+
+
+def result_and_error(compute: Callable[[], object]) -> Outcome:
+    """Result of `compute` and no error, or no result and its `ValueError`; in place of an error
+    that isn't a visitor's, a sentence: the log has that error.
+    """
+    try:
+        return compute(), None
+    except (ValueError, ImportError) as error:  # a visitor's mistake, or an extra that is missing
+        return None, error if isinstance(error, ValueError) else ValueError(str(error))
+    except Exception:  # noqa: BLE001 whatever it is, the server goes on
+        traceback.print_exc()
+        return None, ValueError("This could not be computed; see the server's log.")
+
+
+# jobs in worker processes
+
+
+@lru_cache(maxsize=1)
+def _processes() -> ProcessPoolExecutor:
+    """Worker processes, started by the first job; each keeps what it has compiled."""
+    context = multiprocessing.get_context("spawn")  # a fork would copy the server's sockets
+    return ProcessPoolExecutor(_MOST_JOBS, context, initializer=_prepare_process)
+
+
+def _prepare_process() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's
+    warnings.simplefilter("ignore")  # a job collects its own
+
+
+def run_job(function: Callable[..., _Result], *arguments: object) -> _Result:
+    """Result of `function(*arguments)` in a worker process; all of them are pickled.
+
+    **Raises:** the function's errors; `ValueError` if the process ends.
+    """
+    try:
+        return _processes().submit(function, *arguments).result()
+    except BrokenProcessPool:
+        _processes.cache_clear()  # the next job has new processes
+        raise ValueError("The computation ended early: too little memory?") from None
+
+
+def stop_jobs() -> None:
+    """End all worker processes, whose jobs nobody waits for any more."""
+    if _processes.cache_info().currsize:
+        _processes().shutdown(wait=False, cancel_futures=True)
+        _processes.cache_clear()
+    for process in multiprocessing.active_children():
+        process.kill()

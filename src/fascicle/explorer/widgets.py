@@ -1,20 +1,31 @@
-"""Widgets of the explorer: quantities with units, buttons, tables, and messages in page words."""
+"""Style and widgets of the page: rows and columns, quantities with units, buttons, tables, errors.
 
+Colors, typeface and spacing are those of `plot.theme`, as in figures, reports and docs; the page
+sets them as CSS variables, which every widget inherits.
+"""
+
+import asyncio
 import html
+import io
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 import panel as pn
 
 from ..core.errors import InvalidInputError
 from ..io.sanitize import sanitize_line
+from ..plot.theme import DARK, LARGE, LIGHT, SMALL, TEXT, WHITE, Colors, css
 from ..units import DIMENSIONS, parse
-from .theme import WIDGET_CSS, column, pane, row
 
 
+_FOLDER = Path(__file__).parent
+WIDGET_CSS = (_FOLDER / "widgets.css").read_text(encoding="utf-8")
+LAYOUT_CSS = (_FOLDER / "layout.css").read_text(encoding="utf-8")
 # label and dimension of each size of a muscle
 SIZES = {
     "length": ("Length at rest", "length"),
@@ -24,22 +35,85 @@ SIZES = {
 }
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
 _STRAIN_STEP = 0.001  # of a slider: two pixels
-WHOLE_ROW: dict[str, Any] = {"css_classes": ["whole-row"]}  # of a "pairs" column
 _SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
-_INVALID_CSS = ".bk-input { border: 2px solid var(--bad); }"
+_INVALID_CSS = ":host .bk-input { border: 2px solid var(--bad) !important; }"
 SWEEP_STEPS = 80  # from one end to the other
-# in a message of the library
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 # labels on the page of arguments in the library's messages
-_LABELS = {
-    "length": "Length at rest", "outer_radius": "Bladder radius", "count": "Number of muscles",
-    "wall_thickness": "Wall thickness", "braid_angle": "Braid angle", "radius": "Radius",
-    "supply": "Supply pressure", "supply_pressure": "Supply pressure", "units": "Motor units",
-    "pressure": "Pressure", "pressures": "Pressures", "strain": "Contraction ε",
-    "rest_length": "Rest length",
-    "fit": "What to fit", "scheme": "Recruitment", "path": "Path", "show": "Units",
-    "plate_distance": "Distance between the plates", "load": "Load",
-}  # fmt: skip
+_LABELS = {name: label for name, (label, _) in SIZES.items()} | {
+    "count": "Number of muscles",
+    "supply": "Supply pressure",
+    "units": "Motor units",
+    "strain": "Contraction ε",
+    "scheme": "Recruitment",
+}
+
+
+# style
+
+
+def page_colors(theme: str) -> Colors:
+    """Colors of a page with the `theme` "dark", or of a light one."""
+    return DARK if theme == "dark" else LIGHT
+
+
+def page_css(colors: Colors) -> str:
+    """Style sheet of a whole page, for its head or, in a notebook, for its root element."""
+    # the browser's own arrow of a list is black on dark pages, too
+    path = f"<path d='M1 1l4 5 4-5' fill='none' stroke='{colors.ink}' stroke-width='1.6'/>"
+    arrow = f"<svg xmlns='http://www.w3.org/2000/svg' width='10' height='8'>{path}</svg>"
+    return f"""
+:root, :host {{ {css(colors)}
+  --small: {SMALL}px; --text: {TEXT}px; --large: {LARGE}px; --on-deep: {WHITE};
+  --arrow: url("data:image/svg+xml,{quote(arrow)}");
+  --design-background-color: var(--paper); --design-background-text-color: var(--ink);
+  --design-surface-color: var(--raised); --design-surface-text-color: var(--ink);
+  --design-primary-color: var(--accent); color-scheme: {"dark" if colors.dark else "light"}; }}
+:host, html, body {{ margin: 0; background: var(--paper); color: var(--ink);
+  font: {TEXT}px/1.4 var(--sans); }}
+"""
+
+
+def column(*parts: Any, kind: str = "", **options: Any) -> Any:
+    """A column as wide as there is room, of some `kind`: "equal" width, or "pairs" of fields."""
+    return pn.Column(*parts, **_layout(f"narrow {kind}", options))
+
+
+def side_column(*parts: Any, width: int) -> Any:
+    """A scrolling column of inputs, below the figure on a narrow page; `width` in pixels."""
+    options = {"width": width, "margin": (0, 8, 0, 0), "sizing_mode": None}
+    return pn.Column(*parts, **_layout("side", options))
+
+
+def row(*parts: Any, kind: str = "stacked", **options: Any) -> Any:
+    """A row as wide as there is room; a "stacked" one is a column on a narrow page."""
+    return pn.Row(*parts, **_layout(kind, options))
+
+
+def _layout(kind: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Options of a layout with the classes `kind`; `options` before the page's own."""
+    defaults = {"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [LAYOUT_CSS]}
+    return {"css_classes": kind.split()} | defaults | options
+
+
+def fold(title: str, *parts: Any, **options: Any) -> Any:
+    """A button with a `title` that shows and hides the `parts` below it."""
+    content = column(*parts, visible=False)
+    toggle = widget(pn.widgets.Toggle, title, margin=(4, 8), sizing_mode=None)
+    toggle.link(content, value="visible")
+    return column(toggle, content, **options)
+
+
+def pane(text: str = "", margin: Any = (0, 8), **options: Any) -> Any:
+    """A pane of HTML."""
+    return pn.pane.HTML(text, margin=margin, **{"stylesheets": [LAYOUT_CSS]} | options)
+
+
+def height_css(height: str) -> str:
+    """Style sheet of a figure of a `height` in CSS, whatever holds it."""
+    return f":host {{ height: {height} !important; flex: 0 0 auto !important; }}"
+
+
+# quantities
 
 
 def unit_factor(unit: str, dimension: str) -> float:
@@ -74,32 +148,17 @@ def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
     return parse(f"{bare} {unit}".strip(), dimension, name)
 
 
-def message_in_units(text: str, units: Mapping[str, str]) -> str:
-    """A `text` of the library, its amounts in the page's `units`, by dimension."""
-    for dimension, unit in units.items():
-        kind = DIMENSIONS[dimension]
-        for written in {kind.si, kind.common} - {unit, ""}:
-            scale = float(kind.factors[written]) / float(kind.factors[unit])
-
-            def convert(match: re.Match[str], scale: float = scale, unit: str = unit) -> str:
-                numbers = (f"{float(x) * scale:.6g}" for x in match.groups()[:2] if x)
-                return f"{', '.join(numbers)}{match[3]} {unit}"
-
-            # no unit that only begins like it: m², m/s, N*m
-            amount = rf"(?<![\w.])({_NUMBER})(?:, ({_NUMBER}))?([\])]?) {re.escape(written)}"
-            text = re.sub(rf"{amount}(?![\w/*^·²³])", convert, text)
-    return text
+# errors
 
 
-def page_message(
-    error: ValueError | str, units: Mapping[str, str] | None = None, **labels: str
-) -> str:
-    """A message of the library with the page's `labels` for arguments, and its units."""
-    names = _LABELS | labels
+def page_message(error: ValueError | str, **labels: str) -> str:
+    """A message of the library in one line, with the page's label for its argument."""
+    line = str(error)
     if isinstance(error, InvalidInputError):
-        names = {error.argument: error.argument.replace("_", " ").capitalize()} | names
-    text = re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), str(error))
-    return message_in_units(text, units or {})
+        names = _LABELS | labels
+        default = error.argument.replace("_", " ").capitalize()
+        line = error.line(names.get(error.argument, default))
+    return sanitize_line(line)
 
 
 class Message:
@@ -107,7 +166,10 @@ class Message:
 
     def __init__(self) -> None:
         self.pane = pane(
-            margin=(0, 8, 4, 8), sizing_mode="stretch_width", visible=False, **WHOLE_ROW
+            margin=(0, 8, 4, 8),
+            sizing_mode="stretch_width",
+            visible=False,
+            css_classes=["whole-row"],
         )
 
     @property
@@ -115,40 +177,30 @@ class Message:
         """HTML of the error that is shown, or empty."""
         return str(self.pane.object)
 
-    def show(
-        self, error: ValueError | str, units: Mapping[str, str] | None = None, **labels: str
-    ) -> None:
-        """Show an `error` in the page's `labels` and `units`, or nothing where it is empty."""
-        text = text_html(sanitize_line(page_message(error, units, **labels)))
+    def show(self, error: ValueError | str, **labels: str) -> None:
+        """Show an `error` in the page's `labels`, or nothing where it is empty."""
+        text = text_html(page_message(error, **labels))
         line = f'<div role="alert">{text}</div>' if text else ""
         self.pane.param.update(object=line, visible=bool(text))
 
     @contextmanager
-    def errors(self, units: Mapping[str, str] | None = None, **labels: str) -> Iterator[None]:
+    def errors(self, **labels: str) -> Iterator[None]:
         """Show a `ValueError` of the block as `show` does, or nothing where there is none."""
         try:
             yield
             self.show("")
         except ValueError as error:
-            self.show(error, units, **labels)
+            self.show(error, **labels)
 
 
-def decode_upload(raw: bytes, name: str, kind: str, limit: int) -> str:
-    """Text of an uploaded file of a `kind`; `ValueError` with its `name` for an empty file, one
-    above the `limit` in bytes, and one that isn't UTF-8.
-    """
-    if not raw:
-        raise ValueError(f"{name}: the file is empty, 0 bytes.")
-    if len(raw) > limit:
-        raise ValueError(f"{name}: a {kind} file may have {limit} bytes, got {len(raw)}.")
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ValueError(f"{name}: not a text file in UTF-8.") from None
+# widgets
 
 
 def widget(
-    kind: Any, label: str, on_change: Callable[[Any], object] | None = None, **options: Any
+    kind: type[pn.widgets.Widget],
+    label: str,
+    on_change: Callable[[Any], object] | None = None,
+    **options: Any,
 ) -> Any:
     """A Panel widget of a `kind` in the page's style, as wide as there is room.
 
@@ -177,7 +229,7 @@ def file_input(
 ) -> Any:
     """A button that opens a file, of which `on_file` takes the bytes and the name."""
 
-    def open_file(*_: Any) -> None:
+    def open_file(*_: object) -> None:
         if result.value or result.filename:
             on_file(result.value or b"", str(result.filename or "file")[-60:])
 
@@ -187,7 +239,21 @@ def file_input(
     return result
 
 
-def button(label: str, on_click: Callable[[], None] | None, **options: Any) -> Any:
+def decode_upload(raw: bytes, name: str, limit: int) -> str:
+    """Text of an uploaded file; `ValueError` with its `name` for an empty file, one above the
+    `limit` in bytes, and one that isn't UTF-8.
+    """
+    if not raw:
+        raise ValueError(f"{name}: the file is empty, 0 bytes.")
+    if len(raw) > limit:
+        raise ValueError(f"{name}: the file may have {limit} bytes, got {len(raw)}.")
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError(f"{name}: not a text file in UTF-8.") from None
+
+
+def button(label: str, on_click: Callable[[], object] | None, **options: Any) -> Any:
     """A button that calls `on_click`."""
     result = widget(pn.widgets.Button, label, **{"sizing_mode": None} | options)
     if on_click is not None:
@@ -195,13 +261,41 @@ def button(label: str, on_click: Callable[[], None] | None, **options: Any) -> A
     return result
 
 
+def download_button(
+    label: str, content: Callable[[], tuple[str, bytes]], message: Message, **options: Any
+) -> Any:
+    """Button that downloads a file, whose name and bytes `content` gives when it is pressed.
+
+    If there is no file, `message` says why.
+    """
+
+    def make_file() -> io.BytesIO:
+        """Content of the file; also sets the button's filename."""
+        try:
+            result.filename, raw = content()
+        except ValueError as error:
+            message.show(error)
+            raise asyncio.CancelledError from None  # nothing to send
+        message.show("")
+        return io.BytesIO(raw)
+
+    style = {"filename": "fascicle", "width": 150, "margin": (2, 4)} | options
+    result = widget(pn.widgets.FileDownload, label, callback=make_file, **style)
+    return result
+
+
 class Field:
     """A text field of a quantity with its unit; errors appear below it."""
 
     def __init__(
-        self, label: str, name: str, dimension: str, set_value: Callable[[Any], None],
-        optional: bool = False, **options: Any,
-    ):  # fmt: skip
+        self,
+        label: str,
+        name: str,
+        dimension: str,
+        set_value: Callable[[Any], object],
+        optional: bool = False,
+        **options: Any,
+    ):
         """Field of an argument's `name`; a `ValueError` of `set_value` appears below it.
 
         An `optional` one may be empty, for `None`.
@@ -225,9 +319,9 @@ class Field:
         self.input.stylesheets = [WIDGET_CSS]
 
     def show_error(self, error: ValueError | str) -> None:
-        """Show an `error` below the field, whose border is red, in its unit and by its label."""
+        """Show an `error` below the field, whose border is red."""
         self.input.stylesheets = [WIDGET_CSS, _INVALID_CSS]
-        self.message.show(error, {self._dimension: self._unit}, **{self.name: self.label})
+        self.message.show(error, **{self.name: self.label})
 
     def _on_input(self, text: str) -> None:
         if text == self._text:  # the page's own, or typed again after an error
@@ -252,15 +346,26 @@ class _StepSlider(pn.widgets.FloatSlider):
 class QuantitySlider:
     """A slider with a field beside it, for one quantity in the unit shown."""
 
-    def __init__(self, label: str, name: str, dimension: str, set_value: Callable[[float], None]):
+    def __init__(self, label: str, name: str, dimension: str, set_value: Callable[[float], object]):
         self._label, self._dimension, self._set = label, dimension, set_value
         self._unit, self._top, self._updating = "", 1.0, False
-        self.slider = widget(
-            _StepSlider, label, self._on_slider, start=0, end=1, step=0.01, show_value=False,
-            margin=(4, 14, 4, 12),
-        )  # fmt: skip
-        self.field = Field(f"{label}, typed", name, dimension, self._on_field, width=106,
-                           margin=(8, 8, 0, 8), css_classes=["hidden-label"])  # fmt: skip
+        options = {
+            "start": 0,
+            "end": 1,
+            "step": 0.01,
+            "show_value": False,
+            "margin": (4, 14, 4, 12),
+        }
+        self.slider = widget(_StepSlider, label, self._on_slider, **options)
+        self.field = Field(
+            f"{label}, typed",
+            name,
+            dimension,
+            self._on_field,
+            width=106,
+            margin=(8, 8, 0, 8),
+            css_classes=["hidden-label"],
+        )
         self.field.label = label
         inputs = row(self.slider, self.field.input, kind="")
         self.panel = column(inputs, self.field.message.pane, kind="whole-row")
@@ -304,9 +409,8 @@ class Sweep:
     def __init__(self, label: str, step: Callable[[], bool]):
         """Sweep of the value of a `label`; `step` moves it, and returns False at the end."""
         self._step, self._timer = step, None
-        self.button = widget(
-            pn.widgets.Toggle, "", self._on_toggle, margin=(4, 8), sizing_mode=None
-        )
+        options = {"margin": (4, 8), "sizing_mode": None}
+        self.button = widget(pn.widgets.Toggle, "", self._on_toggle, **options)
         self.set_label(label)
 
     def set_label(self, label: str) -> None:
@@ -324,6 +428,9 @@ class Sweep:
         """Move the value a step, and release the button at the end."""
         if not self._step():
             self.button.value = False
+
+
+# HTML
 
 
 def text_html(text: str) -> str:
@@ -355,7 +462,7 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"
 
 
-def html_legend(curves: list[tuple[str, str, str]]) -> str:
+def html_legend(curves: Sequence[tuple[str, str, str]]) -> str:
     """A legend that wraps: name, color and CSS line style of each of the `curves`."""
     entries = "".join(
         f'<span><i style="border-top-style:{line};border-top-color:{color}"></i>{name}</span>'

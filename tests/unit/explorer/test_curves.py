@@ -5,13 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.path import Path
 
 import fascicle as fs
 from fascicle.bundle import reversal
 from fascicle.explorer import bundle_curves
 from fascicle.explorer.bundle_tab import BundleView
-from fascicle.explorer.free_strain_chart import second_unit_curve
 from fascicle.explorer.muscle_curves import (
     FAMILY,
     alternative_laws,
@@ -24,7 +22,6 @@ from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.muscle import LAWS
 from fascicle.muscle.ends import Compliant
-from fascicle.plot.resistance_loss import efficiency_maps
 from fascicle.plot.theme import LIGHT
 
 
@@ -199,28 +196,19 @@ def test_muscles_stand_apart_inside_their_envelope():
 
 
 def test_the_free_strain_over_the_second_pressure_is_the_librarys():
-    curve = second_unit_curve(VIEW.bundle, 344.7e3)
+    curve = bundle_curves.second_unit_curve(VIEW.bundle, 344.7e3)
     assert curve.turn == reversal.reversal(VIEW.bundle, 2, 344.7e3)
     assert curve.resisted.min() == pytest.approx(curve.turn.free_strain, abs=2e-3)
     assert (curve.free >= curve.resisted - 1e-9).all()
 
 
-@pytest.mark.parametrize("name", ["kim2021_bundle_1_4", "kim2021_bundle_five"])
-def test_the_strip_in_which_resistance_takes_another_state_is_an_outline(name):
-    view = replace(view_of(fs.example(name), name), tab="bundle")
-    maps = efficiency_maps(view.bundle, "isobaric")
-    i, j = np.nonzero(maps.changes_state)
-    points = np.c_[maps.free.strain[j], maps.free.force[i]]
-    inside = [
-        Path(np.c_[strain, force]).contains_points(points) for strain, force in maps.resistance_gaps
-    ]
-    assert len(points) and np.all(np.any(inside, axis=0))
-    tab = BundleView(Session(view), LIGHT)
+def test_the_maps_of_efficiency_are_shown_when_they_are_asked_for():
+    tab = BundleView(Session(replace(VIEW, tab="bundle")), LIGHT)
     tab.refresh()
-    efficiency = tab.efficiency
-    efficiency.toggle.value = True
-    efficiency._kind.value = "loss"
-    (image,) = efficiency._image.data["image"]
-    others = maps.difference[~maps.changes_state]
-    assert np.nanmax(np.abs(image)) == pytest.approx(np.nanmax(np.abs(others)), rel=1e-6)
-    assert efficiency._mapper.high < 0.1 < maps.difference[maps.changes_state].max()
+    assert tab.efficiency.pictures[0].object is None
+    tab.efficiency.toggle.value = True
+    average = VIEW.bundle.average_efficiency(path="isobaric")
+    assert f"<td>{average:.4f}</td>" in tab.efficiency._numbers.object
+    assert all(picture.object.startswith(b"\x89PNG") for picture in tab.efficiency.pictures)
+    tab.session.change(scheme="free")
+    assert tab.efficiency._message.text and tab.efficiency.pictures[0].object is None

@@ -130,7 +130,7 @@ def test_an_impossible_constant_is_refused_at_its_field(page):
 @pytest.mark.parametrize("count", [100, 0, None])
 def test_impossible_counts_are_refused(count, rows):
     rows, session = rows
-    number = rows.rows[0].count
+    number = rows.rows[0].muscles
     assert number.start is None and number.end is None  # with which the browser refuses silently
     number.value = count
     assert rows.message.text

@@ -1,7 +1,6 @@
 """A link reproduces a view, and can hold nothing else."""
 
 import base64
-import re
 import zlib
 from dataclasses import replace
 
@@ -9,11 +8,9 @@ import pytest
 
 import fascicle as fs
 from fascicle.explorer.link import LONGEST, from_query, pack, to_query, unpack
-from fascicle.explorer.state import Session, Unit, view_of
+from fascicle.explorer.state import CHANGED, Session, Unit, view_of
 from fascicle.files import dumps, loads
-from fascicle.io.sanitize import sanitize_line
 from fascicle.muscle.fitted_length import FittedLength
-from fascicle.units import parse
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -23,7 +20,7 @@ OWN_MUSCLE = replace(SIX, muscle=SIX.muscle.replace(length=0.2), name="mine")
 
 def read(query):
     """View of a link without an error."""
-    view, errors = from_query(query, SIX)
+    view, _, errors = from_query(query, SIX)
     assert not errors
     return view
 
@@ -32,7 +29,7 @@ def test_a_view_comes_back_from_its_address():
     view = replace(
         SIX, units=(Unit(1), Unit(4, 0.5)), supply=344.7e3, scheme="batch", pressure=69e3,
         strain=0.123, load=12.5, pressures=(3e5, 1e5), resistance=False,
-        path="isotonic", map="loss", tab="bundle",
+        path="isotonic", tab="bundle",
         display_units={"pressure": "psi", "length": "in", "force": "lbf"},
     )  # fmt: skip
     result = read(to_query(view))
@@ -76,9 +73,8 @@ def test_the_length_of_a_fit_comes_back():
     ids=str,
 )  # fmt: skip
 def test_a_bad_key_gives_a_message_and_the_other_keys_are_read(query):
-    result, (error,) = from_query(query | {"path": "isotonic"}, SIX)
-    assert "\n" not in error and len(sanitize_line(error)) < 410
-    assert "`" not in error and not re.search(r"[a-z]_[a-z]", error)  # no name of Python
+    result, _, (error,) = from_query(query | {"path": "isotonic"}, SIX)
+    assert "\n" not in error and error.startswith(next(iter(query)))
     assert result.path == "isotonic"
     assert dumps(result.muscle) == dumps(SIX.muscle)
 
@@ -93,39 +89,23 @@ def test_a_bomb_is_not_inflated(size):
 
 def test_the_page_opens_with_any_error_in_a_link(monkeypatch):
     monkeypatch.setattr("fascicle.explorer.link.loads", lambda *_, **__: 1 / 0)
-    result, errors = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
+    result, _, errors = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
     assert len(errors) == 1
     assert result.path == "isotonic"
 
 
 def test_pressures_of_a_link_are_limited_by_its_supply():
-    query = {"supply": "100 kPa", "pressure": "300 kPa", "pressures": "90 kPa,200 kPa"}
-    view, errors = from_query(query, SIX)
-    assert len(errors) == 1
+    view = read({"supply": "100 kPa", "pressure": "300 kPa", "pressures": "90 kPa,200 kPa"})
     assert (view.pressure, view.pressures) == (1e5, (9e4, 1e5))
     assert read({"supply": "100 kPa"}).pressure == 1e5
 
 
-@pytest.mark.parametrize(
-    ("unit", "pressure", "supply"), [("psi", "20.2psi", "90psi"), ("bar", "1.37bar", "4.1bar")]
-)
-def test_a_link_has_the_digits_that_were_typed(unit, pressure, supply):
-    P, highest = parse(pressure, "pressure"), parse(supply, "pressure")
-    units = dict(SIX.display_units) | {"pressure": unit}
-    view = replace(SIX, pressure=P, supply=highest, pressures=(P, 137.9e3), display_units=units)
-    query = to_query(view)
-    assert (query["pressure"], query["supply"]) == (pressure, supply)
-    assert query["pressures"].startswith(f"{pressure},")
-    # and few of them in another unit
-    other = replace(view, display_units=SIX.display_units)
-    assert to_query(other)["pressure"] in (pressure, "137kPa")
-    result = read(query)
-    assert (result.pressure, result.supply, result.pressures) == (P, highest, (P, 137.9e3))
-
-
-def test_a_link_has_every_digit_where_no_unit_has_few():
-    view = replace(SIX, pressure=123456.78901234567)
-    assert read(to_query(view)).pressure == view.pressure
+def test_reset_after_a_reload_returns_to_the_example():
+    changed = replace(SIX, muscle=SIX.muscle.replace(length=0.2), name=f"{SIX.name}{CHANGED}")
+    view, opened, _ = from_query(to_query(changed), SIX)
+    session = Session(view, opened)
+    session.reset()
+    assert dumps(session.view.muscle) == dumps(SIX.muscle) and session.view.name == SIX.name
 
 
 def test_undo_and_reset(monkeypatch):
@@ -144,6 +124,10 @@ def test_undo_and_reset(monkeypatch):
     session.change(strain=0.05)
     session.reset()
     assert session.view == other
+    session.undo()
+    assert session.view.strain == 0.05
+    session.redo()
+    assert session.view == other
     seen = []
     while session.can_undo:
         session.undo()
@@ -151,9 +135,9 @@ def test_undo_and_reset(monkeypatch):
     assert seen == [("9", 0.05, other.pressure), ("9", other.strain, other.pressure),
                     ("6", 0.22, 3e5), ("6", 0.22, 2e5), ("6", 0.22, SIX.pressure),
                     ("6", SIX.strain, SIX.pressure)]  # fmt: skip
-    assert (session.view.tab, session.opened) == ("bundle", SIX)
-    session.undo()
-    assert session.view.strain == SIX.strain
+    assert session.view.tab == "bundle"
+    session.change(strain=0.3)
+    assert not session.can_redo
 
 
 @pytest.mark.parametrize("name", fs.catalog)

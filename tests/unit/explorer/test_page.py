@@ -1,5 +1,9 @@
 """The header, and the explorer in a notebook's cell."""
 
+import asyncio
+import io
+from dataclasses import replace
+
 import numpy as np
 import panel as pn
 import pytest
@@ -7,30 +11,31 @@ from bokeh.models import ColumnDataSource
 
 import fascicle as fs
 from fascicle.explorer import panel
-from fascicle.explorer.page import Header, Page
-from fascicle.explorer.state import TABS, Session, view_of
+from fascicle.explorer.page import Page
+from fascicle.explorer.state import TABS, Pin, Session, view_of
+from fascicle.files import dumps, loads
 from fascicle.plot.theme import DARK, LIGHT
+
+
+SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
 
 
 @pytest.fixture
 def header():
-    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
-    return Header(session, "default", False, print, print)
+    return Page(Session(SIX)).header
 
 
-@pytest.mark.parametrize("answer", ["_replace", "_keep"])
-def test_an_example_does_not_replace_an_own_muscle_without_asking(header, answer):
+def test_an_example_replaces_an_own_muscle_and_undo_brings_it_back(header):
     session = header._session
-    header._example.value = "kim2021_figure_9"
-    assert session.view.name == "kim2021_figure_9" and not header.question.visible
     own = view_of(fs.example("kim2021_figure_9").replace(length=0.2), "mine.toml")
     session.open(own)
+    assert header._example.value == "(own)"
     header._example.value = "kim2021_figure_6"
-    assert session.view is own and header.question.visible
-    getattr(header, answer)()
-    assert not header.question.visible
-    assert (session.view is own) == (answer == "_keep")
-    assert header._example.value == ("(own)" if answer == "_keep" else "kim2021_figure_6")
+    assert session.view.name == "kim2021_figure_6"
+    header.undo.clicks += 1
+    assert session.view.muscle is own.muscle and header._example.value == "(own)"
+    header.redo.clicks += 1
+    assert session.view.name == "kim2021_figure_6"
 
 
 def test_another_theme_keeps_the_history_and_the_record():
@@ -54,15 +59,53 @@ def test_an_empty_file_is_refused(header):
 
 
 def test_a_file_is_not_saved_under_the_name_of_its_input(header):
-    assert header.save.filename == "kim2021_figure_6.toml"
-    muscle = header._session.view.muscle
-    for name in ("muscle.toml", "muscle_copy.toml", "my.muscle.toml", "odd name"):
-        header._session.show(view_of(muscle, name))
-        assert header.save.filename.endswith("_copy.toml") and header.save.filename != name
-        header._session.show(view_of(muscle, f"{name}, changed"))
-        assert header.save.filename.endswith("_changed.toml") and header.save.filename != name
-    header._session.show(view_of(muscle, "../muscle.toml"))
-    assert header.save.filename == "muscle_copy.toml"
+    session, muscle = header._session, SIX.muscle
+    for name in ("muscle.toml", "muscle_copy.toml", "my.muscle.toml", "odd name", "../muscle"):
+        for suffix, kind in (("", "_copy.toml"), (", changed", "_changed.toml")):
+            session.input_names.add(name)
+            session.show(view_of(muscle, name + suffix))
+            saved, raw = header._file()
+            assert saved.endswith(kind) and saved != name and "/" not in saved
+            assert dumps(loads(raw.decode()).motor_units[0].muscle) == dumps(muscle)
+
+
+def shown(tab):
+    """Page with a `tab` that has something to download."""
+    view = replace(SIX, tab=tab, pins=(Pin("one", SIX.muscle, SIX.pressure),))
+    page = Page(Session(view))
+    if tab == "data":
+        page.open_view.open_example()
+    return page
+
+
+@pytest.mark.parametrize("tab", TABS[:4])
+def test_pictures_and_data_of_a_tab_are_downloaded(tab):
+    page = shown(tab)
+    for suffix, start in (("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")):
+        name, raw = page.header._tab_file(suffix)
+        assert name.endswith(suffix) and raw.startswith(start)
+    name, raw = page.header._tab_file("csv")
+    rows = np.genfromtxt(io.BytesIO(raw), delimiter=",", names=True, deletechars="", dtype=None)
+    if tab == "muscle":
+        force = SIX.muscle.force(SIX.pressure, rows["strain_[-]"])
+        np.testing.assert_allclose(rows["force_[N]"], force, rtol=1e-9, atol=1e-9)
+    assert rows.size > 10
+
+
+@pytest.mark.parametrize("tab", TABS[2:])
+def test_nothing_to_download_is_said_on_the_page(tab):
+    page = Page(Session(replace(SIX, tab=tab)))
+    buttons = page.panel.select(pn.widgets.FileDownload)
+    (button,) = [button for button in buttons if "PNG" in button.label]
+    with pytest.raises(asyncio.CancelledError):
+        button.callback()
+    assert page.header.message.text
+
+
+def test_the_web_page_has_the_table_of_the_muscle_or_bundle():
+    for tab in ("muscle", "bundle"):
+        name, raw = Page(Session(replace(SIX, tab=tab))).header._web_page()
+        assert name == "kim2021_figure_6_page.html" and b"</html>" in raw
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def test_a_muscle_that_is_opened_meanwhile_stays():
     assert session.view is other
 
 
-def test_undo_stays_in_the_story_and_own_sizes_come_back():
+def test_undo_stays_in_the_story_which_leaves_no_step():
     session = Session(VIEW)
     session.change(muscle=VIEW.muscle.replace(braid_angle=0.5))
     own = session.view
@@ -106,6 +106,8 @@ def test_undo_stays_in_the_story_and_own_sizes_come_back():
     session.change(muscle=VIEW.muscle.replace(braid_angle=0.6))
     story.end()
     assert session.view == own and session.can_undo
+    session.undo()
+    assert session.view == VIEW
 
 
 def test_a_muscle_without_a_bundle_opens_where_the_reversal_shows():
