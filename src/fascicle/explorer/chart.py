@@ -10,7 +10,7 @@ import numpy as np
 import panel as pn
 from bokeh.core.properties import value
 from bokeh.events import Pan, PanEnd, Press, Tap
-from bokeh.models import ColumnDataSource, CustomJS, HoverTool, LabelSet, Range1d, Span
+from bokeh.models import ColumnDataSource, CustomJS, HoverTool, LabelSet, LegendItem, Range1d, Span
 from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
@@ -197,8 +197,8 @@ class Chart:
         self.figure.stylesheets = [*self.figure.stylesheets, _TOUCH]
         hand.on_change("data", lambda _attr, _old, new: callback(new["x"][0], new["y"][0]))
 
-    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> None:
-        """Style the legend, whose entries hide their curves at a click."""
+    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> list[LegendItem]:
+        """Style the legend, whose entries hide their curves at a click, and return its entries."""
         (legend,) = self.figure.legend
         legend.update(
             location=location,
@@ -215,6 +215,7 @@ class Chart:
             glyph_height=glyph_height,
             click_policy="hide",
         )
+        return legend.items
 
     def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
         """Show these ranges [shown unit], also after the reset tool."""

@@ -254,7 +254,7 @@ class CompareView(Tab):
         ]
         table = html_table(["curve", *columns], rows)
         note = "Percentages are of the first curve's magnitude."
-        self._table.object = f'<div class="scroll">{table}</div><p class="small note">{note}</p>'
+        self._table.object = f'<div class="compared">{table}</div><p class="small note">{note}</p>'
 
     def _sample(self, index: int) -> str:
         """Line of a curve as an image in HTML."""

@@ -183,7 +183,10 @@ class DataView(Tab):
         self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
             download_button(
-                "Download tuned muscle", lambda: self._as_file("tuned", "toml"), self.message
+                "Download tuned muscle",
+                lambda: self._as_file("tuned", "toml"),
+                self.message,
+                width=190,
             ),
             download_button(
                 "Download report", lambda: self._as_file("report", "html"), self.message
@@ -237,7 +240,6 @@ class DataView(Tab):
             size=4,
             color="color",
             alpha=0.55,
-            legend_label="measured",
         )
         self._before = chart.add(
             "multi_line",
@@ -253,7 +255,7 @@ class DataView(Tab):
         self._labels = chart.new_source("x y label")
         chart.add_labels(self._labels)
         chart.add_zero_line()
-        chart.style_legend()
+        _, self._tuned = chart.style_legend()
 
     # the record
 
@@ -322,6 +324,7 @@ class DataView(Tab):
             "y": force / scale,
             "color": [colors[i] for i in nearest],
         }
+        self._tuned.visible = after is not None
         margin = _MARGIN_EMPTY if self.record is None else _MARGIN
         self.chart.figure.stylesheets = [height_css(screen_height(margin))]
         for source, curves in ((self._before, before), (self._after, after)):
