@@ -11,15 +11,16 @@ unit as in several.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
+import attrs
 import numpy as np
 
 from ..core.array_namespace import slices
 from ..core.module import to_numpy, tree_leaves, tree_map
 from ..core.types import Bool, Float, Values
-from ..core.validation import check_interval
+from ..fluid.fields import interval_field
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs
@@ -44,21 +45,19 @@ _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
 _BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 
 
-@dataclass(frozen=True)
+_share_field = partial(
+    interval_field, low=0.0, high=_LARGEST_SCATTER, closed=(True, True), default=0.0
+)
+
+
+@attrs.frozen(slots=False)
 class DesignScatter(Scatter):
     """Standard deviations of `length` [-] and `wall_thickness` [-], over their values, of
     `braid_angle` [rad], and of the logarithm of all forces, `model_error` [-].
     """
 
-    wall_thickness: float = 0.0
-    model_error: float = 0.0
-
-    def __post_init__(self):
-        """**Raises:** `InvalidInputError` for a scatter that is negative or huge."""
-        super().__post_init__()
-        for name in ("wall_thickness", "model_error"):
-            check_interval(getattr(self, name), 0.0, _LARGEST_SCATTER, name, "-",
-                           closed=(True, True))  # fmt: skip
+    wall_thickness: Values = _share_field("wall_thickness")
+    model_error: Values = _share_field("model_error")
 
 
 # of a task file without [scatter]; the docs (design, Uncertainty) say why

@@ -7,10 +7,11 @@ material and laws. One product of one length becomes one drawing.
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import attrs
 import numpy as np
 
 from ..bundle import Bundle
@@ -349,7 +350,7 @@ def _uncertainty(
     errors = [_fit_error(name, folder) for name in design.muscle]
     fitted = all(error is not None for error in errors)
     basis = "error of the fit" if fitted else Uncertainty.basis
-    usual = asdict(USUAL_SCATTER)
+    usual = attrs.asdict(USUAL_SCATTER)
     if fitted:
         usual["model_error"] = max(error or 0.0 for error in errors)
     path, single = folder / design.muscle[0], len(design.muscle) == 1 and not design.catalog

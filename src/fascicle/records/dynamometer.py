@@ -24,15 +24,17 @@ strain. Every record is synthetic, and marked as such.
 Chou and Hannaford (1996); softening after Mullins (1969).
 """
 
-from dataclasses import dataclass, fields
+from functools import partial
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.types import Batch, BatchLike, Bool, Float, Int, Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval, to_si
+from ..core.validation import HIGHEST_PRESSURE
+from ..fluid.fields import interval_field
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
 from ..units import pretty
@@ -41,10 +43,14 @@ from .record import Record
 
 _LEVELS = tuple(413.7e3 * i / 12 for i in range(13))  # Pa, 0 to 60 psi in steps of 5 psi
 _MAX_SCATTER = 0.2  # of the length, and rad: more is no scatter of one drawing
-_NOT_NEGATIVE = ("noise", "resolution", "pressure_noise", "displacement_noise", "hysteresis",
-                 "mullins", "length_scatter", "angle_scatter")  # fmt: skip
-_UNITS = {"pressures": "Pa", "speed": "m/s", "resolution": "N", "pressure_noise": "Pa",
-          "displacement_noise": "m", "angle_scatter": "rad"}  # fmt: skip
+_share_field = partial(
+    interval_field, low=0.0, high=1.0, closed=(True, False), remedy='5 % is 0.05 or "5 %"'
+)
+_field_from_zero = partial(interval_field, low=0.0, high=np.inf, closed=(True, False))
+_positive_field = partial(interval_field, low=0.0, high=np.inf)
+_scatter_field = partial(
+    interval_field, low=0.0, high=_MAX_SCATTER, closed=(True, True), default=0.0
+)
 
 
 class StiffenedMaterial(AbstractMaterial):
@@ -73,17 +79,12 @@ class StiffenedMaterial(AbstractMaterial):
         return Slopes(*(self.factor * slope for slope in slopes))
 
 
-@dataclass(frozen=True)
+@attrs.frozen(slots=False)
 class Scatter:
     """Standard deviations of `length`, over the length itself [-], and `braid_angle` [rad]."""
 
-    length: float = 0.0
-    braid_angle: Values = 0.0
-
-    def __post_init__(self):
-        """**Raises:** `InvalidInputError` for a scatter that is negative or huge."""
-        angle = _check_scatters(self.length, self.braid_angle, "length", "braid_angle")
-        object.__setattr__(self, "braid_angle", angle)
+    length: Values = _scatter_field("length")
+    braid_angle: Values = _scatter_field("braid_angle", unit="rad")
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
         """Muscle with a random length and braid angle, or a batch of them of shape `size`.
@@ -102,7 +103,7 @@ class Scatter:
         return with_fields(muscle, length=length, braid_angle=angle)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class Sweeps:
     """Readings of a perfect gauge, a row for each pressure, in the order of time.
 
@@ -123,7 +124,7 @@ class Sweeps:
         return float(np.abs(self.force).max())
 
 
-@dataclass(frozen=True)
+@attrs.frozen
 class VirtualDynamometer:
     """A machine and its faults. By default only the load cell's noise is simulated.
 
@@ -144,47 +145,33 @@ class VirtualDynamometer:
     - `clip`: true for a gauge that can't push: it reads zero instead of a negative force.
     """
 
-    pressures: Values = _LEVELS
-    samples: int = 200
+    pressures: Values = interval_field(
+        "pressures", 0.0, HIGHEST_PRESSURE, (True, True), unit="Pa", default=_LEVELS
+    )
+    samples: int = attrs.field(default=200, validator=attrs.validators.instance_of(int))
     both_ways: bool = True
-    speed: Values = 1e-3
-    noise: float = 0.005
-    resolution: Values = 0.0
-    pressure_noise: Values = 0.0
-    displacement_noise: Values = 0.0
-    hysteresis: float = 0.0
-    mullins: float = 0.0
-    mullins_cycles: float = 3.0
+    speed: Values = _positive_field("speed", unit="m/s", default=1e-3)
+    noise: float = _share_field("noise", default=0.005)
+    resolution: Values = _field_from_zero("resolution", unit="N", default=0.0)
+    pressure_noise: Values = _field_from_zero("pressure_noise", unit="Pa", default=0.0)
+    displacement_noise: Values = _field_from_zero("displacement_noise", unit="m", default=0.0)
+    hysteresis: float = _share_field("hysteresis", default=0.0)
+    mullins: float = _field_from_zero("mullins", default=0.0)
+    mullins_cycles: float = _positive_field("mullins_cycles", default=3.0)
     preconditioning: int = 5
-    length_scatter: float = 0.0
-    angle_scatter: Values = 0.0
+    length_scatter: Values = _scatter_field("length_scatter")
+    angle_scatter: Values = _scatter_field("angle_scatter", unit="rad")
     clip: bool = False
 
-    def __post_init__(self):
+    def __attrs_post_init__(self):
         """**Raises:** `InvalidInputError` for a setting out of range."""
-        for name in ("pressures", *_NOT_NEGATIVE, "speed"):
-            value = to_si(getattr(self, name), name, _UNITS.get(name, "-"))
-            object.__setattr__(self, name, value)
-        P = check_interval(
-            self.pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True)
-        )
-        if P.ndim != 1 or not np.any(np.asarray(P) > 0):
+        if np.ndim(self.pressures) != 1 or not np.any(np.asarray(self.pressures) > 0):
             rule = "must hold at least one pressure above 0 Pa, in a list"
             raise InvalidInputError("pressures", rule, None)
-        for name in _NOT_NEGATIVE:
-            # a share of the force: 5 means 5 %
-            limit = 1.0 if name in ("noise", "hysteresis") else np.inf
-            value, unit = getattr(self, name), _UNITS.get(name, "-")
-            remedy = f"write {value:g} %" if limit == 1 and np.all(value >= 1) else ""
-            check_interval(value, 0.0, limit, name, unit, closed=(True, False), remedy=remedy)
-        for name in ("speed", "mullins_cycles"):
-            check_interval(getattr(self, name), 0.0, np.inf, name, _UNITS.get(name, "-"))
         if self.samples < 2 or self.preconditioning < 0:
             rule = "must be at least 2 and `preconditioning` at least 0"
             values = self.samples, self.preconditioning
             raise InvalidInputError("samples", rule, values, shown=f"{values[0]} and {values[1]}")
-        names = ("length_scatter", "angle_scatter")
-        _check_scatters(self.length_scatter, self.angle_scatter, *names)
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
         """Simulate a test of one muscle: a synthetic record of its readings.
@@ -223,8 +210,7 @@ class VirtualDynamometer:
         **Raises:** `InvalidInputError` for a batch of muscles.
         """
         if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
-            remedy = "a batch can't be on one machine"
-            raise InvalidInputError("muscle", "must be a single muscle", None, remedy)
+            raise InvalidInputError("muscle", "must be a single muscle", None)
         P = np.asarray(self.pressures, dtype=float)
         # cycled until it is soft, so the stroke is the softened muscle's
         closing = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
@@ -264,9 +250,10 @@ class VirtualDynamometer:
         return np.where(censored, 0.0, force), censored
 
     def _notes(self, muscle: Muscle, exact: Sweeps, seed: int) -> tuple[str, ...]:
+        """Notes of the record: that no muscle was measured, and every setting."""
         settings = [
-            f"{field.name} = {getattr(self, field.name)!r} {_UNITS.get(field.name, '')}".rstrip()
-            for field in fields(self)
+            f"{field.name} = {getattr(self, field.name)} {field.metadata.get('unit', '')}"
+            for field in attrs.fields(type(self))
             if field.name != "pressures"
         ]
         return (
@@ -274,24 +261,8 @@ class VirtualDynamometer:
             f"full scale {exact.full_scale:.6g} N, stroke {np.ptp(exact.strain):.6g} of strain",
             f"muscle on the machine: length {pretty(float(muscle.length), 'length', 6)},"
             f" braid angle {pretty(float(muscle.braid_angle), 'angle', 6)}",
-            *settings,
+            *(text.removesuffix(" -").rstrip() for text in settings),
         )
-
-
-def _check_scatters(length: float, angle: Values, length_name: str, angle_name: str) -> float:
-    """The `angle` [rad] as a float, if it and the `length` [-] are no too large scatters."""
-    both = (True, True)
-    check_interval(length, 0.0, _MAX_SCATTER, length_name, "-", "of the length", both)
-    try:
-        return float(check_interval(angle, 0.0, _MAX_SCATTER, angle_name, "rad", closed=both))
-    except InvalidInputError as error:
-        if not isinstance(error.value, float):
-            raise
-        rule, text = (
-            f"must lie in [0, {np.degrees(_MAX_SCATTER):.4g}] deg",
-            pretty(error.value, "angle"),
-        )
-        raise InvalidInputError(angle_name, rule, error.value, shown=text) from None
 
 
 def _streams(seed: int) -> list[np.random.Generator]:
