@@ -192,10 +192,11 @@ def _insert_extrema(
     """
 
     def excess(index: Numbers, strain: Numbers) -> Numbers:
-        return bundles.take(index).force(strain[:, None])[0][:, 0] - load[index]
+        force, _ = bundles.take(index.ravel()).force(strain.reshape(-1, 1))
+        return force.reshape(strain.shape) - load[index]
 
     linked = np.diff(batch, append=-1) == 0
-    index, strain = find_extrema(excess, batch, nodes, force, linked, 0.0)
+    index, strain = find_extrema(excess, batch, nodes, force, linked, 0.0, linked)
     if not len(index):
         return batch, nodes, force
     added = (index, strain, excess(index, strain))

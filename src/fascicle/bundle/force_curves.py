@@ -8,21 +8,23 @@ $$F_k(p, \varepsilon) = H_k(\varepsilon) + \sum_j w_{kj} F_j(p, \varepsilon). \t
 A *level* is a pressure over the supply's. Free and collapse strains of each kind of muscle are
 solved once, at nodes over level.
 
-**Search for the levels of a force.** Nodes beside the level at which a muscle has a kink at the
-demand's strain (its free strain, onset of buckling, fold or collapse strain) show the slopes on its
-two sides. They join the nodes of all cells that may hold the demanded force, as do then the extrema
-that may reach it, kinks among them. Every change of sign between neighbors brackets a root; a force
-that jumps past the demand is none. If no state has a root, the nearest force is that of the nearest
-node or extremum.
+**Search for the levels of a force.** Of the nodes, those of all cells that may hold the demanded
+force are taken. The levels at which a muscle has a kink at the demand's strain (its free strain,
+onset of buckling, fold or collapse strain) join them, with a level on each side, as do then the
+smooth extrema between them that may reach the force. Every change of sign between neighbors
+brackets a root; a force that jumps past the demand is none. If no state has a root, the nearest
+force is that of the nearest node, kink or extremum.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import slices
 from ..core.module import unique_indices
+from ..core.roots import find_root, refine_root
 from .pressurized import muscle_strain
 from .states import States
 
@@ -35,17 +37,14 @@ _CELLS = 64  # of the grid, dense at low pressures, where free strains change fa
 # a cell of common muscles changes the free strain by less; steep fibers on a soft bladder by 0.1
 _MAX_STRAIN_STEP, _MAX_PIECES = 0.02, 16
 _END_INSET = 1e-6  # of the supply: nodes this near to both ends show the slope there
-_NEWTON_STEPS = 8  # at most: from the grid's free strain three are enough
-_NEWTON_TOLERANCE = 1e-9  # of strain: the step after it is within rounding
 _BATCH = 2**13  # searches at once: their forces at all nodes take 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
-_ROOT_SHARE = 1e-2  # of the tolerance: where the search for a root ends
-_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level: a kink is an extremum to its last digit
+_STEP = 1e-8  # of the supply: the root of rounding, for a difference quotient
+_SHARE = 1e-3  # of a window: differences this wide find an extremum to a millionth of it
 TIE = 1e-10  # N: forces this near to each other are equal
 _SIDE = 1e-9  # of the supply: levels this far apart give forces that differ by more than rounding
-# of a cell: a kink is known to less than that, so nodes this far away are on its two sides
-_KINK_INSET = 1e-2
+_KINK_INSET = 1e-2  # of a cell: nodes this far from a kink show the slopes on its two sides
 
 Array = np.ndarray
 
@@ -98,7 +97,7 @@ class ForceOverLevel:
         # without a force: a free strain that falls with pressure within a cell
         resists = (strain >= free_strain) | (force <= 0)
         if resists.any():
-            muscle = self.law.at(pressure[resists], self._free_strain(level[resists]))
+            muscle = self.law.at(pressure[resists])
             force[resists], slope[resists] = muscle.force(strain[resists])
         return self._between_plates(force, slope)
 
@@ -106,23 +105,14 @@ class ForceOverLevel:
         """Force and its slope in the plates' strain [N]."""
         return np.array([force, slope if self.ratio is None else slope * self.ratio])
 
-    def _free_strain(self, level: Array) -> Array:
-        """Free strain [-] by Newton's method from the grid's, or by the law where that fails."""
-        free = np.interp(level, self.levels, self.free_strain)
-        for _ in range(_NEWTON_STEPS):
-            pull = self.law.tension.pull(level * self.supply, free)
-            step = pull.force / pull.slope
-            free = free - step
-            if np.all(np.abs(step) <= _NEWTON_TOLERANCE):
-                return free
-        return self.law.tension.free_strain(level * self.supply)
-
-    def kink_strain(self, kink: int, level: Array) -> Array:
-        """Strain of the muscle [-] at a `kink`, by number, at `level` [-]."""
-        strain = self._free_strain(level)
-        if kink > 0:
-            strain = _kink_strains(self.law.at(level * self.supply, strain))[kink]
-        return np.broadcast_to(strain, level.shape)
+    def kink_distance(self, kink: int, level: Array, plates: Array) -> Array:
+        """Distance from the `plates`' strain [-] to a `kink`, by number, at `level` [-], to zero
+        of which a search for the kink goes.
+        """
+        strain, pressure = self.strain(plates), level * self.supply
+        if kink == 0:  # the force of tension vanishes at the free strain, and is found at once
+            return self.law.tension.pull(pressure, strain).force
+        return _kink_strains(self.law.at(pressure))[kink] - strain
 
 
 class StateCurves:
@@ -264,23 +254,26 @@ class Searches(NamedTuple):
 
     def excess(self, row: Array, level: Array) -> Array:
         """Force beyond the target [N] at a `level` [-]."""
-        force, _ = self.curves.force(self.state[row], level, self.strain[row])
-        return force - self.target[row]
+        state, strain = self.state[row], self.strain[row]
+        force, _ = self.curves.force(*(x.ravel() for x in (state, level, strain)))
+        return force.reshape(row.shape) - self.target[row]
 
 
 class Points(NamedTuple):
     """Points on force curves, in order of `row` and `level` [-]: force beyond the target
-    (`excess` [N]), and whether the curve goes on to the next point (`linked`).
+    (`excess` [N]), whether the curve goes on to the next point (`linked`), and whether it has a
+    kink there (`kinked`).
     """
 
     row: Array
     level: Array
     excess: Array
     linked: Array
+    kinked: Array
 
-    def insert(self, row: Array, level: Array, excess: Array) -> "Points":
+    def insert(self, row: Array, level: Array, excess: Array, kinked: Array) -> "Points":
         """Points with additional ones, which are linked to their neighbors."""
-        added = (row, level, excess, np.ones(len(row), bool))
+        added = (row, level, excess, np.ones(len(row), bool), kinked)
         columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
         order = np.lexsort((columns[1], columns[0]))
         is_new = [np.diff(x[order], prepend=-1) != 0 for x in columns[:2]]
@@ -327,7 +320,7 @@ def _search_levels(searches: Searches, count: int, excess: Array) -> tuple[Array
     padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
     row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
     level, linked = curves.levels[node], padded[row, node + 1]
-    points = Points(row, level, excess[row, node], linked)
+    points = Points(row, level, excess[row, node], linked, np.zeros(len(row), bool))
     points = _insert_kinks(searches, points, node, slack)
     points = _insert_extrema(searches, points, slack)
     row, level = _collect_roots(searches, points)
@@ -344,13 +337,13 @@ def _search_levels(searches: Searches, count: int, excess: Array) -> tuple[Array
 
 
 def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
-    """Points, all at a `node`, with those at and beside the kinks in cells as near to the target as
-    `slack` [N].
+    """Points, all at a `node`, with the kinks in cells as near to the target as `slack` [N], and a
+    point on each side of them.
     """
     curves, plates = searches.curves, searches.strain[points.row]
     is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
     throttled = curves.throttled[searches.state[points.row]]
-    rows, levels = [], []
+    rows, levels, kinked = [], [], []
     for j, muscle in enumerate(curves.muscles):
         strain, is_candidate = muscle.strain(plates), is_near & (throttled[:-1, j] > 0)
         for kink, strains in muscle.kinks.items():
@@ -359,71 +352,70 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
             is_cell = is_candidate & finite[1:] & finite[:-1] & (miss[1:] * miss[:-1] < 0)
             if len(i := np.flatnonzero(is_cell)):
                 left, right = points.level[i], points.level[i + 1]
-                secant = left + (right - left) * miss[i] / (miss[i] - miss[i + 1])
-                middle = muscle.kink_strain(kink, secant) - strain[i]
-                level = _inverse_parabola((left, secant, right), (miss[i], middle, miss[i + 1]))
+                distance = partial(muscle.kink_distance, kink)
+                level = _find_level(distance, plates[i], (left, right), (miss[i], miss[i + 1]))
                 rows.append(np.tile(points.row[i], 3))
                 levels += [level + _KINK_INSET * (end - level) for end in (left, level, right)]
+                kinked.append(np.repeat([False, True, False], len(i)))
     if not rows:
         return points
     row, level = np.concatenate(rows), np.concatenate(levels)
-    return points.insert(row, level, searches.excess(row, level))
-
-
-def _inverse_parabola(x: tuple[Array, ...], y: tuple[Array, ...]) -> Array:
-    """Root of a curve through three points, between the first and the last `x` [any unit]:
-    by a parabola over `y` [any unit]; the middle point where that has none.
-    """
-    total = 0.0
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        total = total + x[i] * y[j] * y[k] / ((y[i] - y[j]) * (y[i] - y[k]))
-    return np.where((total > x[0]) & (total < x[2]), total, x[1])
+    return points.insert(row, level, searches.excess(row, level), np.concatenate(kinked))
 
 
 def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
     """Points with the extrema that come as near to the target as `slack` [N]."""
     row, level = find_extrema(
-        searches.excess, points.row, points.level, points.excess, points.linked, slack[points.row]
-    )
-    return points.insert(row, level, searches.excess(row, level)) if len(row) else points
+        searches.excess, points.row, points.level, points.excess, points.linked, slack[points.row],
+        ~points.kinked,
+    )  # fmt: skip
+    if not len(row):
+        return points
+    return points.insert(row, level, searches.excess(row, level), np.zeros(len(row), bool))
 
 
 def find_extrema(
     function: Callable[[Array, Array], Array], row: Array, x: Array, excess: Array, linked: Array,
-    slack: Any,
+    slack: Any, smooth: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Extrema of curves between points, by row and `x` [-], that may come as near to zero as
     `slack` [N]; `function`: of rows and x, whose values at the points are `excess` [N]; `linked`:
-    where a curve goes on to the next point.
+    where a curve goes on to the next point; `smooth`: false at a known kink, which is an extremum
+    itself, or none.
     """
-    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
-
     sign = np.where(excess[1:-1] > 0, 1.0, -1.0)
     windows = (slice(None, -2), slice(1, -1), slice(2, None))
     before, middle, after = (sign * excess[window] for window in windows)
     left, right = np.diff(x)[:-1], np.diff(x)[1:]
     # a convex curve stays above the chords of both sides, extended beyond the middle
     depth = np.maximum((before - middle) * right / left, (after - middle) * left / right)
-    is_turn = linked[:-2] & linked[1:-1] & (middle > 0) & (before >= middle) & (after >= middle)
+    is_turn = (
+        linked[:-2]
+        & linked[1:-1]
+        & (middle > 0)
+        & (before >= middle)
+        & (after >= middle)
+        & smooth[1:-1]
+    )
     is_turn &= (depth > ROOT_TOLERANCE) & (middle - depth < np.broadcast_to(slack, x.shape)[1:-1])
     i = np.flatnonzero(is_turn)
     if not len(i):
         return row[i], x[i]
-    turn = elementwise.find_minimum(
-        lambda x, row, sign: sign * function(row, x),
-        tuple(x[window][i] for window in windows),
-        args=(row[i + 1], sign[i]),
-        tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
-    ).x
-    exists = np.isfinite(turn)  # else, to rounding, a neighbor is lower
-    return row[i + 1][exists], turn[exists]
+    row, sign, (start, x, end) = row[i + 1], sign[i], (x[window][i] for window in windows)
+    step = _SHARE * np.minimum(x - start, end - x)
+
+    def falling_slope(theta: tuple, x: Array) -> tuple[Array, Array]:
+        """Slope of the curve by central differences, and its own slope."""
+        row, sign, step = theta
+        points = np.stack([x - step, x, x + step])
+        before, here, after = function(np.stack([row] * 3), points)
+        return sign * (before - after) / (2 * step), sign * (2 * here - before - after) / step**2
+
+    return row, find_root(falling_slope, (row, sign, step), start, end, x)
 
 
 def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     """Roots by row and level [-]: points that meet the target, and changes of sign."""
-    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
-
     tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[points.row]
     meets = np.abs(points.excess) <= tolerance
     # a run of points that all meet it counts once, by its first
@@ -437,17 +429,30 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
     i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
     row = points.row[i]
-    result = elementwise.find_root(
-        lambda level, row, tolerance: searches.excess(row, level) / tolerance,
-        (points.level[i], points.level[i + 1]),
-        args=(row, tolerance[i]),
-        tolerances={"fatol": _ROOT_SHARE},
-    )
-    level, crosses = result.x, np.abs(result.f_x) <= 1  # else the force jumps past the target
+    ends = tuple((x[i], x[i + 1]) for x in (points.level, points.excess))
+    level = _find_level(lambda level, row: searches.excess(row, level), row, *ends)
+    crosses = np.abs(searches.excess(row, level)) <= tolerance[i]  # else it jumps past the target
     return (
         np.append(points.row[first], row[crosses]),
         np.append(points.level[first], level[crosses]),
     )
+
+
+def _find_level(
+    function: Callable[..., Array], argument: Array, ends: tuple[Array, Array],
+    values: tuple[Array, Array],
+) -> Array:  # fmt: skip
+    """Levels [-] between two `ends` [-] at which a `function` of level and `argument` changes sign;
+    `values`: at the ends, to rounding.
+    """
+    sign = np.where(values[0] > 0, 1.0, -1.0)
+
+    def falling(argument: Array, level: Array) -> tuple[Array, Array]:
+        value, beyond = function(np.stack([level, level + _STEP]), np.stack([argument, argument]))
+        return sign * value, sign * (beyond - value) / _STEP
+
+    secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1])
+    return refine_root(falling, argument, find_root(falling, argument, *ends, secant))
 
 
 def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:

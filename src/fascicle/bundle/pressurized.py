@@ -20,11 +20,11 @@ import numpy as np
 
 from ..core.array_namespace import add_table_axis, array_namespace
 from ..core.errors import InvalidInputError
-from ..core.module import Module, static, tree_leaves, tree_map, tree_replace, tree_structure
+from ..core.module import Module, static, tree_leaves, tree_map, tree_structure, with_fields
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
 from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
 from ..muscle import Muscle
-from ..muscle.muscle import batch_shape, tuning_tables
+from ..muscle.muscle import batch_shape, map_numbers
 from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import check_strain, lowest_strain
 
@@ -111,13 +111,21 @@ def flatten_batch(
     def flatten(x: Any, *axes: int) -> Any:
         return array_namespace(x).broadcast_to(x, (*shape, *axes)).reshape(-1, 1, *axes)
 
-    def flatten_leaf(leaf: Any) -> Any:
-        table = np.shape(leaf)[-1:] if id(leaf) in tables else ()
-        return leaf if np.ndim(leaf) == len(table) else flatten(leaf, *table)
+    def flatten_number(x: Any) -> Any:
+        return flatten(x) if np.ndim(x) else x
+
+    def flatten_table(x: Any) -> Any:
+        return flatten(x, np.shape(x)[-1]) if np.ndim(x) > 1 else x
 
     if batch:
-        tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
-        bundle = tree_map(flatten_leaf, bundle)
+        muscles = [unit.muscle for unit in bundle.motor_units]
+        muscles = [map_numbers(flatten_number, flatten_table, muscle) for muscle in muscles]
+        units = tuple(
+            with_fields(unit, muscle=muscle, count=flatten_number(unit.count))
+            for unit, muscle in zip(bundle.motor_units, muscles, strict=True)
+        )
+        distance = tree_map(flatten_number, bundle.plate_distance)
+        bundle = with_fields(bundle, motor_units=units, plate_distance=distance)
     return (bundle, flatten(pressures, np.shape(pressures)[-1]), flatten(force)), shape
 
 
@@ -137,12 +145,11 @@ def _stack_group(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
     if all(muscle is first for muscle in muscles) and not batch_shape(first):
         return first
-    tables = tuning_tables(first)
-    leaves = [
-        array_namespace(*row).stack(row, axis=-2 if id(row[0]) in tables else -1)
-        for row in zip(*map(tree_leaves, muscles), strict=True)
-    ]
-    return tree_replace(first, leaves)
+    return map_numbers(
+        lambda *row: array_namespace(*row).stack(row, axis=-1),
+        lambda *row: array_namespace(*row).stack(row, axis=-2),
+        *muscles,
+    )
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:

@@ -25,6 +25,7 @@ from ..core.module import (
     replace_checked,
     static,
     tree_leaves,
+    tree_map,
     with_fields,
 )
 from ..core.types import Batch, Values
@@ -454,9 +455,15 @@ def _split_leaves(muscle: Muscle) -> tuple[list[Any], list[Any]]:
     return tree_leaves(bare), [tuning.pressures, tuning.c1, tuning.c2]
 
 
-def tuning_tables(muscle: Muscle) -> set[int]:
-    """Identities of the columns of the tuning's table, whose last axis is not one of muscles."""
-    return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
+def map_numbers(number: Callable, table: Callable, *muscles: Muscle) -> Muscle:
+    """A muscle each of whose numbers is a function `number` of those of `muscles` of one structure;
+    `table`: the function for the columns of a tuning's table, whose last axis isn't one of muscles.
+    """
+    none = dict.fromkeys(("pressures", "c1", "c2"))
+    bare = [with_fields(m, tuning=with_fields(m.tuning, **none)) for m in muscles]
+    mapped = tree_map(number, *bare)
+    columns = {name: table(*(getattr(m.tuning, name) for m in muscles)) for name in none}
+    return with_fields(mapped, tuning=with_fields(mapped.tuning, **columns))
 
 
 # what `evaluate` runs: functions of the module, by whose identity JAX finds a compiled one
