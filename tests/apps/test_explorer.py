@@ -171,10 +171,19 @@ def shared(page, label):
     return Path(download.value.path())
 
 
+def drag(page, box, start, end):
+    """Drag the mouse from a `start` to an `end`, shares of a bounding `box`."""
+    places = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (start, end)]
+    page.mouse.move(*places[0])
+    page.mouse.down()
+    page.mouse.move(*places[1], steps=12)
+    page.mouse.up()
+
+
 MUSCLE = fs.example("kim2021_figure_6")
 
 
-def test_a_slider_moves_by_keyboard_and_the_curve_is_the_laws(visit):
+def test_sliders_and_hands_move_the_point_and_the_curve_is_the_laws(visit):
     page = visit()
     source(page, "curve")
     slider = handle(page, "Pressure P")
@@ -192,6 +201,23 @@ def test_a_slider_moves_by_keyboard_and_the_curve_is_the_laws(visit):
     np.testing.assert_allclose(after["force"], MUSCLE.force(pressure, strain), rtol=1e-9, atol=1e-9)
     assert len(source(page, "marks")["label"]) == 3
     assert source(page, "solid")["x"]
+    # a hand drags the point in the figure, and pulls the muscle's end cap
+    strain = source(page, "point")["x"][0]
+    figure, scene = (each.bounding_box() for each in page.locator(".bk-Figure").all()[:2])
+    drag(page, figure, (0.3, 0.5), (0.6, 0.5))
+    until(page, f"old => ({SOURCE})('point').x[0] > old + 0.05", arg=strain)
+    strain = source(page, "point")["x"][0]
+    drag(page, scene, (0.9, 0.4), (0.95, 0.4))  # the muscle is stretched
+    until(page, f"old => ({SOURCE})('point').x[0] < old - 0.01", arg=strain)
+    turned = page.evaluate(
+        "() => Bokeh.documents[0].get_model_by_name('solid_drawn').data.xs[0][0]"
+    )
+    drag(page, scene, (0.5, 0.9), (0.7, 0.9))  # elsewhere it turns the view
+    until(
+        page,
+        "old => Bokeh.documents[0].get_model_by_name('solid_drawn').data.xs[0][0] !== old",
+        arg=turned,
+    )
 
 
 def test_an_error_is_at_its_field_and_the_picture_stays(visit):

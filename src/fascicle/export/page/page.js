@@ -151,24 +151,34 @@ class Chart {
     if (!text) return;
     const wide = context.measureText(text).width;
     // above the mark or below, to its right or left
-    this.labels.push([text, [14, 30, 46, -16, -32, 62].flatMap(up =>
-      [[a + 9, b - up], [a - 9 - wide, b - up]])]);
+    this.labels.push([text, [14, -16, 30, 46, 62, 78, 94].flatMap(up =>
+      [[a + 9, b - up], [a - 9 - wide, b - up]]), [a, b]]);
   }
 
-  label(text, a, b) { this.labels.push([text, [[a, b]]]); }
+  label(text, a, b) { this.labels.push([text, [[a, b]], null]); }
 
-  // Write the labels, in order, each at the first of its places that is free; else it is left out.
+  // Write the labels, in order, each at the first of its places that is free, else it is left out;
+  // a line leads from it to its mark, unless it is right above.
   writeLabels() {
-    const {context} = this, [left, top, right] = this.box;
+    const {context} = this, [left, top, right, bottom] = this.box;
     context.textAlign = "left"; context.textBaseline = "middle";
     context.lineWidth = 4; context.strokeStyle = theme().paper; context.fillStyle = theme().ink;
-    for (const [text, places] of this.labels) {
+    for (const [text, places, mark] of this.labels) {
       const wide = context.measureText(text).width;
       const boxes = places.map(([a, b]) => [a - 2, b - 7, a + wide + 2, b + 7]);
-      const free = boxes.findIndex(box => box[0] > left && box[1] > top - 8 && box[2] < right + 10
+      const free = boxes.findIndex(box => box[0] > left && box[1] > top - 8 && box[2] < right + 10 && box[3] <= bottom
         && !this.taken.some(x => x[0] < box[2] && box[0] < x[2] && x[1] < box[3] && box[1] < x[3]));
       if (free < 0) continue;
       this.taken.push(boxes[free]);
+      if (mark && free > 0) {
+        const [box0, box1, box2, box3] = boxes[free];
+        context.save();
+        context.lineWidth = 1; context.strokeStyle = theme().soft;
+        context.beginPath(); context.moveTo(...mark);
+        context.lineTo(mark[0] < box0 ? box0 : box2, mark[1] < box1 ? box1 : box3);
+        context.stroke();
+        context.restore();
+      }
       context.strokeText(text, ...places[free]); context.fillText(text, ...places[free]);
     }
   }
@@ -257,6 +267,19 @@ function* reversalSteps(key) {
     curve.turn = [at[least], values[least]];
     [low, high] = [at[Math.max(least - 1, 0)], at[Math.min(least + 1, 16)]];
   }
+  // a jump falls between two pressures that are next to one another
+  const before = freeAt(low), depth = curve.y[0] - curve.turn[1];
+  const split = curve.x.findIndex(x => x * KPA >= curve.turn[0]);
+  const [left, right] = [[0, split], [split]].map(range =>
+    ({x: curve.x.slice(...range), y: curve.y.slice(...range)}));
+  const turn = [curve.turn[0] / KPA, curve.turn[1]];
+  curve.parts = [curve];
+  if (depth > 0 && before - turn[1] > 0.5 * depth) {
+    left.x.push(low / KPA); left.y.push(before);
+    right.x.unshift(turn[0]); right.y.unshift(turn[1]);
+    curve.parts = [left, right];
+    curve.jump = {x: [low / KPA, turn[0]], y: [before, turn[1]]};
+  }
   curve.done = true;
   yield curve;
 }
@@ -277,7 +300,8 @@ function drawReversal(shown) {
   const [low, high] = [Math.min(...values), Math.max(...values)], pad = 0.08 * (high - low) || 0.01;
   reversalChart.begin([0, DATA.highest / KPA], [Math.max(low - pad, 0), high + pad]);
   const color = reversal.key === key ? colors.curves[0] : colors.edge;
-  reversalChart.line(reversal, color, 2.6);
+  for (const part of reversal.parts) reversalChart.line(part, color, 2.6);
+  if (reversal.jump) reversalChart.line(reversal.jump, color, 2, [2, 3]);
   const [turn, free] = reversal.turn, depth = reversal.y[0] - free;
   const turns = depth > 1e-12;  // as in the library: rounding of two roots
   $("turn").textContent = turns
@@ -364,6 +388,20 @@ function render() {
   showReadings(shown); showControls();
 }
 
+// Show why a field is wrong right below it, or nothing.
+function showError(input, text) {
+  const id = `${input.id}-error`;
+  let note = $(id);
+  if (!note) {
+    note = document.createElement("p");
+    Object.assign(note, {id, className: "error", role: "status"});
+    input.closest(".row").append(note);
+    input.setAttribute("aria-describedby", id);
+  }
+  input.setAttribute("aria-invalid", text ? "true" : "false");
+  setText(id, text);
+}
+
 // A number that someone types: shown as wrong, with the reason, until it is right.
 function onNumber(input, low, high, unit, set) {
   input.addEventListener("input", () => {
@@ -373,8 +411,7 @@ function onNumber(input, low, high, unit, set) {
       const [from, to] = [low, high].map(figures);
       message = `${input.dataset.name} must lie in ${from} to ${to} ${unit}`.trim() + ".";
     } else message = set(value) ?? "";
-    input.setAttribute("aria-invalid", message ? "true" : "false");
-    setText("message", message);
+    showError(input, message);
   });
 }
 
@@ -393,8 +430,7 @@ function prepareControls() {
   $("curves").addEventListener("input", event => {
     const values = event.target.value.split(/[\s,;]+/).filter(Boolean).map(Number);
     const good = values.length <= 12 && values.every(x => x >= 0 && x <= DATA.highest / KPA);
-    event.target.setAttribute("aria-invalid", String(!good));
-    setText("message", good ? "" : `Curves must be up to 12 pressures in 0 to ${
+    showError(event.target, good ? "" : `Curves must be up to 12 pressures in 0 to ${
       figures(DATA.highest / KPA)} kPa, such as 100, 200.`);
     if (good) { view.curves = values.map(x => x * KPA); family = null; schedule(); }
   });
