@@ -1,6 +1,5 @@
 """Options with which commands read measured records, and the reading."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from .errors import UserError, user_errors
@@ -144,13 +143,9 @@ def read_record(paths: list[str], options: dict[str, Any], length: float | None 
 
     with user_errors():
         try:
-            record = load(paths, **options, default_length=length)
+            return load(paths, **options, default_length=length)
         except MissingMetadataError as error:
             raise ValueError(error.message(_record_option)) from None
-    python, option = "give clipped_at_zero = true", "give --clipped-at-zero"
-    notes = tuple(note.replace(python, option) for note in record.notes)
-    doubts = tuple(note.replace(python, option) for note in record.doubts)
-    return replace(record, notes=notes, doubts=doubts)
 
 
 def _record_option(argument: str, role: str, value: str) -> str:

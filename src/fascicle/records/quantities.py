@@ -213,19 +213,19 @@ def read_pressure(
     if rule:
         raise readings.cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
     if low < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
-        rule = f"{_reading_text(raw[lowest], column)} is below zero by more than noise:"
-        remedy = "give the transducer's reading at zero as pressure_at_rest (--zero pressure=…)."
+        text = _reading_text(raw[lowest], column)
+        rule = f"{text} is below zero by more than noise:"
         if column.absolute:
             remedy = "check the atmosphere, or leave it out if the pressure is gauge."
-        raise readings.cell_error(lowest, column, f"{rule} {remedy}")
+            raise readings.cell_error(lowest, column, f"{rule} {remedy}")
+        before = str(readings.cell_error(lowest, column, f"{rule} give "))
+        after = ", or another reading of the transducer at zero"
+        raise MissingMetadataError(before, ("zeros", "pressure", text, after))
     if below := int(np.count_nonzero(pressure < 0)):
         notes.append(f"{below} pressures below zero, down to {low:.3g} Pa, set to 0")
     _check_forces(readings, force, max(float(top), 0.0))
     if np.max(force) <= 0 < -np.min(force):
-        notes.append(
-            "no reading pulls: if they do, turn the sign with --push-positive, or with"
-            ' signs.force = "pushing positive"'
-        )
+        notes.append('no reading pulls: if they do, signs.force is "pushing positive"')
     return np.maximum(pressure, 0.0), tuple(notes)
 
 
@@ -308,7 +308,7 @@ def read_strain(
     low, high = STRAINS
     row = int(np.argmax(np.maximum(low - strain, strain - high)))
     if not low <= strain[row] <= high:
-        hint = f"it must lie from {low} to {high}, check its unit and sign (--sign strain=…)."
+        hint = f"it must lie from {low} to {high}, check its unit and sign."
         if column.role != "strain":
             side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
             arm = "moment arm, " if column.role == "angle" else ""
@@ -454,8 +454,8 @@ def check_atmosphere(
         )
         gauge = ("units", "pressure", f"{column.unit} (g)", ", if it is gauge")
         raise MissingMetadataError(before, ("atmosphere", "", f"{low / 1e3:.4g} kPa", ""), gauge)
-    note = f"the lowest pressure is {low / 1e3:.4g} kPa: if that is the atmosphere, subtract it"
-    return (f"{note} with --atmosphere",)
+    text = f"{low / 1e3:.4g} kPa"
+    return (f"the lowest pressure is {text}: if that is the atmosphere, give it to subtract it",)
 
 
 def read_censored(
@@ -473,7 +473,7 @@ def read_censored(
     if count:
         return censored, (f"{count} of {force.size} readings clipped",)
     if zeros > 2 and "clipped" not in readings.columns and info.clipped_at_zero is None:
-        hint = "if the gauge can't push, give clipped_at_zero = true"
+        hint = "if the gauge can't push, they are clipped at zero"
         return censored, (f"{zeros} forces are exactly 0: {hint}",)
     return censored, ()
 

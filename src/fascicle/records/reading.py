@@ -345,12 +345,13 @@ def _read_record(
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
-    return Record(
+    record = Record(
         pressure, strain, force, censored, read_branch(readings), time, rest_length,
         joint.arm if joint else readings.si("moment_arm"),
         synthetic=info.synthetic or _is_synthetic(header_lines),
         notes=notes, doubts=doubts, zeroed=_zeroed_channels(info),
     )  # fmt: skip
+    return _with_length(record, default_length) if needs_length else record
 
 
 def _zeroed_channels(info: Sidecar) -> tuple[str, ...]:

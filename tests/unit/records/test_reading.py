@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from fascicle.core.errors import InvalidInputError
 from fascicle.records import load, loads
 from fascicle.records.headers import MissingMetadataError
 
@@ -244,6 +245,16 @@ def test_several_files_are_one_record(tmp_path):
     for paths in ([tmp_path / "a.csv", tmp_path / "b.csv"], []):
         with pytest.raises(ValueError, match=r"one rest length|at least one file"):
             load(paths)
+
+
+def test_the_default_length_of_one_file_does_not_hold_for_another(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.csv").write_text(GOOD)
+    assert load(tmp_path / "a.csv", default_length=0.31).rest_length == 0.31
+    (tmp_path / "b.toml").write_text('rest_length = "300 mm"')
+    with pytest.raises(InvalidInputError) as error:
+        load([tmp_path / "a.csv", tmp_path / "b.csv"], default_length=0.31)
+    assert error.value.argument == "records"
 
 
 def test_files_that_cannot_be_read(tmp_path, monkeypatch):
