@@ -20,6 +20,7 @@ from .audit import Event as Event
 from .audit import audit as audit
 from .audit import events as events
 from .equilibrium import equilibrium_state as equilibrium_state
+from .equilibrium import holding_pressures as holding_pressures
 from .integrate import integrate as integrate
 from .loads import AbstractLoad as AbstractLoad
 from .loads import AntagonisticJoint as AntagonisticJoint

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from ..core.errors import InvalidInputError
-from ..core.types import Numbers, Values
+from ..core.types import Numbers, PerUnit, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..fluid import validate_commands
 from .plant import Plant, State
@@ -77,6 +77,20 @@ def equilibrium_state(
     spool = np.zeros(spools) if command is None else validate_commands(command) + np.zeros(spools)
     supply = np.asarray(plant.supply.initial_state(), float)
     return State(np.float64(q), np.float64(v), spool, plant.chambers_at(P, q), P, supply)
+
+
+def holding_pressures(
+    plant: Plant, position: float | None = None, force: float | None = None
+) -> PerUnit:
+    """Pressures [Pa] at which the one bundle of a `plant` holds its load at rest at a `position`
+    [m], or pulls with a `force` [N] at the prescribed position; the nearest if none do.
+    """
+    (bundle,), load = plant.bundles, plant.load
+    q = load.motion_at(0.0, 0.0, 0.0)[0] if position is None else position
+    if force is None:
+        stop_force = load.stop.force(q, 0.0)[0] if load.stop else 0.0
+        force = float(stop_force - load.force(q))
+    return bundle.recruit(force, q / bundle.length, plant.supply_pressure).pressures
 
 
 def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float) -> float:

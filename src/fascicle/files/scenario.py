@@ -20,6 +20,7 @@ from ..dynamics import (
     State,
     Trajectory,
     equilibrium_state,
+    holding_pressures,
     simulate,
 )
 from ..fluid import (
@@ -239,10 +240,24 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     # a prescribed motion itself may leave the stroke
     start_location = FileLocation(source, data, kind="motion") if plant.load.prescribed else root
     with start_location.error_context():
-        pressures = 0.0 if run.pressures is None else run.pressures
+        pressures = run.pressures
+        if pressures is None:
+            pressures = _first_pressures(plant, control)
         start = equilibrium_state(plant, pressures, run.position)
     name, source = file.name or name, file.source or ""
     return Scenario(name, plant, schedule, start, dt, duration, source, notes, control)
+
+
+def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
+    """Pressures [Pa] at the start: those that meet a controller's first demand at rest, so that no
+    run shows a transient of its own; zero of a schedule, of a joint and of a force on a free load.
+    """
+    if control is None or len(plant.bundles) > 1:
+        return 0.0
+    first = float(control.reference[0])
+    if control.controller.of == "position":
+        return holding_pressures(plant, position=first)
+    return holding_pressures(plant, force=first) if plant.load.prescribed else 0.0
 
 
 def _with_measured_friction(

@@ -116,6 +116,20 @@ def test_the_pages_bundle_runs_under_every_scenario():
 # the numbers
 
 
+@pytest.mark.parametrize(
+    ("name", "path", "value"), [(NAME, "load.mass", 8.0), ("ramp_1_4", "load.mean", 0.015)]
+)
+def test_a_run_begins_in_equilibrium_with_the_load_that_is_set(name, path, value):
+    scenario = loads_scenario(Setup(name).with_value(path, value).text(), name)
+    plant, start, first = scenario.plant, scenario.start, scenario.control.reference[0]
+    force = float(plant.bundles[0].force(start.pressures, float(plant.strains(start.position)[0])))
+    if path == "load.mass":
+        assert force == pytest.approx(value * 9.80665, rel=1e-4)  # the table's error
+        assert float(start.position) == pytest.approx(first, abs=1e-6)
+    else:
+        assert force == pytest.approx(first, abs=1e-6)
+
+
 def test_the_saved_scenario_gives_the_numbers_of_the_page(tab, result, tmp_path):
     tab.session.change(
         setup=replace(CHANGED, page_bundle=False, policies=("threshold", "hand_over"))
