@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..io.input_file import read_bytes
 from ..version import __version__
 from .evaluation import Values, evaluate
 from .objectives import OBJECTIVES
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 DATA = "designs.zarr"
+_MAX_SIZE = 1_000_000  # bytes of its description; it takes two thousand
 _CONNECTION_TIME = 20.0  # s until a scheduler counts as absent
 _QUEUE_TIME = 600.0  # s that a scheduler's workers may take to come; clusters have queues
 _NO_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
@@ -54,7 +56,8 @@ class Study:
 def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
     """Make a `folder` for a study's results, or check one to `resume`, and return its array's path.
 
-    **Raises:** `ValueError` for a folder that holds something else, which stays as it is.
+    **Raises:** `ValueError` for a folder that holds something else, which stays as it is; `OSError`
+    if its file is no regular one.
     """
     import zarr
     from dask.base import tokenize
@@ -63,6 +66,7 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
     digest = tokenize(__version__, study.space, study.task, names, study.block)
     former, fault = "", ""
     if exists := (path / "zarr.json").exists():
+        read_bytes(path / "zarr.json", _MAX_SIZE, "sweep's array")  # zarr waits for ever at a pipe
         # there is no end to what a damaged file can provoke
         with contextlib.suppress(Exception):
             former = zarr.open_array(path, mode="r").attrs.get("study")

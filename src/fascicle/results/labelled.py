@@ -172,7 +172,8 @@ def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
     """Write a dataset as netCDF; `OSError` if it can't be written."""
     try:
         data.to_netcdf(path, engine="netcdf4")
-    except RuntimeError as error:  # netCDF4's own, for any failure of the system
+    # netCDF4's own, for any failure of the system; a full disk is also "Permission denied"
+    except (RuntimeError, PermissionError) as error:
         reason = f"{error}; is the disk full?"
         raise OSError(errno.EIO, reason) from None
 

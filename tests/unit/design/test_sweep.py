@@ -110,6 +110,10 @@ def test_a_folder_with_other_content_is_refused(study, tmp_path):
     (tmp_path / DATA / "zarr.json").write_text("[" * 100_000)
     with pytest.raises(ValueError, match="another study's results"):
         open_folder(tmp_path, study, resume=True)
+    (tmp_path / DATA / "zarr.json").unlink()
+    os.mkfifo(tmp_path / DATA / "zarr.json")
+    with pytest.raises(OSError, match="named pipe"):
+        open_folder(tmp_path, study, resume=True)
 
 
 @pytest.mark.parametrize("address", ["nowhere://x", ""])
