@@ -1,10 +1,11 @@
 """Claims of a paper, in its words and ours, with the numbers that decide on them.
 
 Not all that a paper says of its model is a prediction of it. What was chosen so that a statement
-comes out, a constant or the reading of a unit, can't then count that statement as one that holds;
-and what an equation says outright holds whatever the muscle does. So each claim has a kind, and
-predictions are counted separately. Where the paper can be read in several ways, each claim is
-judged by each reading; and where the limit is ours and the number is close to it, that is said.
+comes out, a constant or the reading of a unit, can't then count that statement as one that holds.
+What an equation says outright holds whatever the muscle does. A statement on data that the paper
+doesn't give can't be tested. So each claim has a kind, and predictions are counted separately.
+Where the paper can be read in several ways, each claim is judged by each reading; and where the
+limit is ours and the number is close to it, that is said.
 
 The claims of a paper stand in a TOML file, with the limits that decide; code gives the numbers.
 """
@@ -26,6 +27,7 @@ KINDS: Mapping[str, str] = MappingProxyType({
     "input": "results that a constant was chosen or fitted to match: a check of the choice, not of "
     "the model",
     "definition": "statements of an equation or an assumption: a check of the code alone",
+    "not testable here": "statements that rest on measured data that the paper does not give",
 })  # fmt: skip
 _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<": lambda value, limit: value < limit,
@@ -35,7 +37,10 @@ _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
 SIGNS = (*_COMPARE, "=")
 _CLOSE = 0.1  # of a limit, or of what it leaves: so near a number may have decided the limit
 _ROUNDING = 1e-12  # less than this is shown as zero
-_MET = {"prediction": "holds", "input": "chosen", "definition": "by definition"}
+_MET = {
+    "prediction": "holds", "input": "chosen", "definition": "by definition",
+    "not testable here": "not testable here",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -104,11 +109,12 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Reading:
-    """A claim by another reading of the paper: the reading's `name`, its verdict, and the numbers
-    of its criteria.
+    """A claim by another reading of the paper: the reading's `name`, its `condition`, a clause
+    that begins with "if", whether the claim `holds`, and the numbers of its criteria.
     """
 
     name: str
+    condition: str
     holds: bool
     numbers: tuple[str, ...]
 
@@ -165,19 +171,20 @@ class Claim:
         if not self.opposite_readings:
             return "The same with every reading."
         numbers = "; ".join(
-            f"{reading.name} ({'; '.join(reading.numbers)})" for reading in self.opposite_readings
+            f"{reading.condition} ({'; '.join(reading.numbers)})"
+            for reading in self.opposite_readings
         )
         verdict = "does not hold" if self.holds else "holds"
-        equal = [reading.name for reading in self.readings if reading.holds is self.holds]
-        suffix = f"; the same with {', '.join(equal)}" if equal else ""
-        return f"Depends on the reading: {verdict} with {numbers}{suffix}."
+        rest = len(self.readings) - len(self.opposite_readings)
+        suffix = f". The same with the other {rest}" if rest else ""
+        return f"Depends on the reading: it {verdict} {numbers}{suffix}."
 
     @property
     def verdict(self) -> str:
-        """One of "holds", "chosen" and "by definition", by kind; else "differs" where a difference
-        is known, and "fails".
+        """One of "holds", "chosen", "by definition" and "not testable here", by kind; else
+        "differs" where a difference is known, and "fails".
         """
-        if self.holds:
+        if self.holds or self.kind == "not testable here":
             return _MET[self.kind]
         return "differs" if self.explanation else "fails"
 
@@ -237,6 +244,7 @@ def summary(claims: Sequence[Claim]) -> str:
         "prediction": lambda n, total: f"{n} of {total} predictions hold",
         "input": lambda n, total: f"{n} of {total} inputs match the paper by choice",
         "definition": lambda n, _: f"{n} claim{' holds' if n == 1 else 's hold'} by definition",
+        "not testable here": lambda n, _: f"{n} can't be tested here",
     }
     parts = []
     for kind, phrase in phrases.items():
@@ -250,31 +258,47 @@ def summary(claims: Sequence[Claim]) -> str:
 
 
 def remarks(claims: Sequence[Claim]) -> list[str]:
-    """Sentences on claims that depend on a reading, or on a limit of ours that is close."""
-    depending = [
-        f"{claim.key} ({', '.join(reading.name for reading in claim.opposite_readings)})"
-        for claim in claims
-        if claim.opposite_readings
+    """Sentences on the readings that change a verdict, and on limits of ours that are close. Claims
+    are named by their number in the list.
+    """
+    changed: dict[str, list[int]] = {}
+    for number, claim in enumerate(claims, start=1):
+        for reading in claim.opposite_readings:
+            changed.setdefault(reading.condition, []).append(number)
+    close = [
+        number
+        for number, claim in enumerate(claims, start=1)
+        if any(criterion.close for criterion in claim.criteria)
     ]
-    close = [claim.key for claim in claims if any(number.close for number in claim.criteria)]
-    sentences = []
-    if depending:
-        sentences.append(
-            f"The verdict depends on how the paper is read for {', '.join(depending)}."
-        )
-    elif any(claim.readings for claim in claims):
-        sentences.append("Every verdict is the same with every reading of the paper.")
+    sentences = [
+        f"{condition[:1].upper()}{condition[1:]}, the verdict is another on {_numbered(numbers)}."
+        for condition, numbers in changed.items()
+    ]
+    all_conditions = {reading.condition: None for claim in claims for reading in claim.readings}
+    unchanged = [condition for condition in all_conditions if condition not in changed]
+    if unchanged:
+        sentences.append(f"No verdict is another {'; '.join(unchanged)}.")
     if close:
         sentences.append(
-            "A limit that the paper does not give, and that is close to the number, decides the"
-            f" verdict for {', '.join(close)}."
+            "A limit that the paper does not give, and that is close to the number, decides"
+            f" {_numbered(close)}."
         )
     return sentences
+
+
+def _numbered(numbers: Sequence[int]) -> str:
+    """Claims by their `numbers`, in words."""
+    if len(numbers) == 1:
+        return f"claim {numbers[0]}"
+    return f"claims {', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
 
 
 def claims_data(claims: Sequence[Claim]) -> dict[str, Any]:
     """Content of `claims.json`: claims with their summary."""
     return {
         "summary": summary(claims), "remarks": remarks(claims), "kinds": dict(KINDS),
+        "readings": {
+            reading.name: reading.condition for claim in claims for reading in claim.readings
+        },
         "claims": [claim.data for claim in claims],
     }  # fmt: skip

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["failed", "print_claims", "print_comparisons", "verdict_lines"]
 
 _STYLES = {
-    "holds": "green", "chosen": "", "by definition": "", "differs": "yellow", "fails": "bold red",
+    "holds": "green", "chosen": "", "by definition": "", "not testable here": "",
+    "differs": "yellow", "fails": "bold red",
 }  # fmt: skip
 _WIDEST = 40  # characters of a law's label in a line
 
@@ -62,7 +63,7 @@ def print_claims(claims: Sequence[Claim], verbose: bool = False) -> None:
         group = of_kind(claims, kind)
         if not group:
             continue
-        console.print(Text(f"{kind.capitalize()}s: {about}", style="bold"))
+        console.print(Text(f"{kind.capitalize()}: {about}", style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False)
         for head in ("place", "verdict", "claim, and the paper's words", "criterion"):
             table.add_column(head)
@@ -72,7 +73,7 @@ def print_claims(claims: Sequence[Claim], verbose: bool = False) -> None:
             table.add_row(Text(claim.place), verdict, words, Text(_criteria(claim)))
         console.print(table)
     for claim in claims:
-        if not claim.holds:
+        if claim.verdict in ("differs", "fails"):
             text = f"{claim.verdict}: {claim.text} {claim.outcome} {claim.explanation}".rstrip()
             console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
 

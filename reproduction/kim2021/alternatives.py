@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.muscle.laws import LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 from fascicle.plot.theme import (
     BLACK,
@@ -22,6 +21,7 @@ from fascicle.plot.theme import (
     GRAY,
     GREEN,
     PURPLE,
+    SKY,
     VERMILION,
     force_strain_axes,
     in_kilopascals,
@@ -39,6 +39,7 @@ from . import setting
 PAPER = "paper's laws"
 VARIANTS: Mapping[str, tuple[str, dict]] = {  # by name: how it is called and drawn in figures
     PAPER: ("kim2021, derived (every reproduced figure)", {"color": BLACK, "linewidth": 1.8}),
+    "resolved": ("springs in equilibrium [R19]", {"color": SKY, "linestyle": (0, (5, 1.5))}),
     "elastica": ("buckling: elastica", {"color": BLUE}),
     "wood1958": ("collapse: wood1958", {"color": VERMILION, "linestyle": (0, (4, 2))}),
     "consistent": ("after collapse: consistent", {"color": GREEN, "linestyle": (0, (6, 2))}),
@@ -101,10 +102,12 @@ class Variant:
 @cache
 def variant(name: str) -> Variant:
     """Table of one of the `VARIANTS`."""
-    base = muscle = setting.muscle("figure_6")
-    for kind in ("buckling", "collapse", "post_collapse"):
-        if name in LAWS[kind]:
-            muscle = base.replace(**{kind: name})
+    base = setting.muscle("figure_6")
+    if name == "elastica":
+        muscle = base.replace(buckling=name)
+    else:
+        with setting.reading("derived" if name == PAPER else name):
+            muscle = setting.muscle("figure_6")
     force = np.asarray(muscle.force(_PRESSURES[:, None], _STRAIN))
     tested = setting.PRESSURES.size
     return Variant(
@@ -123,15 +126,16 @@ def variant(name: str) -> Variant:
 
 
 def buckling() -> PaperFigure:
-    """The elastica and Wood's collapse moment beside the paper's laws, as in Fig. 6."""
+    """Resolved springs, the elastica and Wood's moment beside the paper's laws, as in Fig. 6."""
     conditions = (
         f"Fig. 6's muscle: {setting.sizes(setting.muscle('figure_6'))}.",
+        "springs in equilibrium: the joint of (13) to (16) resolved instead of projected. "
         "elastica: one energy, an axis that shortens and bends exactly, nothing fitted. "
         "wood1958: (17) with the cube on r₀/t₀, as in the work that it cites. Dotted: the end "
         "of the tested range.",
     )
     title = "Another buckling law, another collapse moment"
-    names = (PAPER, "elastica", "wood1958")
+    names = (PAPER, "resolved", "elastica", "wood1958")
     return _forces("alternatives_buckling", title, conditions, names, setting.FIGURE_6)
 
 
@@ -256,6 +260,11 @@ def _by_pressure(number: Callable[[Variant, int], float], digits: int) -> Callab
     return entry
 
 
+def _at_collapse(variant: Variant) -> float:
+    """Resistance [N] at collapse without pressure."""
+    return -float(variant.muscle.force(0.0, float(variant.collapse_strain[0])))
+
+
 def _collapses_as_paper(variant: Variant) -> str:
     low, high = np.split(variant.collapse_strain[setting.FIGURE_6], 2)
     return "yes" if np.all(low < variant.tested) and np.all(high > variant.tested) else "no"
@@ -283,13 +292,16 @@ _ROWS: dict[str, Callable[[Variant], str]] = {
 
 def conclusions() -> list[str]:
     """Sentences on what the numbers say, true whatever they are."""
-    paper, elastica, wood, consistent, printed = (variant(name) for name in VARIANTS)
+    paper, resolved, elastica, wood, consistent, printed = (variant(name) for name in VARIANTS)
     low = setting.FIGURE_6[1]
     by_wood, by_paper = (
         sum(bool(strain < v.tested) for strain in v.collapse_strain[setting.FIGURE_12])
         for v in (wood, paper)
     )
     return [
+        f"Springs in equilibrium: without pressure the muscle pushes at collapse with "
+        f"{_at_collapse(resolved):.2f} N instead of {_at_collapse(paper):.2f} N. It stays straight "
+        "until nearly Euler's load, so the soft onset at the free strain is gone.",
         f"elastica: at 34.5 kPa the largest resistance is {elastica.peak(low):.2f} N against "
         f"{paper.peak(low):.2f} N, and the reversal of 1 + 4 is {elastica.depth((1, 4)):.4f} deep "
         f"against {paper.depth((1, 4)):.4f}. The muscle first shortens straight, then buckles at "

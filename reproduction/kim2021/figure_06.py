@@ -82,6 +82,7 @@ def claims(muscle: Muscle, parts: Components, reach: float) -> tuple[Claim, ...]
         _calm_claim(muscle, parts, reach, names),
         *_straight_claims(parts, reach, names),
         _range_claim(parts, reach, names),
+        *tension_claims(parts, muscle.replace(tension="ideal")),
     )
 
 
@@ -182,4 +183,32 @@ def _range_claim(parts: Components, reach: float, names: list[str]) -> Claim:
         + " of strain within the tested range at "
         + ", ".join(names)
         + ".",
+    )
+
+
+def tension_claims(parts: Components, ideal: Muscle) -> tuple[Claim, ...]:
+    """Claims of section 2 on the forces `parts` [N], and on an `ideal` muscle of the mesh alone."""
+    excess = (parts.force[:, parts.strain > 0] - parts.force[:, :1]).max(axis=1)
+    mesh = float(np.abs(parts.mesh[0]).max())
+    free = setting.array(ideal.free_strain(parts.pressure[1:]))
+    return (
+        claim(
+            "largest_force_at_zero_strain",
+            (float(excess.max()),),
+            f"{', '.join(f'{x:.1f}' for x in parts.force[:, 0])} N at zero strain, less at every "
+            "other one."
+            if excess.max() < 0
+            else f"It is exceeded by {excess.max():.2g} N.",
+        ),
+        claim(
+            "no_mesh_force_without_pressure",
+            (mesh,),
+            f"The largest mesh force at 0 kPa is {mesh:.2g} N, at every strain.",
+        ),
+        claim(
+            "ideal_free_strain_is_constant",
+            (float(np.ptp(free)),),
+            f"{free[0]:.4f} at every pressure; with the bladder, "
+            f"{', '.join(f'{x:.3f}' for x in parts.free_strain)}.",
+        ),
     )

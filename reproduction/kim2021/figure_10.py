@@ -82,7 +82,11 @@ def compute() -> PaperFigure:
         ),
         data=_data(maps, mean),
         draw=lambda: draw(maps, mean),
-        claims=(*efficiency_claims(mean), slender_claim(*resistances())),
+        claims=(
+            *efficiency_claims(mean),
+            slender_claim(*resistances()),
+            unit_claim(unit_resistances()),
+        ),
     )
 
 
@@ -187,4 +191,20 @@ def slender_claim(strain: np.ndarray, one: np.ndarray, four: np.ndarray) -> Clai
         (f"Only beyond ε ≈ {last:.2f}" if weaker.size else "At every strain")
         + f". At ε = {place:g}: {at[0]:.1f} N of the one, {at[1]:.1f} N of the four; at "
         f"{strain[-1]:.2f}: {one[-1]:.1f} and {four[-1]:.1f} N.",
+    )
+
+
+def unit_resistances() -> np.ndarray:
+    """Largest resistance [N] of one unit without pressure, against the number of units."""
+    muscles = [family(int(n)).motor_units[0].muscle for n in UNITS]
+    strain = np.linspace(0.0, setting.tested(muscles[0]), 301)  # one for all: t0/r0 is the same
+    return np.array([-float(setting.array(muscle.force(0.0, strain)).min()) for muscle in muscles])
+
+
+def unit_claim(resistance: np.ndarray) -> Claim:
+    """Claim on the `resistance` [N] of one unit, against the number of units."""
+    return claim(
+        "resistance_of_a_unit_falls",
+        (float((resistance[1:] / resistance[:-1]).max()),),
+        f"N = 1 to {UNITS[-1]}: {', '.join(f'{x:.2f}' for x in resistance)} N.",
     )

@@ -26,11 +26,11 @@ PAPER = (
 def report(figures: Sequence[WrittenFigure], others: Sequence[WrittenFigure] = ()) -> str:
     """The page: every figure and every claim, then the `others`, of other laws and readings."""
     claims = [claim for entry in figures for claim in entry.figure.claims]
-    numbers: dict[str, Any] = {}
+    compared: dict[str, Any] = {}
     if others:
-        numbers = {
+        compared = {
             "sizes": setting.sizes(setting.muscle("figure_6")),
-            "variants": list(alternatives.VARIANTS),
+            "variants": [label for label, _ in alternatives.VARIANTS.values()],
             "comparison": alternatives.comparison(),
             "conclusions": alternatives.conclusions(),
         }
@@ -38,11 +38,12 @@ def report(figures: Sequence[WrittenFigure], others: Sequence[WrittenFigure] = (
         "report.html", Path(__file__).parent, title="Kim, Mazzoleni and Bryant 2021, reproduced",
         footer=PAPER + " Pictures, data and claims computed by fascicle.",
         summary=summary(claims), remarks=remarks(claims), kinds=KINDS, claims=claims,
-        differing=[claim for claim in claims if not claim.holds],
+        differing=[claim for claim in claims if claim.verdict in ("differs", "fails")],
+        numbers={claim.key: number for number, claim in enumerate(claims, start=1)},
         sections={claim.key: entry.figure.key for entry in figures for claim in
                   entry.figure.claims},
         figures=[_entry(figure) for figure in figures], others=[_entry(other) for other in others],
-        files=downloads({"claims.json": claims_file(claims).encode()}), **numbers,
+        files=downloads({"claims.json": claims_file(claims).encode()}), **compared,
     )  # fmt: skip
 
 

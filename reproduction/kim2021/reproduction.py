@@ -76,7 +76,7 @@ def run(out: Path, progress: Callable[[int, int, str], object] | None = None) ->
 
 def claims_by_reading() -> dict[str, dict[str, Claim]]:
     """Claims by their keys, by each of the paper's other readings."""
-    _, *others = setting.READINGS  # the first is that of every figure
+    _, *others = setting.READINGS  # first that of every figure
     claims = {}
     for name in others:
         with setting.reading(name):
@@ -92,7 +92,12 @@ def add_readings(
         replace(
             claim,
             readings=tuple(
-                Reading(name, other.holds, tuple(number.text for number in other.criteria))
+                Reading(
+                    name,
+                    setting.READINGS[name].condition,
+                    other.holds,
+                    tuple(number.text for number in other.criteria),
+                )
                 for name, others in readings.items()
                 if (other := others.get(claim.key)) is not None
             ),

@@ -62,7 +62,7 @@ class SpringsInSeries(AbstractBuckling):
         """Onset of a `column` [-]; inf where it never bows."""
         fixed = stop_gradient(column)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness
-        bows, low, high = _first_cell(_load_reserve, fixed, free)
+        bows, low, high = find_first_cell(_load_reserve, fixed, free)
         onset = root(_load_reserve, column, low, high, 0.5 * (low + high))
         return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
@@ -95,12 +95,12 @@ class SpringsInSeries(AbstractBuckling):
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
         fixed, fixed_square = stop_gradient(theta)
         free = fixed.free_strain + 0.0 * fixed.bending_stiffness + 0.0 * fixed_square
-        exists, low, high = _first_cell(_force_excess_at_moment, (fixed, fixed_square), free)
+        exists, low, high = find_first_cell(_force_excess_at_moment, (fixed, fixed_square), free)
         strain = root(_force_excess_at_moment, theta, low, high, 0.5 * (low + high))
         return where(logical_and(exists, xp.isfinite(column.branch)), strain, np.inf)
 
 
-def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
+def find_first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
     """Mask where a `function` falls below 0 past the `free` strain, and that cell's ends [-]."""
     rank = xp.node_axis(np.arange(float(_CELLS)), free)
     step = (_FARTHEST_STRAIN - free) / _CELLS

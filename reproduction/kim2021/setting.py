@@ -6,10 +6,10 @@ Every muscle is a named example, so its sizes stand in one file with their sourc
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import numpy as np
@@ -23,6 +23,7 @@ from fascicle.plot.curves import Components, components_of
 
 from ..claims import claim_builder
 from .series import SpringsInSeries
+from .springs import LinkedSprings, ResolvedSprings, StiffSprings
 
 
 PRESSURES = np.array([0.0, 34.5, 68.9, 103.4, 137.9, 344.7]) * 1e3  # Pa, Figs 6, 7 and 12
@@ -36,9 +37,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
 
 
-def _with_latex(muscle: Muscle) -> Muscle:
-    """A muscle whose bladder has the elasticity of Klute and Hannaford's latex in tension [R3]."""
-    numbers = tuple(map(np.asarray, (LATEX.c10, LATEX.c01)))
+def _with_latex(share: float, muscle: Muscle) -> Muscle:
+    """A muscle whose bladder has in tension a `share` of the constants of latex [R3]."""
+    numbers = tuple(share * np.asarray(constant) for constant in (LATEX.c10, LATEX.c01))
     return eqx.tree_at(lambda m: (m.material.c10, m.material.c01), muscle, numbers)
 
 
@@ -48,14 +49,38 @@ def _in_megapascals(muscle: Muscle) -> Muscle:
     return eqx.tree_at(lambda m: m.tuning.hinge_stiffness_slope, muscle, 0.1 * slope)
 
 
-READINGS: Mapping[str, Callable[[Muscle], Muscle]] = MappingProxyType({
-    "derived": lambda muscle: muscle,  # of every figure
-    "consistent": lambda muscle: muscle.replace(post_collapse="consistent"),  # [R10]
-    "printed": lambda muscle: muscle.replace(post_collapse="printed"),
-    "wood1958": lambda muscle: muscle.replace(collapse="wood1958"),  # [R8]
-    "kim2021_series": lambda muscle: muscle.replace(buckling=SpringsInSeries()),
-    "latex": _with_latex,
-    "megapascals": _in_megapascals,
+class PaperReading(NamedTuple):
+    """One way to read the paper: its `condition`, a clause, and the `change` to a muscle."""
+
+    condition: str
+    change: Callable[[Muscle], Muscle]
+
+
+def _by_law(condition: str, **laws: Any) -> PaperReading:
+    return PaperReading(condition, lambda muscle: muscle.replace(**laws))
+
+
+READINGS: Mapping[str, PaperReading] = MappingProxyType({
+    "derived": PaperReading("as in every figure", lambda muscle: muscle),
+    "resolved": _by_law("if the joint of the springs is in equilibrium [R19]",
+                        buckling=ResolvedSprings()),
+    "linked": _by_law("if the links of Fig. 4 themselves give the deflection [R20]",
+                      buckling=LinkedSprings()),
+    "stiff": _by_law("if each axial spring has the stiffness of half a bladder, 2EA/L_fs [R21]",
+                     buckling=StiffSprings()),
+    "kim2021_series": _by_law("if mesh, bladder and bow carry one force, in series",
+                              buckling=SpringsInSeries()),
+    "wood1958": _by_law("if (17) has the cube of r₀/t₀ [R8]", collapse="wood1958"),
+    "consistent": _by_law("if the halves keep their length after collapse [R10]",
+                          post_collapse="consistent"),
+    "printed": _by_law("if (25) stands as in print [R10]", post_collapse="printed"),
+    "softest": PaperReading("if the free strain of 0.24 is 0.245: 0.69 times latex [R3]",
+                            partial(_with_latex, 0.69)),
+    "stiffest": PaperReading("if the free strain of 0.24 is 0.235: 0.82 times latex [R3]",
+                             partial(_with_latex, 0.82)),
+    "latex": PaperReading("if the bladder is Klute and Hannaford's latex [R3]",
+                          partial(_with_latex, 1.0)),
+    "megapascals": PaperReading("if P in Table 1 is in MPa [R14]", _in_megapascals),
 })  # fmt: skip
 _READING: ContextVar[str] = ContextVar("reading", default="derived")
 
@@ -90,7 +115,7 @@ def muscle(name: str) -> Muscle:
     """
     result = example(f"kim2021_{name}")
     assert isinstance(result, Muscle)
-    result = READINGS[_READING.get()](result)
+    result = READINGS[_READING.get()].change(result)
     rate = result.tuning.transition_rate
     if rate is None:
         return result

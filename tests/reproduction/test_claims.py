@@ -47,7 +47,9 @@ def test_a_criterion_is_a_number_against_a_limit(value, sign, limit, met):
      (False, "prediction", "known", "differs"), (False, "prediction", "", "fails"),
      (True, "input", "", "chosen"), (False, "input", "", "fails"),
      (False, "input", "known", "differs"),
-     (True, "definition", "", "by definition"), (False, "definition", "", "fails")],
+     (True, "definition", "", "by definition"), (False, "definition", "", "fails"),
+     (True, "not testable here", "", "not testable here"),
+     (False, "not testable here", "known", "not testable here")],
 )  # fmt: skip
 def test_verdicts(holds, kind, explanation, verdict):
     assert claim(holds, kind, explanation).verdict == verdict
@@ -98,13 +100,16 @@ def test_a_limit_of_ours_can_be_close(value, sign, limit, tolerance, close):
 
 
 def test_a_verdict_that_depends_on_a_reading_says_so():
-    other = Reading("printed", False, ("what: 2, must be < 1",))
-    same = Reading("wood1958", True, ("what: 0.5, must be < 1",))
+    other = Reading("printed", "if it stands as in print", False, ("what: 2, must be < 1",))
+    same = Reading("wood1958", "if it has the cube", True, ("what: 0.5, must be < 1",))
     first = dataclasses.replace(claim(key="first"), readings=(other, same))
     second = dataclasses.replace(claim(key="second"), readings=(same,))
     assert first.opposite_readings == (other,) and not second.opposite_readings
-    (told,) = remarks([first, second])
-    assert "first (printed)" in told and "second" not in told
+    assert remarks([second, first]) == [
+        "If it stands as in print, the verdict is another on claim 2.",
+        "No verdict is another if it has the cube.",
+    ]
+    assert "if it stands as in print (what: 2, must be < 1)" in first.dependence
     assert claims_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
     near = criterion(0.95, ">", 0.9, limit_reason="no number is given")
-    assert "third" in remarks([dataclasses.replace(claim(key="third"), criteria=(near,))])[0]
+    assert "claim 1" in remarks([dataclasses.replace(claim(key="third"), criteria=(near,))])[0]

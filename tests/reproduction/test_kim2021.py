@@ -19,8 +19,7 @@ REPORTED = json.loads(
     (Path(__file__).parents[2] / "docs" / "_static" / "claims.json").read_text(encoding="utf-8")
 )
 DIFFERENCES = {
-    "one_of_two_against_four_of_five", "unequal_blocked_forces", "blocked_force_intercept",
-    "corrected_curve_differs",
+    "one_of_two_against_four_of_five", "unequal_blocked_forces",
 }  # fmt: skip
 
 
@@ -107,17 +106,16 @@ def test_a_figure_that_breaks_stops_the_run(tmp_path, monkeypatch):
 
 def test_claims_about_figure_6_hold():
     claims = figure_06.compute().claims
-    assert [claim.verdict for claim in claims].count("holds") == 6
+    assert [claim.verdict for claim in claims].count("holds") == 7
     assert not failed(claims)
 
 
 def test_after_collapse_is_judged_by_each_reading():
     """By `consistent` the resistance exceeds that at collapse; by no other reading does it."""
     readings = {one["key"]: one["readings"] for one in REPORTED["claims"]}
-    assert readings["less_after_collapse"] == {
-        "consistent": False, "printed": True, "wood1958": True, "kim2021_series": True,
-        "latex": True, "megapascals": True,
-    }  # fmt: skip
+    assert {
+        name: holds for name, holds in readings["less_after_collapse"].items() if not holds
+    } == {"consistent": False}
     muscle = setting.muscle("figure_6")
     reach = setting.tested(muscle)
     for name in ("derived", "consistent", "printed"):
@@ -143,7 +141,7 @@ def test_table_1s_pressure_is_read_in_bar_or_in_megapascals():
 def test_the_whole_reproduction(tmp_path):
     claims = reproduction.run(tmp_path)
     assert not failed(claims)
-    assert {claim.key for claim in claims if not claim.holds} == DIFFERENCES
+    assert {claim.key for claim in claims if claim.verdict == "differs"} == DIFFERENCES
     for number in (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 13, 14):
         for kind in ("png", "svg", "nc", "csv"):
             assert (tmp_path / f"figure_{number:02}.{kind}").stat().st_size > 100

@@ -33,6 +33,7 @@ _VERDICTS = {
     "holds": ("holds", "✓"),
     "chosen": ("chosen", "←"),
     "by definition": ("defined", "≡"),
+    "not testable here": ("defined", "–"),
     "differs": ("differs", "≠"),
     "fails": ("fails", "✗"),
 }
@@ -120,7 +121,7 @@ def sentence(text: str) -> str:
 
 
 def verdict(word: str) -> Markup:
-    """Verdict as HTML: "holds", "chosen", "by definition", "differs" or "fails"."""
+    """Verdict, a key of `_VERDICTS`, as HTML."""
     return _MARK.format(*_VERDICTS[word], word)
 
 
