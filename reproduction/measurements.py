@@ -15,20 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from fascicle.calibrate.calibration import Calibration, Selection
-from fascicle.calibrate.comparison import Row, comparison_row, tension_fits
-from fascicle.calibrate.data import select_fit_data
-from fascicle.calibrate.fitting import FitOptions
-from fascicle.calibrate.messages import interval_texts
-from fascicle.calibrate.model_selection import select_model
-from fascicle.calibrate.plot_data import fit_plot
+from fascicle.calibrate.calibration import Calibration
+from fascicle.calibrate.comparison import Row, compare_tension
+from fascicle.calibrate.model_selection import Selection, select_model
 from fascicle.files import load as load_muscle
 from fascicle.muscle import Muscle
-from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
 from fascicle.records import load
 from fascicle.records.record import Record
-from fascicle.report.calibration_words import cause_words, warning_lines
+from fascicle.report.calibration_figures import draw_fit, fit_plot
+from fascicle.report.calibration_words import (
+    cause_words,
+    interval_texts,
+    selection_reasons,
+    warning_lines,
+)
 from fascicle.report.page import Picture, data_uri, render, screen_width
 from fascicle.units import pretty
 
@@ -115,7 +116,7 @@ def run(
             comparisons.append(compare_laws(record))
     sections = []
     for number, comparison in enumerate(comparisons, start=1):
-        picture = to_bytes(plot.fit(fit_plot(comparison.choice.calibration)), "png")
+        picture = to_bytes(draw_fit(fit_plot(comparison.choice.calibration)), "png")
         (folder / f"record_{number}.png").write_bytes(picture)
         sections.append(_section(comparison, picture))
     left_out = [f"{record.name}: {record.left_out}" for record in records if record.left_out]
@@ -192,8 +193,8 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
     assert muscle is not None
     choice = select_model(record, muscle)
     names = list(choice.calibration.names) if choice.calibration.method == "constants" else None
-    fits = tension_fits(select_fit_data(record), muscle, names, None, FitOptions(whole=False))
-    errors = [_law_error(comparison_row(label, fit), fit) for label, fit in fits.items()]
+    laws = compare_tension(record, muscle, names, whole=False)
+    errors = [_law_error(row, laws.fits[row.label]) for row in laws.rows]
     errors.sort(key=lambda error: error.row.relative_left_out_rmse)
     return RecordComparison(measured, choice, tuple(errors))
 
@@ -244,7 +245,7 @@ def _section(comparison: RecordComparison, picture: bytes) -> dict[str, Any]:
     """Values of a record's section on the page."""
     fit, measured = comparison.choice.calibration, comparison.measured
     return {
-        "measured": measured, "fit": fit, "reasons": comparison.choice.reasons,
+        "measured": measured, "fit": fit, "reasons": selection_reasons(comparison.choice),
         "picture": Picture(data_uri(picture, "png"), screen_width(_PICTURE_WIDTH)),
         "laws": [
             [
@@ -268,7 +269,7 @@ def _record_data(comparison: RecordComparison) -> dict[str, Any]:
     fit = comparison.choice.calibration
     return {
         "name": comparison.measured.name, "source": comparison.measured.source,
-        "reasons": list(comparison.choice.reasons), "warnings": warning_lines(fit),
+        "reasons": selection_reasons(comparison.choice), "warnings": warning_lines(fit),
         "chosen": list(fit.names),
         "laws": [
             {

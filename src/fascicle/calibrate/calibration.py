@@ -1,20 +1,18 @@
-"""Results: a calibration with the uncertainty of its constants, and the selection of a model."""
+"""Results: a calibration, its residual diagnostics, and the uncertainty of its constants."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..core.lazy import import_late
 from ..muscle import Muscle
 from ..records.hysteresis import Averaged, Loop, averaged, loop_of
 from ..records.record import Record
-from ..repr_table import ReprTable, with_table_repr
 from .data import FitData, Grid
 from .friction import Friction, fit_friction
-from .gauges import GAUGE_NAMES, Gauge, default_deviations
-from .least_squares import KNOWN, NORMAL, Minimum, Problem, SearchEnds
-from .parameters import FACTORS, GAUGE_UNITS, WEAK, Parameter, put, values
+from .gauges import Gauge, default_deviations
+from .least_squares import KNOWN, NORMAL, STATUS, Minimum, Problem, SearchEnds
+from .parameters import FACTOR_NAMES, GAUGE_UNITS, WEAK, Parameter, put, values
 from .readings import Readings, static_force
 
 
@@ -22,14 +20,6 @@ _MAJORITY = 0.5  # of the trends' squares: more lies past the free strain than b
 _SIZES = ("length", "angle")  # dimensions of sizes
 CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
-
-
-def _calibration_table(calibration: "Calibration") -> ReprTable:
-    return import_late("calibrate.messages.calibration_table")(calibration)
-
-
-def _selection_table(selection: "Selection") -> ReprTable:
-    return import_late("calibrate.messages.selection_table")(selection)
 
 
 @dataclass(frozen=True)
@@ -60,8 +50,7 @@ class Profile:
     """Profile likelihood of a parameter.
 
     - `name`: of the parameter.
-    - `value`: fixed values of the parameter [its SI unit], rising.
-    - `rise`: $\\Delta$ at these values [-].
+    - `value`: fixed values of the parameter [its SI unit], rising; `rise`: $\\Delta$ there [-].
     - `low`, `high`: values at which it crosses 2.71 [the same unit]; infinite if it does not.
     - `known`: both ends lie within a factor of e.
     """
@@ -109,17 +98,8 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class SignCounts:
-    """Numbers of residuals near a `strain` [-]: `count` in all, `below` of them negative."""
-
-    strain: float
-    count: int
-    below: int
-
-
-@dataclass(frozen=True)
 class Cause:
-    """A likely cause.
+    """A likely cause of the residuals.
 
     - `code`: such as "compliance" or "friction".
     - `share`: share of the residuals' squares that it would explain [-].
@@ -136,28 +116,21 @@ class Diagnosis:
     """Residual diagnostics of a fit.
 
     - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
-    - `signs`: strains at which nearly all residuals have one sign.
-    - `lowest_strain_means`: pressure [Pa], rising, and mean residual [N] of each level, at the
-      lowest strain of all readings.
     - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
       readings remain.
     - `inflation`: factor on the covariance from noise for correlated residuals [-].
     - `from_pressure`: contribution of the pressures' scatter to the covariance of the coordinates.
-    - `covariance`: contribution of the model's error to the covariance of the coordinates; `None`
-      without a significant trend.
+    - `covariance`: contribution of the model's error to it; `None` without a significant trend.
     - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
       standard normal deviate.
     - `causes`: likely causes, the likeliest first.
     - `confounded`: constants that were not fitted, and that the data can't distinguish from the
       fitted ones.
-    - `past_free_strain`: share of the significant trends' squares that lies past the free strain
-      [-].
+    - `past_free_strain`: share of the significant trends' squares past the free strain [-].
     """
 
     trends: tuple[Trend, ...] = ()
     runs: tuple[Runs, ...] = ()
-    signs: tuple[SignCounts, ...] = ()
-    lowest_strain_means: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
     inflation: float = 1.0
     from_pressure: np.ndarray | float = 0.0
@@ -190,8 +163,7 @@ class Diagnosis:
         return not self.significant and not self.autocorrelated
 
 
-@with_table_repr(_calibration_table)
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
     """A muscle fitted to a record, with diagnostics.
 
@@ -203,7 +175,6 @@ class Calibration:
     - `minimum`: covariance and noise there, as far as noise goes.
     - `free_strain`: the fitted muscle's at each level of the grid [-].
     - `solutions`: ends of all starts.
-    - `weights`: how levels count.
     - `diagnosis`: residual diagnostics, likely causes, and the model's own error.
     - `profiles`: of the parameters that the linear interval leaves undetermined.
     """
@@ -217,9 +188,12 @@ class Calibration:
     minimum: Minimum
     free_strain: np.ndarray
     solutions: SearchEnds
-    weights: str
     diagnosis: Diagnosis = Diagnosis()
     profiles: tuple[Profile, ...] = ()
+
+    def __repr__(self) -> str:
+        constants = ", ".join(f"{e.name}={e.value:.4g}" for e in self.parameters)
+        return f"Calibration({constants}; rmse={self.rmse:.3g} N, {self.relative_rmse:.2%})"
 
     @property
     def method(self) -> str:
@@ -228,14 +202,23 @@ class Calibration:
 
     @property
     def record(self) -> Record:
-        """The readings that were fitted."""
+        """The readings that were fitted, corrected for the `gauge`."""
         return self.fit_data.record
+
+    @property
+    def gauge(self) -> Gauge:
+        """Errors of the bench's gauges."""
+        return self.fit_data.gauge
+
+    @property
+    def length(self) -> float:
+        """Reference of the record's strains [m]."""
+        return self.record.rest_length or float(self.muscle.length)
 
     @property
     def strain_scale(self) -> float:
         """Contraction of the fitted muscle over the record's strain [-]."""
-        length = self.record.rest_length
-        return 1.0 if length is None else length / float(self.muscle.length)
+        return self.length / float(self.muscle.length)
 
     @property
     def grid(self) -> Grid:
@@ -257,7 +240,47 @@ class Calibration:
     @cached_property
     def errors(self) -> np.ndarray:
         """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
-        return self.fit_data.errors(self.force)
+        return self.problem.errors(self.force, self.fit_data)
+
+    @property
+    def points(self) -> int:
+        """Number of fitted readings, each of an average counted."""
+        return len(self.record)
+
+    @property
+    def censored(self) -> int:
+        """Number of readings that only limit the force: clipped ones, and few that don't pull."""
+        return int(np.sum(self.record.censored))
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error of all readings that are not clipped [N]."""
+        return float(np.sqrt(np.nanmean(self.errors**2)))
+
+    @property
+    def contraction_rmse(self) -> float:
+        """Root mean square error of contractions [m] where these were read under set loads; else
+        NaN.
+        """
+        if not self.fit_data.reads_contraction:
+            return float("nan")
+        errors = self.problem.contraction_errors(self.force, self.fit_data)
+        return float(np.sqrt(np.nanmean(errors**2))) * self.length
+
+    @property
+    def relative_rmse(self) -> float:
+        """Root mean square error over the largest measured force [-]; over the largest contraction
+        where contractions were read under set loads.
+        """
+        if self.fit_data.reads_contraction:
+            return self.contraction_rmse / (self.length * self.fit_data.largest_strain)
+        return self.rmse / largest_force(self.record)
+
+    @property
+    def torque_rmse(self) -> float:
+        """Root mean square error of the joint's torque [N·m]; NaN without moment arms."""
+        arm = self.record.moment_arm
+        return float("nan") if arm is None else float(np.sqrt(np.nanmean((arm * self.errors) ** 2)))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -280,7 +303,7 @@ class Calibration:
     @cached_property
     def parameters(self) -> tuple[Estimate, ...]:
         """Estimates of the fitted parameters, in the order of the covariance."""
-        linear = estimates(self.problem, self.coordinates, self.covariance)
+        rows = estimates(self.problem, self.coordinates, self.covariance)
         profiles = {profile.name: profile for profile in self.profiles}
         low, high = (
             value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
@@ -288,7 +311,7 @@ class Calibration:
         )
         rows = tuple(
             _with_profile(e, profiles.get(e.name), *ends)
-            for e, *ends in zip(linear, low, high, strict=True)
+            for e, *ends in zip(rows, low, high, strict=True)
         )
         return tuple(
             replace(e, identifiable=False, bound="") if e.name in self.doubtful else e for e in rows
@@ -297,31 +320,25 @@ class Calibration:
     @property
     def doubtful(self) -> tuple[str, ...]:
         """Names of fitted factors whose law past the free strain the data contradict."""
-        factors = {factor.name for factor in FACTORS}
         in_doubt = self.diagnosis.resisting_law_in_doubt
-        return tuple(name for name in self.names if in_doubt and name in factors)
+        return tuple(name for name in self.names if in_doubt and name in FACTOR_NAMES)
 
     @property
     def other_sizes(self) -> tuple[tuple[Estimate, float], ...]:
         """Fitted sizes whose whole interval contradicts the given ones, and those [SI]."""
-        found, rest_length = [], self.record.rest_length
+        sizes = []
         for estimate in self.parameters:
             size, name = getattr(self.start, estimate.name, None), estimate.name
             if name == "active_length":
-                size = rest_length or float(self.start.length)
+                size = self.record.rest_length or float(self.start.length)
             if size is None or not estimate.identifiable or estimate.dimension not in _SIZES:
                 continue
             larger = estimate.low > (1 + CALIPERS) * size
             smaller = estimate.high < (1 - CALIPERS) * size
             # an active length may be shorter than the distance of the fittings, never longer
             if larger or (smaller and name != "active_length"):
-                found.append((estimate, float(size)))
-        return tuple(found)
-
-    @property
-    def intervals(self) -> str:
-        """Method of the 90 % intervals, in words."""
-        return import_late("calibrate.messages.interval_method")(self)
+                sizes.append((estimate, float(size)))
+        return tuple(sizes)
 
     @property
     def correlation(self) -> np.ndarray:
@@ -333,6 +350,11 @@ class Calibration:
     def wider(self) -> np.ndarray:
         """Ratio of each interval's width to its width from noise alone [-]."""
         return np.sqrt(np.diag(self.covariance) / np.diag(self.minimum.covariance))
+
+    @property
+    def status(self) -> str:
+        """How the search from the best start ended: "converged", "stopped" or "broke"."""
+        return STATUS[self.solutions.status[self.solutions.best]]
 
     @cached_property
     def half_way(self) -> Averaged | None:
@@ -362,59 +384,12 @@ class Calibration:
     @cached_property
     def friction(self) -> Friction | None:
         """Sliding springs fitted to the loops; they are no part of the fitted muscle."""
-        length = self.record.rest_length
-        return fit_friction(self.record, float(self.muscle.length) if length is None else length)
-
-    @property
-    def gauge(self) -> Gauge:
-        """Errors of the bench's gauges; `record` is corrected for them."""
-        return self.fit_data.gauge
+        return fit_friction(self.record, self.length)
 
     @property
     def friction_is_visible(self) -> bool:
         """True if the record has hysteresis loops that are wider than the noise."""
         return self.loop is not None and (self.friction is None or self.friction.law is not None)
-
-    @property
-    def points(self) -> int:
-        """Number of fitted readings, each of an average counted."""
-        return len(self.record)
-
-    @property
-    def censored(self) -> int:
-        """Number of readings that only limit the force: clipped ones, and few that don't pull."""
-        return int(np.sum(self.record.censored))
-
-    @property
-    def floor(self) -> float:
-        """Force at which readings are clipped [N]."""
-        return self.fit_data.floor
-
-    @property
-    def rmse(self) -> float:
-        """Root mean square error of all readings that are not clipped [N]."""
-        return float(np.sqrt(np.nanmean(self.errors**2)))
-
-    @property
-    def relative_rmse(self) -> float:
-        """Root mean square error over the largest measured force [-]."""
-        return self.rmse / largest_force(self.record)
-
-    @property
-    def torque_rmse(self) -> float:
-        """Root mean square error of the joint's torque [N·m]; NaN without moment arms."""
-        arm = self.record.moment_arm
-        return float("nan") if arm is None else float(np.sqrt(np.nanmean((arm * self.errors) ** 2)))
-
-    @property
-    def status(self) -> str:
-        """Message on how the search from the best start ended."""
-        return self.starts[self.solutions.best].split(": ", 1)[1]
-
-    @property
-    def starts(self) -> list[str]:
-        """Messages on how the searches from all starts ended."""
-        return import_late("calibrate.messages.end_messages")(self.solutions)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
         """Draw coordinates from the fit's normal approximation.
@@ -433,57 +408,6 @@ class Calibration:
         spread, basis = np.linalg.eigh(covariance)
         normal = np.random.default_rng(seed).normal(size=(count, determined.size))
         return self.coordinates + normal @ (basis * np.sqrt(np.maximum(spread, 0))).T
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A candidate of the model selection.
-
-    - `label`, `names`: of its free constants.
-    - `method`: "tuning" or "constants".
-    - `constants`: number of fitted numbers, with those of a tuning's curves.
-    - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to.
-    - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
-    - `readings`: compared readings: "pulling" or "all".
-    - `chosen`: it was selected.
-    """
-
-    label: str
-    names: tuple[str, ...]
-    method: str
-    constants: int
-    rmse: float
-    left_out_rmse: float
-    relative_rmse: float
-    relative_left_out_rmse: float
-    readings: str = "pulling"
-    chosen: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """A `candidate` and the errors [N] of its predictions, reading by reading; NaN for clipped
-    ones. `violation`: what makes the fitted muscle impossible; else empty.
-    """
-
-    candidate: Candidate
-    left_out_errors: np.ndarray
-    violation: str = ""
-
-    @property
-    def valid(self) -> bool:
-        """True if it can be selected: a possible muscle with a finite left-out error."""
-        return bool(np.isfinite(self.candidate.left_out_rmse)) and not self.violation
-
-
-@with_table_repr(_selection_table)
-@dataclass(frozen=True, eq=False)
-class Selection:
-    """The selected `calibration`, all `candidates`, and the `reasons`, a line each."""
-
-    calibration: Calibration
-    candidates: tuple[Candidate, ...] = ()
-    reasons: tuple[str, ...] = ()
 
 
 def estimates(
@@ -518,9 +442,7 @@ def _prior_deviations(problem: Problem) -> np.ndarray:
     grid, length = problem.grid, float(problem.muscle.length)
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     pairs = zip(problem.parameters, problem.deviation, strict=True)
-    return np.array(
-        [usual[p.name] / GAUGE_UNITS[p.name] if p.name in usual else d for p, d in pairs]
-    )
+    return np.array([usual[p.name] / GAUGE_UNITS[p.name] if p.of_gauge else d for p, d in pairs])
 
 
 def _with_profile(
@@ -552,7 +474,7 @@ def is_identifiable(parameter: Parameter, deviation: float, prior: float) -> boo
     """
     information = 1 / deviation**2 - 1 / prior**2
     # of a gauge: the data alone determine it to a third of its usual deviation
-    limit = KNOWN * (prior if parameter.name in GAUGE_NAMES else parameter.deviation) / WEAK
+    limit = KNOWN * (prior if parameter.of_gauge else parameter.deviation) / WEAK
     return bool(information > 1 / limit**2)
 
 
@@ -565,7 +487,8 @@ def largest_force(record: Record) -> float:
 
 def value_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
     """Values of the fitted parameters [SI unit of each] at their `coordinates` [-]."""
-    return values(problem.parameters, put(problem.parameters, problem.muscle, coordinates))
+    muscle = put(problem.parameters, problem.muscle, coordinates)
+    return values(problem.parameters, muscle, problem.gauge_at(coordinates))
 
 
 def slope_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ from ..muscle import Muscle
 from ..muscle.laws import LAWS
 from ..records.record import Record
 from .calibration import Calibration, largest_force
-from .data import FitData, Grid, select_fit_data
+from .data import Grid, select_fit_data
 from .fitting import FitOptions, Prior, fit_data
 from .model_selection import left_out_force
 from .parameters import parameters_of, with_optional_laws
@@ -41,6 +41,7 @@ from .parameters import parameters_of, with_optional_laws
 
 _MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
 _RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150
+_RESISTING = ("buckling", "collapse", "post_collapse")
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Row:
     - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to.
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
     - `aic`, `bic`: (C6), less the smallest of a table [-].
-    - `status`: message on how the search ended.
+    - `status`: how the search ended, as of a `Calibration`.
     - `clipped_pull`: largest pull where a reading was clipped at zero [N]; 0 without any.
     """
 
@@ -71,7 +72,7 @@ class Row:
 class LawComparison:
     """Laws compared on one record: `rows`, the smallest AIC first, and the `fits` by label."""
 
-    rows: list[Row]
+    rows: Sequence[Row]
     fits: Mapping[str, Calibration]
 
 
@@ -84,7 +85,7 @@ def compare(
     collapse: Sequence[str] | None = None,
     post_collapse: Sequence[str] | None = None,
     **options: Any,
-) -> list[Row]:
+) -> LawComparison:
     """Fit every combination of buckling, collapse and post-collapse law to a record.
 
     A law of the muscle keeps its constants.
@@ -92,45 +93,25 @@ def compare(
     **Arguments:**
 
     - `record`, `muscle`, `parameters`, `priors`: as of `fit`.
-    - `buckling`, `collapse`, `post_collapse`: names of laws; left out, all, except buckling laws
-      that ignore the collapse law.
-    - `options`: loss, weights, starts and seed, as of `fit`.
-
-    **Returns:** a row for each, the smallest AIC first.
+    - `buckling`, `collapse`, `post_collapse`: names of laws; left out, all.
+    - `options`: loss, starts and seed, as of `fit`.
     """
-    laws = (buckling, collapse, post_collapse)
-    return resisting_law_comparison(record, muscle, parameters, priors, laws, **options).rows
-
-
-def resisting_law_comparison(
-    record: Record,
-    muscle: Muscle,
-    parameters: Sequence[str] | None = None,
-    priors: Mapping[str, Prior] | None = None,
-    laws: Sequence[Sequence[str] | None] = (None, None, None),
-    **options: Any,
-) -> LawComparison:
-    """Comparison of every combination of buckling, collapse and post-collapse law on a record: rows
-    and fits.
-
-    `laws`: names of laws of the three kinds, or `None`; other arguments as of `compare`.
-    """
-    kinds = ("buckling", "collapse", "post_collapse")
     data, fits = select_fit_data(record, muscle), {}
-    usual = [list(LAWS[kind]) for kind in kinds]
-    chosen = [all_laws if law is None else law for law, all_laws in zip(laws, usual, strict=True)]
-    for names in itertools.product(*chosen):
-        pairs = zip(kinds, names, strict=True)
-        changes = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
-        variant = muscle.replace(**changes)
+    laws = [
+        names or list(LAWS[kind])
+        for kind, names in zip(_RESISTING, (buckling, collapse, post_collapse), strict=True)
+    ]
+    for names in itertools.product(*laws):
+        pairs = zip(_RESISTING, names, strict=True)
+        variant = muscle.replace(
+            **{k: name for k, name in pairs if name != getattr(muscle, k).name}
+        )
         # constants of the replaced laws are left out; `fit_data` raises for unknown names
         dropped = parameters_of(muscle).keys() - parameters_of(variant).keys()
         free = None if parameters is None else [n for n in parameters if n not in dropped]
         law_priors = {name: prior for name, prior in (priors or {}).items() if name not in dropped}
         fits[", ".join(names)] = fit_data(data, variant, free, law_priors, FitOptions(**options))
-    return LawComparison(
-        ranked([comparison_row(label, fitted) for label, fitted in fits.items()]), fits
-    )
+    return _ranked(fits)
 
 
 def compare_tension(
@@ -139,7 +120,7 @@ def compare_tension(
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
-) -> list[Row]:
+) -> LawComparison:
     """Fit all tension laws to a record.
 
     Each is fitted with its usual constants, with and without a dead band; laws whose constants
@@ -152,38 +133,9 @@ def compare_tension(
     - `parameters`: free parameters of the muscle's law, and of other laws that have them; left
       out, each law's usual ones.
     - `priors`: as of `fit`, for those laws that have the parameter.
-    - `options`: loss, weights, starts and seed, as of `fit`.
-
-    **Returns:** a row for each, the smallest AIC first.
+    - `options`: loss, starts and seed, as of `fit`.
     """
-    return tension_law_comparison(record, muscle, parameters, priors, **options).rows
-
-
-def tension_law_comparison(
-    record: Record,
-    muscle: Muscle,
-    parameters: Sequence[str] | None = None,
-    priors: Mapping[str, Prior] | None = None,
-    **options: Any,
-) -> LawComparison:
-    """Comparison of all tension laws on a record: rows and fits.
-
-    Arguments as of `compare_tension`, which returns the rows alone.
-    """
-    data = select_fit_data(record, muscle)
-    fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
-    rows = [comparison_row(label, calibration) for label, calibration in fits.items()]
-    return LawComparison(ranked(rows), fits)
-
-
-def tension_fits(
-    data: FitData,
-    muscle: Muscle,
-    parameters: Sequence[str] | None,
-    priors: Mapping[str, Prior] | None,
-    options: FitOptions,
-) -> dict[str, Calibration]:
-    """Fits of `compare_tension` by label; arguments as there."""
+    data, settings = select_fit_data(record, muscle), FitOptions(**options)
     fits, present, requested = {}, muscle.tension.name, list(parameters or ())
     muscle = with_optional_laws(muscle, requested)
     for law, kind in {present: type(muscle.tension), **LAWS["tension"]}.items():
@@ -192,7 +144,7 @@ def tension_fits(
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "`.*` was fitted to ")  # the label says so
                 published = muscle.replace(tension=law)
-            fits[label] = fit_data(data, published, (), {}, options)
+            fits[label] = fit_data(data, published, (), {}, settings)
             continue
         usual = kind.fit_parameters()
         variant = muscle if law == present else muscle.replace(tension=law)
@@ -203,45 +155,33 @@ def tension_fits(
         for names in dict.fromkeys(tuple(dict.fromkeys(names)) for names in sets):
             law_priors = {name: prior for name, prior in (priors or {}).items() if name in names}
             label = f"{kind.title or law}: {', '.join(names)}"
-            fits[label] = fit_data(data, variant, names, law_priors, options)
-    return fits
+            fits[label] = fit_data(data, variant, names, law_priors, settings)
+    return _ranked(fits)
 
 
-def comparison_row(label: str, calibration: Calibration) -> Row:
+def comparison_row(label: str, fitted: Calibration) -> Row:
     """Row of a calibration with this `label`."""
-    forces = calibration.force, left_out_force(calibration)
-    return _row_from_forces(label, len(calibration.names), forces, calibration, calibration.status)
-
-
-def ranked(rows: Sequence[Row]) -> list[Row]:
-    """Rows by AIC; AIC and BIC are counted from the smallest."""
-    aic, bic = min(row.aic for row in rows), min(row.bic for row in rows)
-    relative = [replace(row, aic=row.aic - aic, bic=row.bic - bic) for row in rows]
-    return sorted(relative, key=lambda row: row.aic)
-
-
-def _row_from_forces(
-    label: str,
-    free: int,
-    forces: tuple[np.ndarray, np.ndarray],
-    calibration: Calibration,
-    status: str,
-) -> Row:
-    """Row from the forces [N] of a fit and of its predictions where they were left out."""
-    grid, top = calibration.grid, largest_force(calibration.record)
+    grid, top, free = fitted.grid, largest_force(fitted.record), len(fitted.names)
 
     def rmse(force: np.ndarray) -> float:
         used = grid.measured & np.isfinite(force)
         squares = (grid.force - force)[used] ** 2
         return float(np.sqrt(np.average(squares, weights=grid.count[used])))
 
-    error, left_out = map(rmse, forces)
-    n, cost = int(np.sum(grid.used)), deviance(grid, forces[0])
-    pull = float(np.max(forces[0][grid.used & grid.censored], initial=0.0))
+    error, left_out = rmse(fitted.force), rmse(left_out_force(fitted))
+    n, cost = int(np.sum(grid.used)), deviance(grid, fitted.force)
+    pull = float(np.max(fitted.force[grid.used & grid.censored], initial=0.0))
     aic, bic = cost + 2 * free, cost + free * float(np.log(n))
-    return Row(
-        label, free, error, left_out, error / top, left_out / top, aic, bic, status, pull
-    )  # fmt: skip
+    relative = error / top, left_out / top
+    return Row(label, free, error, left_out, *relative, aic, bic, fitted.status, pull)
+
+
+def _ranked(fits: Mapping[str, Calibration]) -> LawComparison:
+    """Rows of fits by AIC; AIC and BIC are counted from the smallest."""
+    rows = [comparison_row(label, fitted) for label, fitted in fits.items()]
+    aic, bic = min(row.aic for row in rows), min(row.bic for row in rows)
+    relative = [replace(row, aic=row.aic - aic, bic=row.bic - bic) for row in rows]
+    return LawComparison(sorted(relative, key=lambda row: row.aic), fits)
 
 
 def deviance(grid: Grid, force: np.ndarray) -> float:
@@ -252,8 +192,8 @@ def deviance(grid: Grid, force: np.ndarray) -> float:
     used, clipped = grid.measured, grid.used & grid.censored
     # never zero, for the logarithm below
     n, top = int(np.sum(used)), float(np.max(np.abs(grid.force[used]), initial=1e-300))
-    squares = float(np.sum(grid.count[used] * (grid.force - force)[used] ** 2))
-    excess = (np.sqrt(grid.count) * (force - grid.force))[clipped]
+    squares = float(np.sum((grid.precision * (grid.force - force))[used] ** 2))
+    excess = (grid.precision * (force - grid.force))[clipped]
     measured = np.log(max(np.sqrt(squares / max(n, 1)), _MIN_NOISE * top))
 
     def value(log_noise: float) -> float:

@@ -18,7 +18,6 @@ from ..records.segmentation import runs
 from .gauges import PERFECT, ChannelFault, Gauge, channel_faults, read_vented
 
 
-WEIGHTS = ("uniform", "level")
 MAX_READINGS = 384  # of a level; a longer sweep is averaged: more points add no information
 _THIN_LEVELS = 24  # pressures: three in each part that is left out
 _THIN_ENTRIES = 512  # readings in all: means over longer steps blur free strain and collapse
@@ -28,6 +27,7 @@ _GAP = 0.005  # of the largest pressure: readings closer than this share a level
 _MAX_WIDTH = 0.02  # of the largest pressure: a wider level is a sweep, cut finer
 _SMALL = 0.1  # of a level's largest force: upper limit of a gauge's noise at zero force
 _NOISE = 0.02  # of the record's largest force: the same limit at low pressures
+_MAX_LOADS, _REPEATS = 20, 3  # masses of a set, and readings of each: a load cell shows more values
 _IDLE = 0.01  # of the highest pressure: below it an unstretched muscle doesn't pull
 
 Table = Float[AnyArray, "level reading"]
@@ -42,6 +42,7 @@ class Grid:
     - `count`: number of readings averaged in an entry; 0 for padding.
     - `censored`: the entry only says "not above", or of those `at_least` "not below".
     - `elapsed`: mean time of an entry since the record's start [s]; 0 without times.
+    - `spread`: standard deviation of a reading of the entry over the typical one [-].
     """
 
     pressure: Float[AnyArray, "level 1"]
@@ -51,6 +52,12 @@ class Grid:
     censored: Bool[AnyArray, "level reading"]
     elapsed: Table | float = 0.0
     at_least: Bool[AnyArray, "level reading"] | None = None
+    spread: Table | float = 1.0
+
+    @property
+    def precision(self) -> np.ndarray:
+        """Standard deviation of a typical reading over that of each entry [-]; 0 for padding."""
+        return np.sqrt(self.count) / self.spread
 
     @property
     def used(self) -> Bool[np.ndarray, "level reading"]:
@@ -65,14 +72,6 @@ class Grid:
     def without(self, mask: np.ndarray) -> "Grid":
         """Grid of the same shape, in which the entries of a `mask` hold no readings."""
         return replace(self, count=np.where(mask, 0.0, self.count))
-
-    def weights(self, kind: str) -> np.ndarray:
-        """Weights of residuals [-], 1 on average; `kind`: one of `WEIGHTS`."""
-        if kind == "uniform":
-            return self.used.astype(float)
-        total = np.sum(self.count, axis=1, keepdims=True)
-        mean = np.sum(total) / np.sum(total > 0)
-        return self.used * np.sqrt(mean / np.maximum(total, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +91,8 @@ class FitData:
     - `gauge`: errors of the gauges that the readings were corrected for.
     - `gauge_deviations`: standard deviations of those that readings without pressure determine
       [SI unit of each], by name.
+    - `reads_contraction`: loads were set, as masses that hang or none, and contractions read: their
+      error counts, not that of the force.
     """
 
     record: Record
@@ -108,6 +109,7 @@ class FitData:
     at_ceiling: np.ndarray | None = None
     gauge: Gauge = PERFECT
     gauge_deviations: Mapping[str, float] = field(default_factory=dict)
+    reads_contraction: bool = False
 
     @property
     def clipped(self) -> int:
@@ -127,8 +129,15 @@ class FitData:
 
     @property
     def pulls(self) -> bool:
-        """True if all measured forces pull, so that they depend on the tension law alone."""
-        return not self.pushes and not np.all(self.record.censored)
+        """True if all measured forces pull, so that they depend on the tension law alone; a muscle
+        without load is where its pull ends.
+        """
+        return self.reads_contraction or (not self.pushes and not np.all(self.record.censored))
+
+    @property
+    def largest_strain(self) -> float:
+        """Largest contraction over the record's reference length [-]."""
+        return float(np.max(np.abs(self.record.strain)))
 
     @property
     def averaged(self) -> int:
@@ -167,7 +176,7 @@ class FitData:
     def corrected(self, gauge: Gauge, length: float) -> "FitData":
         """Data corrected for another `gauge`; `length`: reference of strains without one [m]."""
         length = self.record.rest_length or length
-        record = gauge.correct_further(self.record, self.gauge, length)
+        record = gauge.correct(self.record, length, self.gauge)
         old, grid, t = self.gauge, self.grid, self.grid.elapsed
         grid = replace(
             grid,
@@ -208,6 +217,7 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     data = fit_table(
         replace(record, branch=branch), read=read, left_out=left_out, faults=faults,
         at_ceiling=at_ceiling if np.any(at_ceiling) else None,
+        reads_contraction=has_set_loads(record),
     )  # fmt: skip
     if muscle is None:
         return data
@@ -216,6 +226,13 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     if vented.gauge.faults:
         return data.corrected(vented.gauge, float(muscle.length))
     return replace(data, gauge=vented.gauge)
+
+
+def has_set_loads(record: Record) -> bool:
+    """True if the forces of a `record` are a few set ones, and its strains were measured."""
+    loads, strains = (np.unique(x).size for x in (record.force, record.strain))
+    few = loads <= min(_MAX_LOADS, len(record) / _REPEATS)
+    return bool(few and strains > _REPEATS * loads and not np.any(record.censored))
 
 
 def thin(data: FitData) -> FitData:
@@ -236,6 +253,8 @@ def pulling_only(data: FitData) -> FitData:
     """Data in which pushes, and noise past the free strain, only say that the force is not above
     0 N, for the tension law alone.
     """
+    if data.reads_contraction:
+        return data
     record = data.record
     below = (record.force <= 0) & ~record.censored
     noise = _noise_past_free_strain(data, record.censored | below)

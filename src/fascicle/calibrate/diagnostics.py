@@ -48,7 +48,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import bdtr, fdtrc, stdtrit
 
-from .calibration import Calibration, Cause, Diagnosis, Runs, SignCounts, Trend
+from .calibration import Calibration, Cause, Diagnosis, Runs, Trend
 from .least_squares import KNOWN, NORMAL, Problem
 from .parameters import FACTORS, Parameter, coordinates, put
 
@@ -72,7 +72,6 @@ _MIN_SHARE = 0.2  # of the residuals' squares: a smaller cause would not help
 _TIED_SHARE = 0.8  # of the best cause's share: first-order shares are no more exact than that
 _MAX_CAUSES = 3  # causes in a message that is still read
 _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
-_MAJORITY = 0.5  # of the residuals' squares past the free strain, which puts the law there in doubt
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +171,7 @@ def residuals_of(fit: Calibration) -> Residuals:
     # residuals and priors are relative to the noise that the problem was solved with
     grid, noise, k = problem.grid, fit.minimum.solved_noise, len(problem.parameters)
     measured = grid.measured
-    weight = np.sqrt(grid.count[measured])
+    weight = grid.precision[measured]
     residual = weight * (grid.force - linear.force)[measured]
     # outliers keep the reduced weight of the loss; a tuning gives some readings no weight at all
     if problem.loss != "linear":
@@ -222,8 +221,6 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     tests = len(runs) + (len(columns) if freedom >= _MIN_FREEDOM else 0)
     diagnosis = Diagnosis(
         runs=tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs),
-        signs=_one_sided_strains(residuals.readings),
-        lowest_strain_means=_lowest_strain_means(residuals.readings),
     )
     if freedom < _MIN_FREEDOM:
         return diagnosis
@@ -330,31 +327,6 @@ def _cells(strain: np.ndarray) -> tuple[np.ndarray, int]:
     return cell, _CELLS
 
 
-def _one_sided_strains(readings: Residuals) -> tuple[SignCounts, ...]:
-    """Strains at which significantly many residuals have one sign, the clearest first."""
-    cell, cells = _cells(readings.strain)
-    signs = []
-    for i in range(cells):
-        residual = readings.residual[cell == i]
-        count, below = residual.size, int(np.sum(residual < 0))
-        if count and 2 * cells * bdtr(min(below, count - below), count, 0.5) < ALPHA:
-            signs.append(SignCounts(float(np.mean(readings.strain[cell == i])), count, below))
-    return tuple(sorted(signs, key=lambda entry: -abs(2 * entry.below - entry.count)))
-
-
-def _lowest_strain_means(readings: Residuals) -> tuple[tuple[float, float], ...]:
-    """Pressure [Pa] and mean residual [N] of each level, at the lowest strain of all readings."""
-    first = _cells(readings.strain)[0] == 0
-    level, weight = readings.level[first].astype(int), readings.weight[first]
-    if not level.size:
-        return ()
-    # a residual is multiplied by its weight, the root of the number of readings
-    count = np.bincount(level, weight**2)
-    P = np.bincount(level, readings.pressure[first] * weight**2)
-    force = np.bincount(level, readings.residual[first] * weight)
-    return tuple((P[i] / count[i], force[i] / count[i]) for i in np.flatnonzero(count))
-
-
 def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> float:
     """Factor by which correlation along a sweep widens a variance [-].
 
@@ -392,7 +364,7 @@ def pressure_covariance(fit: Calibration, residuals: Residuals) -> np.ndarray:
     change = np.nan_to_num(shifted.force(fit.coordinates) - fit.minimum.linear.force)
     effects = np.zeros((len(residuals.residual), len(P)))
     level = np.nonzero(measured)[0]
-    effects[np.arange(len(level)), level] = np.sqrt(problem.grid.count[measured]) * change[measured]
+    effects[np.arange(len(level)), level] = (problem.grid.precision * change)[measured]
     by_level = np.linalg.pinv(residuals.slopes[:, :k]) @ effects
     return by_level @ by_level.T
 

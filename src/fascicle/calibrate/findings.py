@@ -1,23 +1,26 @@
-"""Findings of a calibration, as codes and numbers: gauges, residuals, coverage, constants, use.
-
-The words are in `report.calibration_words`.
+"""Findings and verdict of a calibration, as codes and numbers: does it fit, how far is it off, what
+is unknown. The words are in `report.calibration_words`.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..core.findings import Finding, Severity
 from .calibration import Calibration
-from .verdict import LARGE_ERROR
+from .model_selection import Selection
 
+
+# of the largest force: the errors of a good bench, and those that friction of the braid causes
+LARGE_ERROR, _ROUGHLY = 0.02, 0.05
+_OVERFIT = 1.5  # of the error of the fit: a larger error at readings left out shows an overfit
+FITS = ("not converged", "untested", "noise", "other sizes", "well", "roughly", "poorly")
 
 _TIED = 0.95  # correlation from which two parameters can't be interpreted one by one
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
 _WIDER = 1.05  # ratio of widths: a smaller change is not visible in two digits
-_MIN_LEVELS = 3  # pressures: fewer show no dependence on pressure
-_CLEAR = 4.0  # standard deviations of a reading, from which two of them differ
 _SIZES = ("length", "angle")  # dimensions of sizes
 _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
@@ -68,7 +71,6 @@ def _of_residuals(calibration: Calibration) -> Iterator[Finding]:
             ],
             causes=[vars(cause) for cause in diagnosis.causes],
         )
-        yield from _of_patterns(calibration)
     if not calibration.parameters:
         return
     if diagnosis.significant and np.max(calibration.wider) >= _WIDER:
@@ -78,21 +80,6 @@ def _of_residuals(calibration: Calibration) -> Iterator[Finding]:
         yield _note("intervals.wider_by_correlation", ratio=float(np.sqrt(diagnosis.inflation)))
 
 
-def _of_patterns(calibration: Calibration) -> Iterator[Finding]:
-    """Signs of the residuals, and their change with pressure at the least strain."""
-    diagnosis = calibration.diagnosis
-    if diagnosis.signs:
-        yield _note("residuals.one_sided", strains=[vars(entry) for entry in diagnosis.signs])
-    if len(diagnosis.lowest_strain_means) < _MIN_LEVELS or not np.isfinite(diagnosis.noise):
-        return
-    # end effects and a dead band show here
-    P, means = np.array(diagnosis.lowest_strain_means).T
-    low, high = sorted((int(np.argmin(means)), int(np.argmax(means))))
-    if np.ptp(means) >= _CLEAR * diagnosis.noise:
-        ends = [{"pressure": float(P[i]), "force": float(means[i])} for i in (low, high)]
-        yield _note("residuals.at_least_strain", ends=ends)
-
-
 def _of_coverage(calibration: Calibration) -> Iterator[Finding]:
     """Parts of the law that the data do not cover."""
     grid = calibration.grid
@@ -100,7 +87,7 @@ def _of_coverage(calibration: Calibration) -> Iterator[Finding]:
     # a reading at the free strain itself may lie past it by rounding
     past = grid.measured & (strain > calibration.free_strain[:, None] + 1e-9)
     if clipped := calibration.fit_data.clipped:
-        yield _note("readings.clipped", count=clipped, floor=calibration.floor)
+        yield _note("readings.clipped", count=clipped, floor=calibration.fit_data.floor)
     levels = grid.measured.any(axis=1)
     if np.sum(levels) == 1:
         yield _warning("coverage.one_pressure", pressure=float(grid.pressure[levels][0, 0]))
@@ -187,3 +174,67 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
     for estimate, nominal in calibration.other_sizes:
         data = {"dimension": estimate.dimension, "value": estimate.value}
         yield _warning("use.other_size", constant=estimate.name, nominal=nominal, **data)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Verdict on a calibration.
+
+    - `fit`: one of `FITS`.
+    - `rmse`: root mean square error [N]; `contraction_rmse`: of contractions that were read under
+      set loads [m], else NaN; `relative_rmse`: over the largest force, or contraction [-].
+    - `pulling_rmse`, `resisting_rmse`: below and past the free strain [N]; NaN without readings.
+    - `torque_rmse`: of the joint's torque [N·m]; NaN without moment arms.
+    - `left_out_rmse`: at readings left out of the fit, over the largest force [-]; NaN if unknown.
+    - `undetermined`, `limits`: constants that the data do not determine, and those with one limit.
+    """
+
+    fit: str
+    rmse: float
+    contraction_rmse: float
+    relative_rmse: float
+    pulling_rmse: float
+    resisting_rmse: float
+    torque_rmse: float
+    left_out_rmse: float
+    undetermined: tuple[str, ...]
+    limits: tuple[str, ...]
+
+
+def judge(calibration: Calibration, selection: Selection | None = None) -> Verdict:
+    """Verdict: one word of `FITS`, errors and undetermined constants; the `selection`, if any,
+    gives the error at left-out readings.
+
+    The size of the errors comes first: a fit is good only if they are small.
+    """
+    diagnosis = calibration.diagnosis
+    chosen = [c for c in selection.candidates if c.chosen] if selection else []
+    left_out = chosen[-1].relative_left_out_rmse if chosen else float("nan")
+    relative, errors = calibration.relative_rmse, calibration.errors
+    worst = float(np.fmax(relative, left_out))  # one of them may be NaN
+    if calibration.solutions.status[calibration.solutions.best]:
+        fit = "not converged"
+    elif worst > _ROUGHLY:
+        fit = "poorly"
+    elif not np.isfinite(diagnosis.noise) and calibration.parameters:
+        fit = "untested"
+    elif worst > LARGE_ERROR:
+        fit = "roughly"
+    elif calibration.other_sizes:
+        fit = "other sizes"
+    else:
+        overfits = left_out > _OVERFIT * relative
+        fit = "noise" if diagnosis.is_white_noise and not overfits else "well"
+    strain = calibration.record.strain * calibration.strain_scale
+    past = strain > calibration.free_strain[calibration.fit_data.level]
+    past &= not calibration.fit_data.pulls
+    parts = [errors[mask & np.isfinite(errors)] for mask in (~past, past)]
+    pulling, resisting = (
+        float(np.sqrt(np.mean(group**2))) if group.size else float("nan") for group in parts
+    )
+    undetermined = tuple(e.name for e in calibration.parameters if not (e.identifiable or e.bound))
+    limits = tuple(e.name for e in calibration.parameters if e.bound)
+    return Verdict(
+        fit, calibration.rmse, calibration.contraction_rmse, relative, pulling, resisting,
+        calibration.torque_rmse, left_out, undetermined, limits,
+    )  # fmt: skip

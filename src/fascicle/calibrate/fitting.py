@@ -21,9 +21,9 @@ from ..muscle.fitted_length import END_PARAMETERS, FittedLength
 from ..muscle.tuning import Tuning
 from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
-from .data import WEIGHTS, FitData, Grid, pulling_only, select_fit_data
+from .data import FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
-from .gauges import GAUGE_NAMES, default_deviations, gauge_of, with_gauge
+from .gauges import GAUGE_NAMES, Gauge, default_deviations
 from .least_squares import (
     LOSSES,
     ROUGH,
@@ -34,6 +34,7 @@ from .least_squares import (
     search_minimum,
     solve_with_noise,
     starts_around,
+    with_effective_errors,
 )
 from .parameters import (
     FACTOR_NAMES,
@@ -53,6 +54,7 @@ _NO_PULL = 0.02  # of the largest push: a smaller pull is the gauge's zero
 _NO_FORCE = 1e-6  # N: rounding of zeros, below any load cell's resolution
 _PASSIVE = 1.0  # Pa, what a record without pressure may read
 _ROWS = 33  # of the tuned muscle's table: straight lines between them are closer than readings
+_STEPS = 3  # of Newton's, to where the muscle to begin with bears the loads
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
@@ -72,7 +74,7 @@ class Prior:
 class FitOptions:
     """Options of a fit.
 
-    - `loss`, `weights`, `starts`, `seed`, `whole`: as of `fit`.
+    - `loss`, `starts`, `seed`, `whole`: as of `fit`.
     - `tune`: read C1 and C2 first; left out, if all free parameters are factors.
     - `held`: names of fixed constants that the data may determine.
     - `near`: coordinates by name [-], as one more start.
@@ -80,7 +82,6 @@ class FitOptions:
     """
 
     loss: str = "linear"
-    weights: str = "uniform"
     starts: int = STARTS
     seed: int = 0
     whole: bool = True
@@ -91,7 +92,6 @@ class FitOptions:
 
     def __post_init__(self) -> None:
         check_choice(self.loss, LOSSES, "loss")
-        check_choice(self.weights, WEIGHTS, "weights")
 
 
 def fit(
@@ -101,7 +101,6 @@ def fit(
     priors: Mapping[str, Prior] | None = None,
     *,
     loss: str = "linear",
-    weights: str = "uniform",
     starts: int = STARTS,
     seed: int = 0,
     whole: bool = True,
@@ -116,8 +115,7 @@ def fit(
       are factors, the tension is corrected by $C_1$, $C_2$ first; else it is fitted through its
       constants.
     - `priors`: prior knowledge of some of them, by name.
-    - `loss`: "linear", or against outliers "soft_l1" or "cauchy".
-    - `weights`: "uniform" for equal readings, "level" for equal pressure levels.
+    - `loss`: "linear", or against outliers "soft_l1".
     - `starts`: number of points that the search begins from.
     - `seed`: random seed of the starts.
     - `whole`: compare the law past the free strain with readings that are clipped at zero. If not,
@@ -127,7 +125,7 @@ def fit(
 
     **Raises:** `InvalidInputError` for unknown names, and for fewer readings than parameters.
     """
-    options = FitOptions(loss, weights, starts, seed, whole)
+    options = FitOptions(loss, starts, seed, whole)
     return fit_data(select_fit_data(record, muscle), muscle, parameters, priors, options)
 
 
@@ -147,7 +145,7 @@ def fit_data(
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
     solution = solve_problem(problem, readings, options)
     data, solution = _with_corrected_readings(data, solution)
-    calibration = _calibration(data, options, solution)
+    calibration = _calibration(data, solution)
     return replace(calibration, diagnosis=diagnose(calibration))
 
 
@@ -166,10 +164,10 @@ def set_up_problem(
     if tuning is None:
         tuning = bool(names) and all(name in FACTOR_NAMES for name in names)
     _check_data(data, free)
-    pulls = data.pulls and not options.whole
+    pulls = data.pulls and (data.reads_contraction or not options.whole)
     gauges = gauge_priors(data, float(muscle.length), pulls)
     priors = {name: prior for name, prior in gauges.items() if name in names} | dict(priors)
-    start = _with_priors(muscle, free, priors)
+    start, gauge = _at_priors(muscle, data.gauge, free, priors)
     fixed: tuple[Parameter, ...] = ()
     if options.held:
         fixed = select_parameters(options.held, start)
@@ -178,10 +176,10 @@ def set_up_problem(
     problem = Problem(
         start,
         data.grid,
-        data.grid.weights(options.weights),
+        data.grid.used.astype(float),
         first_noise(data.grid),
-        np.asarray(coordinates(free, start), float),
-        np.array([_prior_deviation(p, start, priors.get(p.name)) for p in free]),
+        np.asarray(coordinates(free, start, gauge), float),
+        np.array([_prior_deviation(p, start, gauge, priors.get(p.name)) for p in free]),
         free,
         # strains without a reference length are contractions of the muscle
         None if tuning else data.record.rest_length,
@@ -191,9 +189,12 @@ def set_up_problem(
         gauge=data.gauge,
         branch=data.branch if fits_loop(data, names) else None,
     )
+    if data.reads_contraction:
+        for _ in range(_STEPS):
+            problem = with_effective_errors(problem, problem.center)
     if not tuning:
         return problem, None
-    readings, problem = with_readings(problem, on_length(data, start), options.weights)
+    readings, problem = with_readings(problem, on_length(data, start))
     if not np.any(readings.valid) and _has_pressure(data.grid):
         rule = (
             "shows no blocked force and free strain at any pressure: it needs at least two readings"
@@ -232,7 +233,7 @@ def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Pr
 def _with_corrected_readings(data: FitData, solution: Solution) -> tuple[FitData, Solution]:
     """Data and `solution` with readings corrected for the fitted gauge."""
     problem, point = solution.problem, solution.point
-    gauge = problem.gauge_at(put(problem.parameters, problem.muscle, point))
+    gauge = problem.gauge_at(point)
     if gauge == problem.gauge:
         return data, solution
     data = data.corrected(gauge, problem.rest_length or float(problem.muscle.length))
@@ -270,22 +271,21 @@ def solve_problem(problem: Problem, readings: Readings | None, options: FitOptio
     if readings is None:
         return solution
     joint = fit_jointly(
-        solution.problem, readings, solution.point, options.weights, max(options.starts, 1),
-        options.seed, solution.minimum.covariance,
+        solution.problem, readings, solution.point, max(options.starts, 1), options.seed,
+        solution.minimum.covariance,
     )  # fmt: skip
     if joint is None:
         return solution._replace(readings=readings)
     return joint._replace(ends=solution.ends)
 
 
-def _calibration(data: FitData, options: FitOptions, solution: Solution) -> Calibration:
+def _calibration(data: FitData, solution: Solution) -> Calibration:
     """The calibration at a minimum, without a diagnosis."""
     problem, _, point, minimum, readings = solution
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
-    # a copy of the fields alone: an attached gauge belongs to the bench
-    muscle, grid = with_fields(put(problem.parameters, problem.muscle, point)), problem.grid
+    muscle, grid = put(problem.parameters, problem.muscle, point), problem.grid
     P, tuning = grid.pressure[:, 0], muscle.tuning
     if readings is None:
         offset = np.interp(np.maximum(P - tuning.dead_band, 0.0), tuning.pressures, tuning.c1)
@@ -302,7 +302,7 @@ def _calibration(data: FitData, options: FitOptions, solution: Solution) -> Cali
     problem = replace(problem, noise=minimum.noise)
     return Calibration(
         muscle, solution.problem.muscle, data, problem, point, readings, minimum, free_strain,
-        solution.ends, options.weights,
+        solution.ends,
     )  # fmt: skip
 
 
@@ -313,6 +313,8 @@ def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
     if force.size < len(free):
         rule = f"holds {force.size} readings for {len(free)} parameters"
         remedy = "measure more points, or free fewer parameters"
+    elif data.reads_contraction:
+        return
     elif not data.pushes_clipped and np.max(np.abs(force)) < _NO_FORCE:
         rule, remedy = "holds no force but 0 N", "check the column of forces"
     # a record without pressure may only push; noise about zero is no pull
@@ -328,23 +330,25 @@ def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
     raise InvalidInputError("record", f"{prefix}{rule}", None, remedy)
 
 
-def _with_priors(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:
-    """The muscle with the values of its priors, where the fit begins."""
+def _at_priors(
+    muscle: Muscle, gauge: Gauge, free: Sequence[Parameter], priors: Mapping[str, Prior]
+) -> tuple[Muscle, Gauge]:
+    """Muscle and gauge with the values of their priors, where the fit begins."""
     for name in priors:
         check_choice(name, [parameter.name for parameter in free], "priors")
     for parameter in free:
         prior = priors.get(parameter.name)
-        if prior is not None:
-            check = check_finite if parameter.linear else check_positive
-            check(prior.value, parameter.name, "SI")
-            check_positive(prior.deviation, f"{parameter.name}_deviation", "SI")
-            if parameter.name in GAUGE_NAMES:
-                gauge = replace(gauge_of(muscle), **{parameter.name: prior.value})
-                muscle = with_gauge(muscle, gauge)
-            else:
-                z = _coordinate_of(parameter, muscle, prior.value)
-                muscle = parameter.put(muscle, np.float64(z))
-    return muscle
+        if prior is None:
+            continue
+        check = check_finite if parameter.linear else check_positive
+        check(prior.value, parameter.name, "SI")
+        check_positive(prior.deviation, f"{parameter.name}_deviation", "SI")
+        if parameter.of_gauge:
+            gauge = replace(gauge, **{parameter.name: prior.value})
+        else:
+            z = _coordinate_of(parameter, muscle, prior.value)
+            muscle = parameter.put(muscle, np.float64(z))
+    return muscle, gauge
 
 
 def _coordinate_of(parameter: Parameter, muscle: Muscle, value: float) -> float:
@@ -362,12 +366,15 @@ def _coordinate_of(parameter: Parameter, muscle: Muscle, value: float) -> float:
         raise InvalidInputError("priors", rule, value, "check its unit", shown=text) from None
 
 
-def _prior_deviation(parameter: Parameter, muscle: Muscle, prior: Prior | None) -> float:
+def _prior_deviation(
+    parameter: Parameter, muscle: Muscle, gauge: Gauge, prior: Prior | None
+) -> float:
     """Standard deviation of the prior's coordinate [-], from the slope at the prior's value."""
     if prior is None:
         return parameter.deviation
-    z = parameter.coordinate(muscle)
-    high, low = (parameter.value(parameter.put(muscle, z + side * _SLOPE_STEP)) for side in (1, -1))
+    start: Any = gauge if parameter.of_gauge else muscle
+    z = parameter.coordinate(start)
+    high, low = (parameter.value(parameter.put(start, z + side * _SLOPE_STEP)) for side in (1, -1))
     return prior.deviation * 2 * _SLOPE_STEP / abs(float(high - low))
 
 

@@ -25,11 +25,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.module import to_numpy, with_fields
+from ..core.module import to_numpy
 from ..core.types import Batch
 from ..muscle import Muscle
 from ..records.record import Record
-from ..units import pretty
 
 
 VENTED = 0.01  # of the highest pressure: below it a transducer shows its zero, not a setpoint
@@ -85,32 +84,26 @@ class Gauge:
         """Pull [N] that gives a `reading` [N], `elapsed` [s] after the start."""
         return (reading - self.force_zero - self.force_drift * elapsed) / self.force_gain
 
-    def correct(self, record: Record, length: float | None = None) -> Record:
-        """Correct the readings of a `record`.
+    def correct(
+        self, record: Record, length: float | None = None, previous: "Gauge | None" = None
+    ) -> Record:
+        """Readings of perfect gauges from those of a `record`.
 
         **Arguments:**
 
         - `record`: readings as the gauges gave them.
         - `length`: reference of the record's strains [m]; default: the record's rest length.
-
-        **Returns:** the readings of perfect gauges, with a note of what was corrected.
+        - `previous`: gauge that has corrected them before.
         """
-        return self.correct_further(record, PERFECT, length)
-
-    def correct_further(
-        self, record: Record, previous: "Gauge", length: float | None = None
-    ) -> Record:
-        """Correct a `record` that a `previous` gauge has corrected; `length` [m]."""
+        previous = previous or PERFECT
         length = record.rest_length if length is None else length
         elapsed = 0.0 if record.time is None else record.time - self.start
         shift = self.displacement_zero - previous.displacement_zero
-        notes = tuple(note for note in record.notes if not note.startswith(_NOTE))
         return replace(
             record,
             pressure=record.pressure - (self.pressure_zero - previous.pressure_zero),
             strain=record.strain - (shift / length if length else 0.0),
             force=self.true_force(previous.read_force(record.force, elapsed), elapsed),
-            notes=(*notes, f"{_NOTE} {fault_text(self)}") if self.faults else notes,
         )
 
 
@@ -118,29 +111,6 @@ GAUGE_NAMES = tuple(field.name for field in fields(Gauge) if field.name != "star
 DIMENSIONS = {"force_zero": "force", "force_gain": "number", "force_drift": "force_rate",
               "pressure_zero": "pressure", "displacement_zero": "length"}  # fmt: skip
 PERFECT = Gauge()
-_NOTE = "readings corrected for the gauges:"
-_KEY = "_gauge"
-
-
-def fault_text(gauge: Gauge) -> str:
-    """Errors of a `gauge` with their units, in a line."""
-    return ", ".join(
-        f"{name.replace('_', ' ')} {pretty(value, DIMENSIONS[name], 3)}"
-        for name, value in gauge.faults.items()
-    )
-
-
-def gauge_of(muscle: Muscle) -> Gauge:
-    """Errors of the gauges that a fit attached to a `muscle`; none by default."""
-    gauge: Gauge = vars(muscle).get(_KEY, PERFECT)
-    return gauge
-
-
-def with_gauge(muscle: Muscle, gauge: Gauge) -> Muscle:
-    """A copy of the `muscle` with a `gauge` attached, which laws and files ignore."""
-    copy = with_fields(muscle)
-    vars(copy)[_KEY] = gauge
-    return copy
 
 
 def default_deviations(
@@ -191,21 +161,16 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
         if abs(zero) > max(scatter, CLEAR * deviations["pressure_zero"]):
             zeros["pressure_zero"] = zero
     if top > 0 and count and "force" not in record.zeroed:
-        of_force = _read_load_cell(record, muscle, np.flatnonzero(vented))
-        zeros |= of_force.zeros
-        deviations |= of_force.deviations
+        clear, known = _read_load_cell(record, muscle, np.flatnonzero(vented))
+        zeros, deviations = zeros | clear, deviations | known
     return VentedReadings(Gauge(**zeros, start=start), deviations)
 
 
-class _LoadCellReadings(NamedTuple):
-    """Clear `zeros` of a load cell, and `deviations` of what rest readings determine [SI]."""
-
-    zeros: dict[str, float]
-    deviations: dict[str, float]
-
-
-def _read_load_cell(record: Record, muscle: Muscle, vented: np.ndarray) -> _LoadCellReadings:
-    """Zero and drift of the load cell from the `vented` readings next to the rest length.
+def _read_load_cell(
+    record: Record, muscle: Muscle, vented: np.ndarray
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Clear zero and drift of the load cell from the `vented` readings next to the rest length, and
+    standard deviations of what they determine [SI], by name.
 
     However the column buckles, it pushes no harder than a straight muscle and no less than
     nothing. An error counts if it is clear at both ends of this range.
@@ -237,10 +202,9 @@ def _read_load_cell(record: Record, muscle: Muscle, vented: np.ndarray) -> _Load
     deviation = np.hypot(by_noise, half / np.sqrt(3))
     if clear[-1]:  # a drift is the change of a zero
         clear[:] = True
-    return _LoadCellReadings(
-        {name: float(x) for name, x, found in zip(names, middle, clear, strict=True) if found},
-        dict(zip(names, deviation.tolist(), strict=True)),
-    )
+    values = dict(zip(names, middle.tolist(), strict=True))
+    zeros = {name: values[name] for name, sure in zip(names, clear, strict=True) if sure}
+    return zeros, dict(zip(names, deviation.tolist(), strict=True))
 
 
 def reading_noise(force: np.ndarray) -> float:

@@ -21,13 +21,18 @@ The readings come from where the muscle pulls and the factors from where it resi
 two parts are independent. This is what noise alone makes unsure; what the residuals show
 beside noise comes on top of it (`diagnostics`).
 
+Where loads were set and contractions read, the deviation of a force is the effective one,
+
+$$\sigma_i = \sigma_\varepsilon \left| \partial F / \partial \varepsilon \right|_i, \tag{C15}$$
+
+with law and slopes at the contractions at which the model bears the loads.
+
 A coordinate is a logarithm or like one. It is called *identifiable* if the data alone, the
 prior taken off, know it to a deviation below 1, a factor of e either way.
 
-**Source:** Tobin (1958) for censored regression.
+**Source:** Tobin (1958) for censored regression; Orear (1982) for the effective variance.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -42,13 +47,13 @@ from ..core.types import AnyArray, Batch, Float
 from ..muscle import Muscle
 from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise
-from .data import Grid, Table
-from .gauges import GAUGE_NAMES, PERFECT, Gauge, gauge_of
-from .parameters import FACTORS, WEAK, Parameter, put
+from .data import FitData, Grid, Table
+from .gauges import PERFECT, Gauge
+from .parameters import FACTORS, WEAK, Parameter, put, put_gauge
 from .readings import Readings, SmoothCurves, top_pressure
 
 
-LOSSES = ("linear", "soft_l1", "cauchy")
+LOSSES = ("linear", "soft_l1")
 KNOWN = 1.0  # deviation of an identifiable coordinate
 NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
 ROUGH = 1e-4  # of the cost, which is some hundreds: tells which start leads lowest
@@ -67,8 +72,13 @@ _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
 _NOISE_ROUNDS = 6  # three are usual until the noise settles, five the most that was seen
 _FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
+_FIRST_STRAIN = 0.01  # the same, of contractions
+_STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
+_LEAST_SPREAD = 0.05  # of the typical slope: where the force hardly depends on strain, force errs
+_LARGEST_STEP = 0.05  # of strain, in a round: laws curve over a tenth
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
+STATUS = ("converged", "stopped", "broke")  # no step gains, all steps taken, no number
 Vector = Float[AnyArray, "parameter"]
 
 
@@ -107,6 +117,9 @@ class Problem:
     - `gauge`: errors of the gauges that the data are corrected for.
     - `branch`: of each reading, for a hysteresis loop that is fitted beside the static force;
       `None`: loops are errors.
+    - `strain_slope`: root mean square slope of the force with strain [N] at the readings, where
+      contractions are in error, not forces; else 0. The readings then are `observed`, and the
+      grid's are linear about the model's contractions.
     """
 
     muscle: Muscle
@@ -123,12 +136,12 @@ class Problem:
     held: tuple[Parameter, ...] = ()
     gauge: Gauge = PERFECT
     branch: np.ndarray | None = None
+    strain_slope: float = 0.0
+    observed: Grid | None = None
 
-    def gauge_at(self, muscle: Muscle) -> Gauge:
-        """Gauge with the free errors attached to a `muscle`; others as the data are corrected."""
-        free = [p.name for p in self.parameters if p.name in GAUGE_NAMES]
-        values = {name: getattr(gauge_of(muscle), name) for name in free}
-        return replace(self.gauge, **values) if values else self.gauge
+    def gauge_at(self, point: AnyArray) -> Gauge:
+        """Gauge with the free errors at a `point`; others as the data are corrected."""
+        return put_gauge(self.parameters, self.gauge, point[: len(self.parameters)])
 
     @cached_property
     def smooth_curves(self) -> SmoothCurves:
@@ -168,14 +181,15 @@ class Problem:
         """Forces [N] of the model at the readings' places, 0 where a row is filled up; further axes
         of a `point` come first.
         """
-        muscle = self.muscle_at(point[..., None] if point.ndim > 1 else point)
+        point_at_levels = point[..., None] if point.ndim > 1 else point
+        muscle, gauge = self.muscle_at(point_at_levels), self.gauge_at(point_at_levels)
         level, order = self._places
         law, P = muscle.law, self.grid.pressure[:, 0]
         if point.ndim > 1:
             # laws add axes ahead of the pressure's
             P = np.broadcast_to(P, (*point.shape[1:], P.size))
         strain = self.grid.strain[self.grid.used] * self._strain_scale(muscle)
-        gauge, base = self.gauge_at(muscle), self.gauge
+        base = self.gauge
         if gauge is not PERFECT:  # pressures below zero are a corrected transducer's noise
             P = maximum(P - (gauge.pressure_zero - base.pressure_zero), 0.0)
             strain = strain - (gauge.displacement_zero - base.displacement_zero) / muscle.length
@@ -234,7 +248,7 @@ class Problem:
         """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;
         and their slopes with it [1/N].
         """
-        grid, scaled = self.grid, np.sqrt(self.grid.count) / self.noise
+        grid, scaled = self.grid, self.grid.precision / self.noise
         missed = (grid.force - force) * scaled
         if not np.any(grid.censored):
             return self.weight * missed, -self.weight * scaled
@@ -249,11 +263,24 @@ class Problem:
             self.weight * np.where(grid.censored, rises, -scaled),
         )
 
+    def errors(self, force: Table, data: FitData) -> np.ndarray:
+        """Measured less a model's `force` [N] of each reading of `data`, NaN where clipped."""
+        if self.observed is None:
+            return data.errors(force)
+        return (self.grid.force - force)[data.level, data.column]
+
+    def contraction_errors(self, force: Table, data: FitData) -> np.ndarray:
+        """Errors of strain [-] of each reading of `data` beside a model's `force` [N], where
+        contractions were in error.
+        """
+        slope = np.broadcast_to(self.grid.spread, self.grid.count.shape) * self.strain_slope
+        return self.errors(force, data) / slope[data.level, data.column]
+
     def residuals(self, point: Vector, force: Table) -> np.ndarray:
         """All residuals [-] at a `point` with its `force` [N]: the readings' under the loss, then
         the priors'.
         """
-        softened, _ = _LOSS[self.loss](self.misfits(force)[0])
+        softened, _ = soften(self.misfits(force)[0], self.loss)
         return np.concatenate([softened.reshape(-1), (point - self.center) / self.deviation])
 
     def slopes(self, force: Table, force_slopes: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -261,7 +288,7 @@ class Problem:
         coordinates that both are for.
         """
         misfits, by_force = self.misfits(force)
-        softer = (by_force * _LOSS[self.loss](misfits)[1]).reshape(-1, 1)
+        softer = (by_force * soften(misfits, self.loss)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
         return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
 
@@ -291,7 +318,7 @@ def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> T
     xp = array_namespace(force)
     terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
     terms.append(force / np.max(np.abs(grid.force)))
-    columns, scale = branch * xp.stack(terms, axis=-3), weight * np.sqrt(grid.count)
+    columns, scale = branch * xp.stack(terms, axis=-3), weight * grid.precision
     usable = grid.measured & (weight > 0) & xp.isfinite(force)
     missed = xp.where(usable, (grid.force - force) * scale, 0.0)
     basis = xp.where(usable[..., None, :, :], columns * scale, 0.0)
@@ -302,29 +329,14 @@ def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> T
     return xp.sum(terms[..., None] * columns, axis=-3)
 
 
-def _linear_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals `r` [-] as they are, whose squares are the linear loss, and their slopes, 1."""
-    return r, np.ones_like(r)
-
-
-def _soft_l1_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals [-] whose squares are the soft L1 loss of `r` [-], and their slopes with `r`."""
+def soften(r: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals whose squares are the `loss` of `r` [-], and their slopes with `r`."""
+    if loss == "linear":
+        return r, np.ones_like(r)
     # of two forms of 2 (sqrt(1 + r²) - 1), the one without cancellation
     root = np.sqrt(1 + r**2)
     factor = np.sqrt(2 / (root + 1))
     return r * factor, 1 / (root * factor)
-
-
-def _cauchy_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals [-] whose squares are the Cauchy loss of `r` [-], and their slopes with `r`."""
-    square = np.maximum(r**2, 1e-300)  # no 0/0
-    factor = np.where(r**2 > 1e-12, np.sqrt(np.log1p(square) / square), 1.0)  # else 1 - r²/4
-    return r * factor, 1 / ((1 + r**2) * factor)
-
-
-_LOSS: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
-    "linear": _linear_loss, "soft_l1": _soft_l1_loss, "cauchy": _cauchy_loss,
-}  # fmt: skip
 
 
 def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linearization:
@@ -353,6 +365,12 @@ class SearchEnds(NamedTuple):
     cost: np.ndarray
     status: np.ndarray
     steps: np.ndarray
+
+    @property
+    def rows(self) -> list[tuple[float, str, int]]:
+        """Cost [-], status and number of steps of each end."""
+        status = [STATUS[number] for number in self.status]
+        return list(zip(self.cost.tolist(), status, self.steps.tolist(), strict=True))
 
     @property
     def best(self) -> int:
@@ -530,6 +548,33 @@ def first_noise(grid: Grid) -> float:
     return _FIRST_NOISE * float(np.max(np.abs(grid.force)))
 
 
+def with_effective_errors(problem: Problem, point: np.ndarray) -> Problem:
+    """The `problem` about the contractions at which the muscle of a `point` bears the loads, (C15).
+
+    There a reading's error of contraction is one of the force; slopes at the readings themselves
+    would depend on their errors, and bias the fit.
+    """
+    observed, grid = problem.observed or problem.grid, problem.grid
+    used = grid.used
+    shifted = [replace(grid, strain=grid.strain + side * _STRAIN_STEP) for side in (-1, 1)]
+    low, high = (replace(problem, grid=ends).force(point) for ends in shifted)
+    slope = np.where(used, (high - low) / (2 * _STRAIN_STEP), 0.0)
+    mean = float(np.sqrt(np.sum(slope**2) / np.sum(used)))
+    if not mean > 0:
+        return problem
+    # a force falls with contraction
+    slope = np.where(used, np.minimum(slope, -_LEAST_SPREAD * mean), -mean)
+    missed = np.where(used, observed.force - (low + high) / 2, 0.0)
+    strain = grid.strain + np.clip(missed / slope, -_LARGEST_STEP, _LARGEST_STEP)
+    force = observed.force - slope * (observed.strain - strain)
+    # the noise in strain stays, or is that of a first guess
+    noise = problem.noise / problem.strain_slope if problem.strain_slope else _FIRST_STRAIN
+    return replace(
+        problem, grid=replace(grid, strain=strain, force=force, spread=-slope / mean),
+        observed=observed, strain_slope=mean, noise=noise * mean,
+    )  # fmt: skip
+
+
 def solve_with_noise(
     problem: Problem,
     starts: np.ndarray,
@@ -548,9 +593,12 @@ def solve_with_noise(
         for _ in range(_NOISE_ROUNDS):
             misfits, _ = problem.misfits(problem.force(best))
             noise = residual_noise(problem, misfits, len(best))
-            if abs(noise / problem.noise - 1) < 1e-3:  # far below an interval's two digits
-                break
+            settled = abs(noise / problem.noise - 1) < 1e-3  # far below an interval's two digits
             problem = replace(problem, noise=noise)
+            if problem.strain_slope:
+                problem = with_effective_errors(problem, best)
+            if settled:
+                break
             best = solve(problem, best[None], tolerance=ROUGH).points[0]
         if len(starts) > 1 and tolerance < ROUGH:
             # the others follow with the noise as it is now, so that their ends can be compared

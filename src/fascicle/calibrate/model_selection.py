@@ -5,8 +5,9 @@ selected there, on the record as a gauge that only pulls would have seen it. Can
 muscle as given, then its sizes, its rubber, both, each with a dead band, and the paper's tuning.
 The two constants of the rubber are free together: with one of them fixed at a value that nobody
 measured the other constants would look too certain. Every other constant that changes the pull is
-tried beside sizes and rubber, alone and with all others. The wall thickness stays as given: the
-force depends on its product with the rubber's constants. Where the record shows resisting force,
+tried beside sizes and rubber, alone and with all others. A set with a constant at the end of its
+range is excluded. The wall thickness stays as given: the force depends on its product with the
+rubber's constants. Where the record shows resisting force,
 the best candidate and the paper's tuning are then fitted to all readings, with the factors on the
 resisting force.
 
@@ -18,7 +19,7 @@ best the one with the fewest constants is selected.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from ..core.errors import InvalidInputError
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
 from ..records.record import Record
-from .calibration import Calibration, Candidate, Selection, Trial, largest_force
+from .calibration import Calibration, largest_force
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
 from .fitting import (
@@ -40,12 +41,11 @@ from .fitting import (
     starts_of,
 )
 from .gauges import CLEAR
-from .least_squares import NORMAL, ROUGH, Problem, loop_force, solve, solve_with_noise
-from .messages import AS_GIVEN, TUNING, exclusions, length_violation, marginal_gains
-from .messages import selection_reasons as reasons_of
+from .least_squares import KNOWN, NORMAL, ROUGH, Problem, loop_force, solve, solve_with_noise
 from .parameters import (
     FACTOR_NAMES,
     RUBBER,
+    WEAK,
     pulling_constants,
     put,
     select_parameters,
@@ -65,11 +65,63 @@ _MAX_FOLDS = 12  # pressures left out one by one: each is a refit
 _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
-_FULL_TRIALS = 5  # usual number, for an estimate of the progress
 _BAND, _WALL, _ACTIVE, _ZERO = "dead_band", "wall_thickness", "active_length", "force_zero"
 
 Names = tuple[str, ...]
 Priors = Mapping[str, Prior]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A set of free constants, tried by the model selection.
+
+    - `names`: of its free constants.
+    - `method`: "tuning" or "constants".
+    - `constants`: number of fitted numbers, with those of a tuning's curves.
+    - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to; of
+      contractions that were read under set loads [-].
+    - `relative_rmse`, `relative_left_out_rmse`: over the largest force, or contraction [-].
+    - `readings`: compared readings: "pulling" or "all".
+    - `violation`: code of what makes the fitted muscle impossible: "length", an active length above
+      the muscle's; "bound", a constant at the end of its range; else empty.
+    - `value`: the impossible length [m].
+    - `chosen`: it was selected.
+    - `left_out_errors`: of its predictions, reading by reading; NaN for clipped ones.
+    """
+
+    names: Names
+    method: str
+    constants: int
+    rmse: float
+    left_out_rmse: float
+    relative_rmse: float
+    relative_left_out_rmse: float
+    readings: str = "pulling"
+    violation: str = ""
+    value: float = float("nan")
+    chosen: bool = False
+    left_out_errors: np.ndarray | None = None
+
+    @property
+    def valid(self) -> bool:
+        """True if it can be selected: a possible muscle with a finite left-out error."""
+        return bool(np.isfinite(self.left_out_rmse)) and not self.violation
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """A selected calibration.
+
+    - `calibration`: the fit of the selected constants to all readings.
+    - `candidates`: all sets that were compared.
+    - `by_strain`: stretches of strain were left out in turn, not pressures.
+    - `compared`: number of readings that the candidates were compared on.
+    """
+
+    calibration: Calibration
+    candidates: tuple[Candidate, ...] = ()
+    by_strain: bool = False
+    compared: int = 0
 
 
 def select_model(
@@ -78,9 +130,9 @@ def select_model(
     priors: Priors | None = None,
     *,
     loss: str = "linear",
-    weights: str = "uniform",
     starts: int = STARTS,
     seed: int = 0,
+    given_laws: Collection[str] = (),
     progress: Callable[[str], object] = lambda _: None,
 ) -> Selection:
     """Select the constants that a record determines, and fit them.
@@ -90,96 +142,79 @@ def select_model(
     - `record`: the measured readings.
     - `muscle`: sizes, laws and constants to begin with.
     - `priors`: prior knowledge of some constants; these are always free.
-    - `loss`, `weights`, `starts`, `seed`: as of `fit`.
-    - `progress`: is called with a line on each step; their number is an estimate.
+    - `loss`, `starts`, `seed`: as of `fit`.
+    - `given_laws`: kinds of law that stay as they are, such as "ends".
+    - `progress`: is called with a line on each step.
 
     **Returns:** the selection, with all candidates.
 
     **Raises:** `InvalidInputError` as `fit`.
     """
     data, priors = select_fit_data(record, muscle), dict(priors or {})
-    if 0 < data.pushes < MIN_PUSHES:
+    if 0 < data.pushes < MIN_PUSHES and not data.reads_contraction:
         data = pulling_only(data)
-    options = FitOptions(loss, weights, starts, seed, whole=False)
+    options = FitOptions(loss, starts, seed, whole=False)
+    extended = muscle if "ends" in given_laws else with_optional_laws(muscle)
     if priors:
-        select_parameters(list(priors), with_optional_laws(muscle))  # raises for unknown names
-    steps = _Steps(progress, 0 if data.pulls else _FULL_TRIALS)
+        select_parameters(list(priors), extended)  # raises for unknown names
     pulling = thin(pulling_only(data))
-    trials, noise = _pulling_trials(pulling, muscle, priors, options, steps)
-    if not trials:  # without a reading that pulls, `fit` raises the error
+    if not np.any(pulling.grid.measured):  # `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
-    by_strain = _measured_levels(data.grid).size < _MIN_LEVELS
+    trials, noise = _pulling_trials(pulling, muscle, extended, priors, options, progress)
     compared = thin(data)
-    total, note = len(data.record), ()
-    if (count := len(compared.record)) < total:
-        note = (f"Candidates were compared on {count} of {total} readings; the fit uses all.",)
+    facts = {
+        "by_strain": _measured_levels(data.grid).size < _MIN_LEVELS,
+        "compared": len(compared.record),
+    }
     if data.pulls:
         best = select(trials, noise, loss)
         progress("fitting")
-        tuning = best.candidate.method == "tuning"
-        names = None if tuning else best.candidate.names
-        options = replace(options, tune=tuning)
+        tune = best.method == "tuning"
+        names = None if tune else best.names
+        options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, names, _priors_of(priors, names or ()), options)
-        return Selection(
-            fitted, _mark_chosen(trials, best), (*reasons_of(trials, best, by_strain), *note)
-        )
-    best = select([t for t in trials if t.candidate.method == "constants"], noise, loss)
-    names = best.candidate.names
-    muscle = with_optional_laws(muscle, names)
-    full_trials, searches = _full_trials(compared, muscle, priors, options, names, noise, steps)
-    final = select(full_trials, noise, loss)
-    free = final.candidate.names
-    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
-    steps.begin("fitting all readings")
-    fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
-    reasons = (
-        f"Where the muscle pulls, the best fit is {best.candidate.label}.",
-        *marginal_gains(trials, best),
-        *exclusions(trials),
-        *reasons_of(full_trials, final, by_strain),
-        *note,
+        return Selection(fitted, _mark_chosen(trials, best), **facts)
+    best = select([trial for trial in trials if trial.method == "constants"], noise, loss)
+    muscle = with_optional_laws(muscle, best.names)
+    full_trials, searches = _full_trials(
+        compared, muscle, priors, options, best.names, noise, progress
     )
+    final = select(full_trials, noise, loss)
+    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
+    progress("fitting all readings")
+    fitted = fit_data(data, muscle, final.names, _priors_of(priors, final.names), options)
     candidates = (*_mark_chosen(trials, best), *_mark_chosen(full_trials, final))
-    return Selection(fitted, candidates, reasons)
+    return Selection(fitted, candidates, **facts)
 
 
-class _Steps:
-    """Count of the fits that are tried; `progress` is called with a line on each."""
-
-    def __init__(self, progress: Callable[[str], object], later: int):
-        self.progress, self.done, self.total = progress, 0, later
-
-    def begin(self, label: str) -> None:
-        """Show the next fit."""
-        self.done += 1
-        self.total = max(self.total, self.done)
-        self.progress(f"{label}: fit {self.done} of {self.total}")
-
-
-def make_trial(
-    candidate: tuple[str, Names, str, int],
+def make_candidate(
+    names: Names,
+    method: str,
+    constants: int,
     errors: np.ndarray,
     left_out: np.ndarray,
     loss: str,
-    top_force: float,
+    top: float,
     readings: str = "pulling",
-    violation: str = "",
-) -> Trial:
-    """Trial of a `candidate`, its label, names, method and number of constants.
+    violation: tuple[str, float] = ("", float("nan")),
+) -> Candidate:
+    """Candidate with its errors.
 
-    `errors`: of the fit, `left_out`: of fits without the reading [N]; NaN for clipped ones.
-    `top_force`: the largest measured force [N].
+    `errors`: of the fit, `left_out`: of fits without the reading [N]; NaN for clipped ones. `top`:
+    the largest measured force [N]. `violation`: its code and value.
     """
     rmse, left_out_rmse = error_size(errors, loss), error_size(left_out, loss)
     # candidates are compared on all readings: one that can't predict some of them is out
     if not np.all(np.isfinite(left_out) | ~np.isfinite(errors)):
         left_out_rmse = float("nan")
-    sizes = rmse, left_out_rmse, rmse / top_force, left_out_rmse / top_force
-    return Trial(Candidate(*candidate, *sizes, readings), left_out, violation)
+    sizes = rmse, left_out_rmse, rmse / top, left_out_rmse / top
+    return Candidate(
+        names, method, constants, *sizes, readings, *violation, left_out_errors=left_out
+    )
 
 
-def select(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
-    """Select the trial with the fewest constants among those that are no worse than the best.
+def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
+    """Select the candidate with the fewest constants among those that are no worse than the best.
 
     Its squared errors may exceed the best one's by a standard error of their sum; by 2 % of the
     best one's error beyond the `noise` of a reading [N], 0 where it is unknown; or by one reading's
@@ -188,13 +223,15 @@ def select(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     **Raises:** `InvalidInputError` if no fit has a left-out error.
     """
     valid = [trial for trial in trials if trial.valid]
-    if not any(trial.candidate.constants for trial in valid):  # the muscle as given needs no fit
+    if not any(trial.constants for trial in valid):  # the muscle as given needs no fit
         rule, remedy = "is too short to leave readings out", "name what to fit, such as c10, c01"
         raise InvalidInputError("record", rule, None, remedy)
-    best = min(valid, key=lambda trial: trial.candidate.left_out_rmse)
-    limit = _OUTLIER * best.candidate.left_out_rmse if loss != "linear" else np.inf
-    errors = [trial.left_out_errors[np.isfinite(trial.left_out_errors)] for trial in valid]
-    squares = [np.minimum(row**2, limit**2) for row in errors]
+    best = min(valid, key=lambda trial: trial.left_out_rmse)
+    limit = _OUTLIER * best.left_out_rmse if loss != "linear" else np.inf
+    squares = []
+    for trial in valid:
+        errors = np.asarray(trial.left_out_errors)
+        squares.append(np.minimum(errors[np.isfinite(errors)] ** 2, limit**2))
     best_squares = squares[valid.index(best)]
     mean = float(np.mean(best_squares))
     tolerance = ((1 + _TOLERANCE) ** 2 - 1) * max(mean - noise**2, 0.0)
@@ -204,7 +241,7 @@ def select(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
         chance = _STANDARD_ERRORS * float(np.std(excess)) / np.sqrt(excess.size)
         if float(np.mean(excess)) <= max(chance, tolerance, mean / excess.size):
             equivalent.append(trial)
-    return min(equivalent, key=lambda t: (t.candidate.constants, t.candidate.left_out_rmse))
+    return min(equivalent, key=lambda trial: (trial.constants, trial.left_out_rmse))
 
 
 def error_size(errors: np.ndarray, loss: str) -> float:
@@ -238,7 +275,7 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
     force = np.full(problem.grid.force.shape, np.nan)
     for fold in folds(problem.grid):
         grid, joint = problem.grid.without(fold), readings.pulling is not None
-        end, refitted = refit_tuning(problem, point, grid, calibration.weights, joint)
+        end, refitted = refit_tuning(problem, point, grid, joint)
         force[fold] = replace(refitted, grid=problem.grid).force(end)[fold]
     return force
 
@@ -284,70 +321,85 @@ def identifiable_constants(
 
 
 def _pulling_trials(
-    data: FitData, muscle: Muscle, priors: Priors, options: FitOptions, steps: _Steps
-) -> tuple[list[Trial], float]:
+    data: FitData,
+    muscle: Muscle,
+    extended: Muscle,
+    priors: Priors,
+    options: FitOptions,
+    progress: Callable[[str], object],
+) -> tuple[list[Candidate], float]:
     """Fits of candidate sets of constants, and of the tuning, to readings that pull, and the noise
-    of a reading [N], 0 where it can't be seen.
+    of a reading [N], 0 where it can't be seen. `extended`: the muscle with its optional laws.
     """
-    measured = int(np.sum(data.grid.measured))
-    if not measured:
-        return [], 0.0
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # errors that readings without pressure show are fitted with every candidate
     required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
-    quick_options = replace(options, starts=min(options.starts, _STARTS))
-    trials: dict[frozenset[str], Trial] = {}
+    options = replace(options, starts=min(options.starts, _STARTS))
+    usual = {*muscle.tension.fit_parameters(), _WALL}
+    constants = identifiable_constants(data, extended, options, usual)
+    sets = candidate_sets(muscle, [name for name in constants if name not in usual], required)
+    sets = [names for names in sets if len(names) < np.sum(data.grid.measured)]
+    trials: dict[frozenset[str], Candidate] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
-
-    def attempt(names: Names) -> None:
-        if len(names) >= measured:
-            return
-        steps.begin("selecting the constants")
+    for number, names in enumerate(sets, 1):
+        progress(f"selecting the constants: fit {number} of {len(sets)}")
         # a search that begins at the end of a subset's search can't end with a larger error
         subsets = [key for key in ends if key <= set(names)]
-        start = min(subsets, key=lambda key: trials[key].candidate.rmse, default=frozenset[str]())
-        settings = replace(quick_options, near=ends.get(start, {}))
+        start = min(subsets, key=lambda key: trials[key].rmse, default=frozenset[str]())
+        settings = replace(options, near=ends.get(start, {}))
         trial, end = _try_constants(data, muscle, names, _priors_of(priors, names), settings)
         trials[frozenset(names)] = trial
         if names and not trial.violation:
             ends[frozenset(names)] = end
-
-    usual = {*muscle.tension.fit_parameters(), _WALL}
-    constants = identifiable_constants(data, with_optional_laws(muscle), options, usual)
-    sets = candidate_sets(muscle, [name for name in constants if name not in usual], required)
-    steps.total += len(sets)
-    for names in sets:
-        attempt(names)
+    first, *others = trials.values()
+    # a tuning needs curves of force, and can't take prior knowledge of constants into account
+    if constants_with_priors or data.reads_contraction:
+        return [first, *others], 0.0
     noise = read_curves(muscle, on_length(data, muscle)).noise
-    tried = [*trials.values()]
-    # a tuning can't take prior knowledge of constants into account
-    loop = fits_loop(data, required)
-    tuning = [] if constants_with_priors else _try_tuning(data, muscle, options.loss, loop)
-    return [*tried[:1], *tuning, *tried[1:]], noise
+    tuning = _try_tuning(data, muscle, options.loss, fits_loop(data, required))
+    return [first, *tuning, *others], noise
 
 
 def _try_constants(
     data: FitData, muscle: Muscle, names: Names, priors: Priors, options: FitOptions
-) -> tuple[Trial, dict[str, float]]:
-    """Trial of a set of constants, and the coordinates at the end of its search."""
+) -> tuple[Candidate, dict[str, float]]:
+    """Candidate of a set of constants, and the coordinates at the end of its search."""
     problem, _ = set_up_problem(data, muscle, names, priors, options)
-    point, violation = problem.center, ""
+    point, violation = problem.center, ("", float("nan"))
     if names:
         starts = starts_of(problem, options)
-        problem, _, point, *_ = solve_with_noise(problem, starts, tolerance=ROUGH)
+        problem, _, point, minimum, _ = solve_with_noise(problem, starts, tolerance=ROUGH)
         fitted = put(problem.parameters, problem.muscle, point)
-        violation = _active_length_message(data, muscle, fitted, names, priors)
+        violation = _length_violation(data, muscle, fitted, names, priors)
+        # a constant that went far beyond its weak prior and has no effect there is at its bound
+        far = np.abs(point - problem.center) > problem.deviation
+        lost = np.diag(minimum.covariance) > (KNOWN * problem.deviation / WEAK) ** 2
+        if not violation[0] and np.any(far & lost):
+            violation = "bound", float("nan")
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force
-    candidate = ", ".join(names) or AS_GIVEN, names, "constants", len(names)
-    sizes = data.errors(force), data.errors(left_out), options.loss, largest_force(data.record)
-    trial = make_trial(candidate, *sizes, violation=violation)
+    errors, top = _errors(data, problem, force), _largest(data)
+    trial = make_candidate(
+        names, "constants", len(names), errors, _errors(data, problem, left_out), options.loss, top,
+        violation=violation,
+    )  # fmt: skip
     free = (parameter.name for parameter in problem.parameters)
     return trial, dict(zip(free, point.tolist(), strict=True))
 
 
-def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Trial]:
-    """Trial of the paper's tuning, if blocked force and free strain can be read.
+def _errors(data: FitData, problem: Problem, force: np.ndarray) -> np.ndarray:
+    """Errors of a model's `force` [N]; of contractions [-] where these were read."""
+    errors = problem.contraction_errors if data.reads_contraction else problem.errors
+    return errors(force, data)
+
+
+def _largest(data: FitData) -> float:
+    """Largest measured force [N], or contraction [-]."""
+    return data.largest_strain if data.reads_contraction else largest_force(data.record)
+
+
+def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Candidate]:
+    """Candidate of the paper's tuning, if blocked force and free strain can be read.
 
     `loop`: the hysteresis loop is fitted beside it, as beside the other candidates.
     """
@@ -372,10 +424,10 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Tr
             left_out[fold] = refitted[0][fold]
     forces = [fitted[0], left_out]
     if loop:
-        weight = data.grid.weights("uniform")
+        weight = data.grid.used.astype(float)
         forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
     sizes = data.errors(forces[0]), data.errors(forces[1]), loss, largest_force(data.record)
-    return [make_trial((TUNING, (), "tuning", fitted[1]), *sizes)]
+    return [make_candidate((), "tuning", fitted[1], *sizes)]
 
 
 def _full_trials(
@@ -385,9 +437,10 @@ def _full_trials(
     options: FitOptions,
     names: Names,
     noise: float,
-    steps: _Steps,
-) -> tuple[list[Trial], list[FitOptions]]:
-    """Trials on pulling and resisting readings, and the options of a search from each one's end.
+    progress: Callable[[str], object],
+) -> tuple[list[Candidate], list[FitOptions]]:
+    """Candidates on pulling and resisting readings, and the options of a search from each one's
+    end.
 
     Tried are the paper's tuning; the constants `names`, which are best where the muscle pulls, with
     the factors on the resisting force and without; and these factors alone. Where residuals are not
@@ -395,21 +448,16 @@ def _full_trials(
     """
     options = replace(options, whole=True, thorough=False, held=(*names, *FACTOR_NAMES))
     top_force = largest_force(data.record)
-    label, suffix = ", ".join(names) or AS_GIVEN, "and the factors on the resisting force"
-    attempts: list[tuple[str, Names, bool]] = [
-        (f"{label} {suffix}", _union(names, FACTOR_NAMES), False), (label, names, False)
-    ]  # fmt: skip
+    attempts: list[tuple[Names, bool]] = [(_union(names, FACTOR_NAMES), False), (names, False)]
     # a tuning can't take prior knowledge of constants into account
     if not set(priors) - set(FACTOR_NAMES):
-        gauges = tuple(data.gauge.faults)
-        factors = [(f"{AS_GIVEN} {suffix}", (*FACTOR_NAMES, *gauges), False)] if names else []
-        attempts = [(TUNING, FACTOR_NAMES, True), *attempts, *factors]
+        factors = [((*FACTOR_NAMES, *data.gauge.faults), False)] if names else []
+        attempts = [(FACTOR_NAMES, True), *attempts, *factors]
     trials, searches = [], []
-    steps.total = steps.done + len(attempts) + 1  # the last is the fit to all readings
 
-    def attempt(title: str, free: Names, tune: bool) -> tuple[Trial, FitOptions, Calibration]:
+    def attempt(free: Names, tune: bool) -> tuple[Candidate, FitOptions, Calibration]:
         nonlocal options
-        steps.begin("fitting the resisting force")
+        progress(f"fitting the resisting force: fit {len(trials) + 1} of {len(attempts)}")
         options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, free, _priors_of(priors, free), options)
         end = dict(zip(fitted.names, fitted.coordinates.tolist(), strict=True))
@@ -418,19 +466,21 @@ def _full_trials(
         search = replace(options, near=end)
         options = replace(options, near={**options.near, **end})
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
-        candidate = title, free, fitted.method, len(free) + curves
         left_out = fitted.fit_data.errors(left_out_force(fitted))  # corrected as the fit is
-        violation = _active_length_message(data, muscle, fitted.muscle, free, priors)
-        sizes = fitted.errors, left_out, options.loss, top_force
-        return make_trial(candidate, *sizes, "all", violation), search, fitted
+        violation = _length_violation(data, muscle, fitted.muscle, free, priors)
+        trial = make_candidate(
+            free, fitted.method, len(free) + curves, fitted.errors, left_out, options.loss,
+            top_force, "all", violation,
+        )  # fmt: skip
+        return trial, search, fitted
 
-    for title, free, tune in attempts:
-        trial, search, fitted = attempt(title, free, tune)
+    for free, tune in attempts:
+        trial, search, fitted = attempt(free, tune)
         trials.append(trial)
         searches.append(search)
         if tune or fitted.diagnosis.is_white_noise or not _may_have_zero(data, free):
             continue
-        zeroed, search, fitted = attempt(f"{title}, and {_ZERO}", (*free, _ZERO), tune)
+        zeroed, search, fitted = attempt((*free, _ZERO), tune)
         if _shows_zero(fitted) and select([trial, zeroed], noise, options.loss) is zeroed:
             trials.append(zeroed)
             searches.append(search)
@@ -473,16 +523,16 @@ def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) 
     return force
 
 
-def _active_length_message(
+def _length_violation(
     data: FitData, muscle: Muscle, fitted: Muscle, names: Names, priors: Priors
-) -> str:
-    """Message for a fitted active length above the distance of the fittings; empty for others, and
-    where it isn't free or has a prior.
+) -> tuple[str, float]:
+    """Code and active length [m] of a muscle longer than the distance of its fittings; empty and
+    NaN for others, and where the length isn't free or has a prior.
     """
-    if _ACTIVE not in names or _ACTIVE in priors:
-        return ""
-    rest_length = data.record.rest_length or float(muscle.length)
-    return length_violation(float(fitted.length), rest_length, _RULER)
+    length, rest_length = float(fitted.length), data.record.rest_length or float(muscle.length)
+    if _ACTIVE in names and _ACTIVE not in priors and length > (1 + _RULER) * rest_length:
+        return "length", length
+    return "", float("nan")
 
 
 def _measured_levels(grid: Grid) -> np.ndarray:
@@ -490,9 +540,9 @@ def _measured_levels(grid: Grid) -> np.ndarray:
     return np.flatnonzero(grid.measured.any(axis=1))
 
 
-def _mark_chosen(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
-    """Candidates of the `trials`, with that of the `best` marked as chosen."""
-    return tuple(replace(trial.candidate, chosen=trial is best) for trial in trials)
+def _mark_chosen(trials: Sequence[Candidate], best: Candidate) -> tuple[Candidate, ...]:
+    """The `trials`, with the `best` marked as chosen."""
+    return tuple(replace(trial, chosen=trial is best) for trial in trials)
 
 
 def _priors_of(priors: Priors, names: Collection[str]) -> dict[str, Prior]:

@@ -28,7 +28,7 @@ from ..core.validation import HIGHEST_PRESSURE, NEUTRAL_ANGLE, check_choice
 from ..muscle import Muscle
 from ..muscle.laws import LAWS, OMIT_IF_DEFAULT
 from ..muscle.materials import MooneyRivlin
-from .gauges import DIMENSIONS, GAUGE_NAMES, gauge_of, with_gauge
+from .gauges import DIMENSIONS, GAUGE_NAMES, PERFECT, Gauge
 
 
 RUBBER = ("c10", "c01")  # constants of a stretched wall's energy
@@ -44,21 +44,23 @@ class Parameter:
     - `name`: as in files and on the command line.
     - `dimension`: a key of `units.DIMENSIONS`.
     - `about`: description, a noun phrase.
-    - `value`: function from a muscle to the value [SI unit of the dimension].
-    - `coordinate`: function from a muscle to the coordinate [-].
-    - `put`: function from a muscle and a coordinate to a muscle with it.
+    - `value`: function from a muscle, or from a gauge, to the value [SI unit of the dimension].
+    - `coordinate`: function from it to the coordinate [-].
+    - `put`: function from it and a coordinate to one with that coordinate.
     - `deviation`: standard deviation of the default prior of the coordinate [-].
     - `linear`: the interval is symmetric in the value, not in the coordinate.
+    - `of_gauge`: it is an error of the bench's gauges, not a constant of the muscle.
     """
 
     name: str
     dimension: str
     about: str
-    value: Callable[[Muscle], Batch]
-    coordinate: Callable[[Muscle], Batch]
-    put: Callable[[Muscle, Batch], Muscle]
+    value: Callable[[Any], Batch]
+    coordinate: Callable[[Any], Batch]
+    put: Callable[[Any, Batch], Any]
     deviation: float = WEAK
     linear: bool = False
+    of_gauge: bool = False
 
 
 def _with_value(module: Any, path: str, value: Batch) -> Any:
@@ -205,25 +207,17 @@ _ABOUT = {
 
 
 def _of_gauge(name: str) -> Parameter:
-    """An error of a gauge, attached to the muscle; the muscle's laws ignore it."""
+    """An error of a gauge."""
     unit, scale = GAUGE_UNITS[name], name == "force_gain"
-
-    def coordinate(muscle: Muscle) -> Batch:
-        value = getattr(gauge_of(muscle), name)
-        return (log(value) if scale else value) / unit
-
-    def put(muscle: Muscle, z: Batch) -> Muscle:
-        value = exp(unit * z) if scale else unit * z
-        return with_gauge(muscle, replace(gauge_of(muscle), **{name: value}))
-
+    value = attrgetter(name)
     return Parameter(
-        name, DIMENSIONS[name], f"gauge error: {_ABOUT[name]}",
-        value=lambda muscle: getattr(gauge_of(muscle), name),
-        coordinate=coordinate, put=put, linear=not scale,
+        name, DIMENSIONS[name], f"gauge error: {_ABOUT[name]}", value,
+        coordinate=lambda gauge: (log(value(gauge)) if scale else value(gauge)) / unit,
+        put=lambda gauge, z: replace(gauge, **{name: exp(unit * z) if scale else unit * z}),
+        linear=not scale, of_gauge=True,
     )  # fmt: skip
 
 
-# last: a change of the muscle's fields drops an attached gauge
 GAUGES: tuple[Parameter, ...] = tuple(map(_of_gauge, GAUGE_NAMES))
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
@@ -280,18 +274,27 @@ def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> 
     """The `muscle` with `coordinates` [-] of its `parameters`, set one after the other."""
     with np.errstate(over="ignore"):  # a search may step, an interval end, beyond any number
         for parameter, z in zip(parameters, coordinates, strict=True):
-            muscle = parameter.put(muscle, z)
+            if not parameter.of_gauge:
+                muscle = parameter.put(muscle, z)
     return muscle
 
 
-def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
-    """Values of `parameters` in a `muscle` [SI unit of each]."""
-    return _stack_or_empty([parameter.value(muscle) for parameter in parameters])
+def put_gauge(parameters: Sequence[Parameter], gauge: Gauge, coordinates: Batch) -> Gauge:
+    """The `gauge` with the `coordinates` [-] of those `parameters` that are its errors."""
+    for parameter, z in zip(parameters, coordinates, strict=True):
+        if parameter.of_gauge:
+            gauge = parameter.put(gauge, z)
+    return gauge
 
 
-def coordinates(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
-    """Coordinates of `parameters` in a `muscle` [-]."""
-    return _stack_or_empty([parameter.coordinate(muscle) for parameter in parameters])
+def values(parameters: Sequence[Parameter], muscle: Muscle, gauge: Gauge = PERFECT) -> Batch:
+    """Values of `parameters` in a `muscle` and a `gauge` [SI unit of each]."""
+    return _stack_or_empty([p.value(gauge if p.of_gauge else muscle) for p in parameters])
+
+
+def coordinates(parameters: Sequence[Parameter], muscle: Muscle, gauge: Gauge = PERFECT) -> Batch:
+    """Coordinates of `parameters` in a `muscle` and a `gauge` [-]."""
+    return _stack_or_empty([p.coordinate(gauge if p.of_gauge else muscle) for p in parameters])
 
 
 def _stack_or_empty(numbers: Sequence[Batch]) -> Batch:

@@ -50,9 +50,9 @@ _MAX_SHIFT = 2.0  # of a coordinate, a factor of 7: the same limit for undetermi
 _MAX_ERROR = 1.5  # of the readings' own scatter: a larger error is the law's, not noise
 
 
-def with_readings(problem: Problem, grid: Grid, weights: str) -> tuple[Readings, Problem]:
+def with_readings(problem: Problem, grid: Grid) -> tuple[Readings, Problem]:
     """Read a `grid`, its strains relative to the muscle's length, and limit a `problem` to the
-    factors past the free strain; `weights` of the levels, one of `WEIGHTS`.
+    factors past the free strain.
     """
     readings = read_curves(problem.muscle, grid)
     curves = SmoothCurves(problem.muscle, readings.pressure, top_pressure(grid))
@@ -62,22 +62,22 @@ def with_readings(problem: Problem, grid: Grid, weights: str) -> tuple[Readings,
     # a gauge that never shows a push has measured nothing past the free strain
     force = np.where(grid.measured, grid.force, 0.0)
     pulls_only = bool(np.any(grid.used & grid.censored) and np.min(force) >= 0)
-    weight = grid.weights(weights) * (grid.strain > free[:, None]) * (not pulls_only)
+    weight = grid.used * (grid.strain > free[:, None]) * float(not pulls_only)
     return readings, replace(
         problem, grid=grid, weight=weight, noise=readings.noise, curves=readings.coefficients
     )
 
 
 def refit_tuning(
-    problem: Problem, point: np.ndarray, grid: Grid, weights: str, joint: bool
+    problem: Problem, point: np.ndarray, grid: Grid, joint: bool
 ) -> tuple[np.ndarray, Problem]:
     """Repeat a tuning with another `grid`, of the same strains and pressures or fewer, from a
     `point`; `joint`: fit curves and factors together.
 
     **Returns:** the coordinates [-], and the problem with its curves.
     """
-    readings, refit = with_readings(problem, grid, weights)
-    end = fit_jointly(refit, readings, point, weights) if joint else None
+    readings, refit = with_readings(problem, grid)
+    end = fit_jointly(refit, readings, point) if joint else None
     if end is not None:
         return end.point, end.problem
     return solve(refit, point[None], tolerance=ROUGH).points[0], refit
@@ -87,7 +87,6 @@ def fit_jointly(
     problem: Problem,
     readings: Readings,
     best: np.ndarray,
-    weights: str,
     starts: int = 1,
     seed: int = 0,
     covariance: np.ndarray | None = None,
@@ -98,7 +97,6 @@ def fit_jointly(
 
     - `problem`, `readings`: of a tuning.
     - `best`: coordinates at the end of the factors' own search.
-    - `weights`: of the levels, one of `WEIGHTS`.
     - `starts`: number of points to begin from, about the first end: kinks cause shallow minima.
     - `seed`: random seed of these.
     - `covariance`: of the factors' own search; left out, the end is not compared with it.
@@ -116,7 +114,7 @@ def fit_jointly(
     joint = replace(
         problem,
         # clipped readings of a gauge that only pulls stay out, as in the factors' search
-        weight=np.where(pulling, problem.grid.weights(weights), problem.weight),
+        weight=np.where(pulling, problem.grid.used, problem.weight),
         noise=readings.noise,
         center=np.concatenate([problem.center, center]),
         deviation=np.concatenate([problem.deviation, deviation]),

@@ -9,17 +9,21 @@ import numpy as np
 import panel as pn
 
 from ..calibrate import Selection
-from ..calibrate.messages import interval_texts
 from ..calibrate.parameters import parameters_of
-from ..calibrate.plot_data import figures, measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
-from ..plot.calibration import fit as draw_fit
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..report.calibration import report
-from ..report.calibration_words import verdict_lines, warning_lines, warnings_by_topic
+from ..report.calibration_figures import draw_fit, figures, measured_with_curves
+from ..report.calibration_words import (
+    interval_texts,
+    selection_reasons,
+    verdict_lines,
+    warning_lines,
+    warnings_by_topic,
+)
 from ..results import Table, Variable
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .measured import (
@@ -431,7 +435,7 @@ class DataView(Tab):
             rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
         lines, _ = verdict_lines(calibration, fit.selection)
-        lines = [*lines, *fit.selection.reasons]
+        lines = [*lines, *selection_reasons(fit.selection)]
         if not all(parameter.identifiable for parameter in calibration.parameters):
             lines.append(_UNDETERMINED)
         doubts = (

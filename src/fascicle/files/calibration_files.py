@@ -27,7 +27,7 @@ from .muscle_files import calibration_text, dumps, load_muscle, provenance
 
 
 if TYPE_CHECKING:
-    from ..calibrate.calibration import Selection
+    from ..calibrate.model_selection import Selection
 
 
 SHARE = 0.01  # of an interval, and of the residual: far below the scatter of a measurement
@@ -45,6 +45,7 @@ def calibrated_files(
     date: str,
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
+    reasons: Sequence[str] = (),
 ) -> dict[str, str]:
     """Texts of "muscle.toml" and of its log, "muscle.log.toml", by name; arguments as for
     `provenance_of`.
@@ -52,7 +53,7 @@ def calibrated_files(
     The muscle file has a summary in `[calibration]`, with the interval of each fitted constant;
     `provenance` reads both.
     """
-    muscle, table = _rounded_with_provenance(calibration, date, choice, warnings)
+    muscle, table = _rounded_with_provenance(calibration, date, choice, warnings, reasons)
     summary = {key: table[key] for key in _SUMMARY}
     if not END_PARAMETERS.isdisjoint(table["coordinate_names"]):
         summary["fitted_ends"] = True
@@ -68,9 +69,10 @@ def calibrated_text(
     date: str,
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
+    reasons: Sequence[str] = (),
 ) -> str:
     """Text of a muscle file that holds the log itself; arguments as for `provenance_of`."""
-    return dumps(*_rounded_with_provenance(calibration, date, choice, warnings))
+    return dumps(*_rounded_with_provenance(calibration, date, choice, warnings, reasons))
 
 
 def provenance_of(
@@ -78,6 +80,7 @@ def provenance_of(
     date: str,
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
+    reasons: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Provenance of a fitted muscle.
 
@@ -86,7 +89,7 @@ def provenance_of(
     - `calibration`: the fit.
     - `date`: of the fit, such as "2026-05-04".
     - `choice`: the model selection that chose it, or `None`.
-    - `warnings`: on the fit, in words.
+    - `warnings`, `reasons`: on the fit and for the choice, in words.
 
     **Returns:** text, numbers and lists by key, one level of tables deep, for `save`.
     """
@@ -149,10 +152,11 @@ def provenance_of(
             **_springs(calibration),
         }
     if choice is not None:
-        table["reasons"] = list(choice.reasons)
+        table["reasons"] = list(reasons)
         table["candidate"] = [
             {
-                "free": row.label, "numbers": row.constants, "rmse": _rounded(row.rmse),
+                "free": ", ".join(row.names), "method": row.method, "numbers": row.constants,
+                "rmse": _rounded(row.rmse),
                 "left_out_rmse": _rounded(row.left_out_rmse), "on": row.readings,
                 "chosen": row.chosen,
             }
@@ -223,10 +227,14 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
 
 
 def _rounded_with_provenance(
-    calibration: Calibration, date: str, choice: "Selection | None", warnings: Sequence[str]
+    calibration: Calibration,
+    date: str,
+    choice: "Selection | None",
+    warnings: Sequence[str],
+    reasons: Sequence[str],
 ) -> tuple[Muscle, dict[str, Any]]:
     muscle, rounding = rounded_muscle(calibration)
-    table = provenance_of(calibration, date, choice, warnings)
+    table = provenance_of(calibration, date, choice, warnings, reasons)
     fitted_length = exact(float(muscle.length), "length")
     return muscle, table | {"fitted_length": fitted_length, "rounded": rounding}
 
@@ -276,6 +284,8 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
     """
     parameters = parameters_of(calibration.muscle)
     for estimate in calibration.parameters:
+        if parameters[estimate.name].of_gauge:
+            continue
         value = parameters[estimate.name].value
         change = abs(float(value(muscle)) - float(value(calibration.muscle)))
         if not change <= SHARE * (estimate.high - estimate.low):

@@ -10,21 +10,27 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..calibrate.calibration import Calibration, Profile, Selection
+from ..calibrate.calibration import Calibration, Profile
 from ..calibrate.diagnostics import ALPHA
-from ..calibrate.findings import calibration_findings
-from ..calibrate.messages import fit_data_lines, floor_text, hysteresis_message
-from ..calibrate.plot_data import curves_csv, figures
-from ..calibrate.verdict import judge
+from ..calibrate.findings import calibration_findings, judge
+from ..calibrate.model_selection import Selection
 from ..files.calibration_files import calibrated_files, laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..plot import to_bytes
 from ..records.record import dumps as record_text
 from ..units import pretty
+from .calibration_figures import curves_csv, figures
 from .calibration_words import (
     actions,
+    candidate_label,
     cause_words,
     constant_rows,
+    fit_data_lines,
+    floor_text,
+    hysteresis_message,
+    interval_method,
+    search_lines,
+    selection_reasons,
     verdict_lines,
     warning_lines,
     warnings_by_topic,
@@ -88,7 +94,7 @@ def report(
     if clipped := fit.fit_data.clipped:
         unknowns.append(
             f"At {clipped} clipped readings the force is only known to be not above"
-            f" {floor_text(fit.floor)}."
+            f" {floor_text(fit.fit_data.floor)}."
         )
     length = record.rest_length
     reference = "the muscle's own length" if length is None else pretty(length, "length")
@@ -107,6 +113,8 @@ def report(
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},
         length_note=fitted_length_note(fit.muscle), alpha=ALPHA, laws=laws_of(fit),
         correlation=fit.correlation + 0.0,  # no minus before a zero
+        reasons=[] if choice is None else selection_reasons(choice), label=candidate_label,
+        searches=search_lines(fit.solutions), interval_method=interval_method(fit),
         draws=[] if posterior is None else _posterior_rows(fit, posterior),
         record_lines=[origin, f"Strains refer to {reference}.", *record.notes],
         pictures={name: picture(figure, svg.get(name)) for name, figure in figures.items()},
@@ -159,7 +167,9 @@ def output_files(
         [] if comparison is None else comparison.rows,
         drawn=drawn, choice=result.choice,
     )  # fmt: skip
-    texts = calibrated_files(fit, date, result.choice, warning_lines(fit))
+    choice = result.choice
+    reasons = [] if choice is None else selection_reasons(choice)
+    texts = calibrated_files(fit, date, choice, warning_lines(fit), reasons)
     texts |= {"report.html": page, "curves.csv": curves_csv(fit, result.posterior)}
     if with_notebook:
         texts |= {"record.csv": record_text(fit.record), "fit.ipynb": notebook(result)}
@@ -258,7 +268,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "findings": [finding.to_json() for finding in calibration_findings(fit)],
         "warnings": warning_lines(fit),
         "notes": list(fit.record.notes),
-        "starts": fit.starts,
+        "starts": search_lines(fit.solutions),
         "readings": fit.fit_data.counts(),
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],
         "runs": [vars(run) for run in diagnosis.runs],
@@ -283,9 +293,14 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         }  # fmt: skip
     if (choice := result.choice) is not None:
         content["candidates"] = [
-            vars(candidate) | {"names": list(candidate.names)} for candidate in choice.candidates
-        ]
-        content["reasons"] = list(choice.reasons)
+            {"label": candidate_label(candidate), "names": list(candidate.names)}
+            | pick(
+                candidate, "method", "constants", "rmse", "left_out_rmse", "relative_rmse",
+                "relative_left_out_rmse", "readings", "violation", "chosen",
+            )
+            for candidate in choice.candidates
+        ]  # fmt: skip
+        content["reasons"] = selection_reasons(choice)
     if result.profiles:
         content["profiles"] = {p.name: pick(p, "low", "high") for p in result.profiles}
     if (posterior := result.posterior) is not None:

@@ -1,23 +1,42 @@
-"""Words of a calibration's findings and verdict: what is wrong, and what to do about it."""
+"""Words of a calibration: its verdict, its findings and what to do about them, its readings, the
+search and the model selection.
+"""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+import string
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..calibrate.calibration import CALIPERS, Calibration, Estimate, Selection, largest_force
-from ..calibrate.findings import calibration_findings
+from ..calibrate.calibration import CALIPERS, Calibration, Estimate, largest_force
+from ..calibrate.data import MIN_PUSHES, FitData
+from ..calibrate.findings import Verdict, calibration_findings, judge
+from ..calibrate.friction import Friction
 from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.gauges import PERFECT
-from ..calibrate.messages import floor_text, interval_texts, list_text, range_text
+from ..calibrate.least_squares import SearchEnds
+from ..calibrate.model_selection import Candidate, Selection
 from ..calibrate.parameters import FACTOR_NAMES, parameter_descriptions
-from ..calibrate.verdict import Verdict, judge
 from ..core.findings import Finding
-from ..units import pretty
+from ..units import DIMENSIONS, pretty
 
 
 _ACTIONS = 2  # in a verdict: more are not done
-_MAX_SIGNS = 3  # strains in a sentence that is still read
+_MAX_DIGITS = 12  # of a printed interval: float64 is exact to little more
+_NO_FRICTION = 5e-3  # of the mean width of loops: a smaller part would print as zero
+_SAME_MINIMUM = 0.02  # of the cost, a fifth of a standard deviation: no data tell two ends apart
+_PUSHING = "with a gauge that measures pushes"
+_RUBBER_TEST = " in a tensile test of the rubber"
+_STATUS = {
+    "converged": "converged", "stopped": "stopped after 200 steps before convergence",
+    "broke": "stopped because the solver could not continue",
+}  # fmt: skip
+_CONSTANTS = {
+    "dead_band": "a dead band", "active_length": "a fitted active length",
+    "end_compliance": "end compliance", "force_zero": "a zero of the load cell",
+    "pressure_zero": "a zero of the pressure transducer",
+}  # fmt: skip
 # what to read about, by the first part of a finding's code
 _TOPICS = {
     "gauge": "gauges", "channel": "gauges",
@@ -26,8 +45,6 @@ _TOPICS = {
     "constants": "not determined by these data", "curves": "not determined by these data",
     "use": "use of the muscle",
 }  # fmt: skip
-_PUSHING = "with a gauge that measures pushes"
-_TESTS: dict[str, str] = dict.fromkeys(("c10", "c01"), " in a tensile test of the rubber")
 _GAUGES = {
     "force_zero": ("The load cell does not read zero without force", "zero the load cell"),
     "force_gain": ("The load cell's readings are not to scale",
@@ -38,7 +55,6 @@ _GAUGES = {
     "displacement_zero": ("The contraction does not read zero at the rest length",
                           "measure the rest length again"),
 }  # fmt: skip
-_CHANNELS = {"force": "force", "pressure": "pressure", "displacement": "strain"}  # dimensions
 _FITS = {
     "not converged": "the search did not converge: do not use these constants",
     "untested": "too few readings to judge the fit",
@@ -76,6 +92,7 @@ _CAUSES = {
     "braid_angle": ("a wrong braid angle", ""),
     "outer_radius": ("a wrong radius", ""),
 }  # fmt: skip
+Data = Mapping[str, Any]
 
 
 class Words(NamedTuple):
@@ -96,20 +113,35 @@ class Words(NamedTuple):
         return f"{self.text}{action}"
 
 
+class _Formatter(string.Formatter):
+    """Formats `{value:force}` in units, `{names:list}` and `{share:percent}`."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if format_spec in DIMENSIONS:
+            return pretty(value, format_spec, 3)
+        if format_spec == "list":
+            return list_text(value)
+        if format_spec == "percent":
+            return f"{100 * value:.2g} %"
+        return str(super().format_field(value, format_spec))
+
+
 def words_of(finding: Finding) -> Words:
     """Words of a `finding` of a calibration."""
     kind, _, name = finding.code.partition(".")
-    rank, render = _CATALOGUE.get(finding.code) or _CATALOGUE[kind]
-    text, action = render(finding.data if kind != "gauge" else {**finding.data, "name": name})
-    return Words(_TOPICS[kind], rank, text, action)
+    rank, text, action = _CATALOGUE.get(finding.code) or _CATALOGUE[kind]
+    data = {**finding.data, "name": name} if kind == "gauge" else finding.data
+    render = _Formatter().vformat
+    texts = [part(data) if callable(part) else render(part, (), data) for part in (text, action)]
+    return Words(_TOPICS[kind], rank, *texts)
 
 
 def warnings_by_topic(calibration: Calibration) -> dict[str, tuple[str, ...]]:
     """Warnings to read before the fitted muscle is used, by topic, the most important first."""
-    words = [words_of(finding) for finding in calibration_findings(calibration)]
     topics: dict[str, list[Words]] = {}
-    for entry in words:
-        topics.setdefault(entry.topic, []).append(entry)
+    for finding in calibration_findings(calibration):
+        words = words_of(finding)
+        topics.setdefault(words.topic, []).append(words)
     return {
         topic: tuple(entry.line for entry in sorted(entries, key=lambda entry: entry.rank))
         for topic, entries in topics.items()
@@ -130,7 +162,7 @@ def actions(calibration: Calibration) -> tuple[str, ...]:
     return tuple(entry.action for entry in words if entry.action)[:_ACTIONS]
 
 
-def cause_words(cause: Mapping[str, Any]) -> tuple[str, str]:
+def cause_words(cause: Data) -> tuple[str, str]:
     """Name and remedy of a likely cause."""
     code, constant = cause["code"], cause["constant"]
     name, remedy = _CAUSES.get(code) or (f"{code}, {parameter_descriptions()[code]}", "")
@@ -158,8 +190,9 @@ def verdict_lines(
 def _judgment(calibration: Calibration, verdict: Verdict) -> str:
     """Verdict, pattern of the residuals, and likely causes."""
     diagnosis = calibration.diagnosis
+    largest = _largest(calibration)
     shares = verdict.relative_rmse, float(np.fmax(verdict.relative_rmse, verdict.left_out_rmse))
-    fitted, worst = (f"{100 * share:.2g} % of the largest force" for share in shares)
+    fitted, worst = (f"{100 * share:.2g} % of the largest {largest}" for share in shares)
     size = worst if worst == fitted else f"{worst} at readings left out of the fit"
     judgment = f"Verdict: {_FITS[verdict.fit].format(size)}."
     if not diagnosis.is_white_noise:
@@ -168,9 +201,8 @@ def _judgment(calibration: Calibration, verdict: Verdict) -> str:
         cause = "The cause is unknown."
         if causes := diagnosis.causes:
             share = f"{100 * causes[0].share:.2g} % of the squared residuals"
-            plural = "s" * (len(causes) > 1)
             alternatives = "; or ".join(cause_words(vars(cause))[0] for cause in causes)
-            cause = f"Likely cause{plural} ({share}): {alternatives}."
+            cause = f"Likely cause{'s' * (len(causes) > 1)} ({share}): {alternatives}."
         names = list_text(list(dict.fromkeys(along)))
         return f"{judgment} The residuals vary with {names}. {cause}"
     if verdict.fit in ("roughly", "poorly"):
@@ -178,17 +210,27 @@ def _judgment(calibration: Calibration, verdict: Verdict) -> str:
     return judgment
 
 
+def _largest(calibration: Calibration) -> str:
+    """Quantity that relative errors refer to."""
+    return "contraction" if calibration.fit_data.reads_contraction else "force"
+
+
 def _error_line(calibration: Calibration, verdict: Verdict) -> str:
     """Root mean square errors of all readings and of parts of them."""
-    record = calibration.record
+    record, data = calibration.record, calibration.fit_data
     kind = "synthetic readings" if record.synthetic else "readings"
-    count = calibration.fit_data.clipped
-    clipped = f", {count} of them clipped" if count else ""
-    error = (
-        f"Root-mean-square error of {calibration.points} {kind}{clipped}:"
-        f" {pretty(verdict.rmse, 'force', 3)}, {100 * verdict.relative_rmse:.2g} % of the largest"
-        f" force ({pretty(largest_force(record), 'force', 3)})"
-    )
+    clipped = f", {data.clipped} of them clipped" if data.clipped else ""
+    error = f"Root-mean-square error of {calibration.points} {kind}{clipped}:"
+    relative = f"{100 * verdict.relative_rmse:.2g} % of the largest"
+    if data.reads_contraction:
+        largest = calibration.length * data.largest_strain
+        error += (
+            f" {pretty(verdict.contraction_rmse, 'length', 3)} of contraction under set loads,"
+            f" {relative} ({pretty(largest, 'length', 3)}), or {pretty(verdict.rmse, 'force', 3)}"
+        )
+    else:
+        largest = pretty(largest_force(record), "force", 3)
+        error += f" {pretty(verdict.rmse, 'force', 3)}, {relative} force ({largest})"
     if np.isfinite(verdict.torque_rmse) and record.moment_arm is not None:
         torque = float(np.max(np.abs(record.force * record.moment_arm)))
         error += (
@@ -224,17 +266,247 @@ def constant_rows(estimates: Sequence[Estimate]) -> list[tuple[str, str, str]]:
     return rows
 
 
+def interval_texts(estimate: Estimate) -> tuple[str, str]:
+    """Value and 90 % interval of an estimate, with enough digits to distinguish them."""
+    width = estimate.high - estimate.low
+    size = max(abs(estimate.value), abs(estimate.low), abs(estimate.high))
+    digits = 3 if not 0 < width < size else 2 + math.ceil(math.log10(size / width))
+    digits = min(max(digits, 3), _MAX_DIGITS)
+    value = pretty(estimate.value, estimate.dimension, max(digits, 4))
+    # an end nearer than half of its last digit may round to the other side of the value
+    nearest = min(estimate.value - estimate.low, estimate.high - estimate.value)
+    if nearest < 5 * 10.0**-digits * size:
+        digits = max(digits, 4)
+    low, high = (pretty(x, estimate.dimension, digits) for x in (estimate.low, estimate.high))
+    return value, f"{low} to {high}"
+
+
+def interval_method(calibration: Calibration) -> str:
+    """Method of the 90 % intervals."""
+    profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)
+    return f"linear approximation{profiles}, conditional on the selected model"
+
+
+def search_lines(solutions: SearchEnds) -> list[str]:
+    """Ends of the search from all starts, a line each."""
+    lowest, lines = np.nanmin(solutions.cost), []
+    for i, (cost, status, steps) in enumerate(solutions.rows, start=1):
+        line = f"start {i}: {_STATUS[status]} ({steps} step{'' if steps == 1 else 's'})"
+        if cost - lowest < _SAME_MINIMUM:
+            line += ", at the best minimum"
+        elif np.isfinite(cost):
+            line += f", at a worse minimum (cost {cost:.6g})"
+        lines.append(line)
+    return lines
+
+
+def fit_data_lines(data: FitData) -> list[str]:
+    """Readings by their use in the fit, in sentences."""
+    lines = [f"{data.read} readings read"]
+    lines += [f"{count} left out: {reason}" for reason, count in data.left_out.items()]
+    if not data.left_out:
+        lines[0] += ", none left out"
+    if data.reads_contraction:
+        lines.append("loads were set and contractions read: the errors are those of contractions")
+    ceiling = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
+    if data.clipped > ceiling:
+        lines.append(
+            f"{data.clipped - ceiling} are clipped: they only say that the force was not above"
+            f" {floor_text(data.floor)}"
+        )
+    if ceiling:
+        lines.append(f"{ceiling} at the load cell's ceiling: the force was not below it")
+    if data.noise_clipped:
+        lines.append(
+            f"{data.noise_clipped} small forces at strains where the pressure's other readings are"
+            " clipped or do not pull: noise, taken as a force not above zero"
+        )
+    if data.pushes_clipped:
+        lines.append(
+            f"{data.pushes_clipped} without a pull, too few to fit the resisting force"
+            f" ({MIN_PUSHES} constants): taken as a force not above zero; `--fit tuning` fits it"
+            " nevertheless"
+        )
+    if data.averaged:
+        lines.append(
+            f"{data.averaged} averaged into {data.means} means for the fit, in steps of strain,"
+            " each branch by itself; errors are those of all readings"
+        )
+    levels, pressures = len(data.grid.pressure), np.unique(data.record.pressure).size
+    if pressures > levels:
+        lines.append(f"{pressures} pressures grouped into {levels} level{'s' * (levels > 1)}")
+    return lines
+
+
+def floor_text(floor: float) -> str:
+    """Force at which readings are clipped."""
+    return pretty(floor, "force") if floor else "zero"
+
+
+def hysteresis_message(calibration: Calibration) -> str:
+    """Width of the record's loops and its share of the error in use; empty without loops."""
+    loop, friction = calibration.loop, calibration.friction
+    if loop is None:
+        return ""
+    count, width = loop.pressure.size, np.maximum(loop.width, 0.0)  # noise may be negative
+    if friction is not None and friction.law is None:
+        return (
+            "No hysteresis loop above the noise: mean width"
+            f" {float(np.mean(width)):.2g} N at {count} pressure{'s' * (count > 1)}."
+        )
+    message = (
+        f"Hysteresis loop: its width is {range_text(100 * np.maximum(loop.share, 0.0))} % of the"
+        f" pull at a pressure, {range_text(width)} N at {count} pressure{'s' * (count > 1)}. The"
+        f" error of a muscle in use, {calibration.rmse:.4g} N, contains half of it; against the"
+        f" half-way curve the error is {calibration.half_way_rmse:.4g} N."
+    )
+    return message if friction is None else f"{message} {_friction_message(friction)}"
+
+
+def _friction_message(friction: Friction) -> str:
+    """Fitted friction, in a sentence or two."""
+    count, constant = len(friction.resolved), friction.half_width(0.0)
+    rise, limit = friction.half_width(1e5) - constant, _NO_FRICTION * float(np.mean(friction.width))
+    # at 10 bar, more than any record holds, a rise may matter that doesn't at one
+    terms = [f"{constant:.3g} N"] * (constant > limit) + [f"{rise:.3g} N/bar"] * (10 * rise > limit)
+    message = (
+        f"Friction: {count} sliding spring{'s' if count > 1 else ''}, together ±"
+        f"{' + '.join(terms)}; the error of their loops' widths is {friction.rmse:.3g} N."
+    )
+    if not all(friction.resolved):
+        message += " The build-up after a turn is shorter than a step of the readings."
+    return message
+
+
+def candidate_label(candidate: Candidate) -> str:
+    """Free constants of a candidate, in a line."""
+    if candidate.method == "tuning":
+        return "the paper's tuning"
+    names = [name for name in candidate.names if name not in FACTOR_NAMES]
+    label = ", ".join(names) or "the muscle as given"
+    has_factors = set(FACTOR_NAMES) <= set(candidate.names)
+    return f"{label} and the factors on the resisting force" if has_factors else label
+
+
+def selection_reasons(selection: Selection) -> list[str]:
+    """Reasons for the selected constants, a line each; none without a selection."""
+    groups = [
+        [candidate for candidate in selection.candidates if candidate.readings == readings]
+        for readings in ("pulling", "all")
+    ]
+    lines: list[str] = []
+    for candidates in filter(None, groups):
+        (best,) = (candidate for candidate in candidates if candidate.chosen)
+        if candidates is groups[0] and groups[1]:
+            lines.append(f"Where the muscle pulls, the best fit is {candidate_label(best)}.")
+        else:
+            lines += _comparison_with_best(candidates, best)
+        lines += [*_gains(candidates, best), *_exclusions(selection, candidates)]
+    if not lines:
+        return []
+    fold = "stretch-of-strain" if selection.by_strain else "pressure"
+    lines.append(
+        f"Model selected by leave-one-{fold}-out cross-validation (one-standard-error rule): the"
+        " fewest parameters within one standard error, 2 %, or one reading's share of the best."
+    )
+    if selection.compared < selection.calibration.points:
+        total = selection.calibration.points
+        lines.append(
+            f"Candidates were compared on {selection.compared} of {total} readings; the fit uses"
+            " all."
+        )
+    return lines
+
+
+def _comparison_with_best(candidates: Sequence[Candidate], best: Candidate) -> list[str]:
+    valid = [candidate for candidate in candidates if candidate.valid]
+    lowest = min(valid, key=lambda candidate: candidate.left_out_rmse)
+    lines = [
+        f"Selected: {candidate_label(best)} ({_count(best)}), cross-validated error {_error(best)}."
+    ]
+    if lowest is best:
+        lines.append(f"None of the {len(valid)} possible candidates has a smaller error.")
+    else:
+        lines.append(
+            f"The smallest error is {_error(lowest)}, with {candidate_label(lowest)}"
+            f" ({_count(lowest)}): the difference is no larger than chance or 2 %, so the fewest"
+            " constants are selected."
+        )
+    return lines
+
+
+def _gains(candidates: Sequence[Candidate], best: Candidate) -> Iterator[str]:
+    """Gain of each constant of the `best` candidate, and of each further one, a line each."""
+    errors = {
+        frozenset(candidate.names): candidate
+        for candidate in candidates
+        if candidate.valid and candidate.method == "constants"
+    }
+    if best.method != "constants":
+        return
+    names = frozenset(best.names)
+    for name in dict.fromkeys(name for candidate in candidates for name in candidate.names):
+        neighbor, constant = errors.get(names ^ {name}), _CONSTANTS.get(name, f"`{name}`")
+        if neighbor is None:
+            continue
+        if name in names:
+            yield (
+                f"Adding {constant} reduces the cross-validated error from {_error(neighbor)} to"
+                f" {_error(best)}."
+            )
+        else:
+            yield (
+                f"Adding {constant} does not pay: the cross-validated error would be"
+                f" {_error(neighbor)}."
+            )
+
+
+def _exclusions(selection: Selection, candidates: Sequence[Candidate]) -> Iterator[str]:
+    """Candidates that no muscle can be, though they may have smaller errors, a line each."""
+    calibration = selection.calibration
+    rest_length = calibration.record.rest_length or float(calibration.start.length)
+    for candidate in candidates:
+        label = candidate_label(candidate)
+        if candidate.violation == "length":
+            lengths = pretty(candidate.value, "length"), pretty(rest_length, "length")
+            yield "Excluded: {}: an active length of {} in a muscle of {} is impossible.".format(
+                label, *lengths
+            )
+        elif candidate.violation:
+            yield f"Excluded: {label}: a constant is at the end of its range."
+
+
+def _error(candidate: Candidate) -> str:
+    """Text of a candidate's cross-validated error, in percent."""
+    return f"{100 * candidate.relative_left_out_rmse:.3g} %"
+
+
+def _count(candidate: Candidate) -> str:
+    """Text of a candidate's number of constants."""
+    return f"{candidate.constants} constant{'' if candidate.constants == 1 else 's'}"
+
+
+def range_text(values: np.ndarray) -> str:
+    """Range of `values` with two digits."""
+    low, high = f"{float(np.min(values)):.2g}", f"{float(np.max(values)):.2g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def list_text(names: Sequence[str]) -> str:
+    """Names in a sentence: a, b and c."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
 def gauge_error_texts(calibration: Calibration) -> list[str]:
     """Errors of the gauges that the readings were corrected for, with intervals."""
-    findings = calibration_findings(calibration)
     return [
         _gauge_text({**finding.data, "name": finding.code.partition(".")[2]})
-        for finding in findings
+        for finding in calibration_findings(calibration)
         if finding.code.startswith("gauge.")
     ]
 
 
-def _gauge_text(data: Mapping[str, Any]) -> str:
+def _gauge_text(data: Data) -> str:
     name = data["name"]
     dimension, interval = GAUGE_DIMENSIONS[name], ""
     if "low" in data:
@@ -245,42 +517,16 @@ def _gauge_text(data: Mapping[str, Any]) -> str:
     return f"{_GAUGES[name][0]} ({pretty(data['value'], dimension, 3)}{interval})"
 
 
-Phrases = tuple[str, str]
-
-
-def _gauge(data: Mapping[str, Any]) -> Phrases:
-    action = f"{_GAUGES[data['name']][1]} before the next record"
-    return f"{_gauge_text(data)}: the readings are corrected for it.", action
-
-
-def _ceiling(data: Mapping[str, Any]) -> Phrases:
-    value = pretty(data["value"], "force", 3)
-    text = (
-        f"{data['count']} forces are exactly {value}, the load cell's ceiling: they only say that"
-        " the force was not below it."
+def _saturation(data: Data) -> str:
+    dimension = "strain" if data["channel"] == "displacement" else data["channel"]
+    value = pretty(data["value"], dimension, 3)
+    return (
+        f"{data['count']} readings of the {data['channel']} are exactly {value}, the largest: the"
+        " channel may be saturated."
     )
-    return text, "use a load cell of a larger range"
 
 
-def _saturation(data: Mapping[str, Any]) -> Phrases:
-    channel = data["channel"]
-    value = pretty(data["value"], _CHANNELS[channel], 3)
-    text = (
-        f"{data['count']} readings of the {channel} are exactly {value}, the largest: the channel"
-        " may be saturated."
-    )
-    return text, f"check the range of the {channel}"
-
-
-def _noisy(data: Mapping[str, Any]) -> Phrases:
-    text = (
-        f"Errors of {100 * data['relative_rmse']:.2g} % of the largest force without a pattern:"
-        " the noise of a gauge, or a column that is not what it was read as."
-    )
-    return text, "check the columns of pressure, force and length, and the noise of their gauges"
-
-
-def _pattern(data: Mapping[str, Any]) -> Phrases:
+def _pattern(data: Data) -> str:
     pieces = []
     if data["trends"]:
         trends = [f"{along} ({100 * share:.2g} %)" for along, share in data["trends"].items()]
@@ -294,172 +540,65 @@ def _pattern(data: Mapping[str, Any]) -> Phrases:
             for run in data["runs"]
         ]
         pieces.append(f"Neighboring residuals are correlated along {list_text(runs)}.")
-    causes = [(*cause_words(cause), cause["share"]) for cause in data["causes"]]
-    names = [f"{name} (would explain {100 * share:.2g} %)" for name, _, share in causes]
+    names = [
+        f"{cause_words(cause)[0]} (would explain {100 * cause['share']:.2g} %)"
+        for cause in data["causes"]
+    ]
     pieces.append(
         f"Likely cause: {'; or '.join(names)}." if names else "No known cause would explain it."
     )
+    return " ".join(pieces)
+
+
+def _pattern_remedy(data: Data) -> str:
     # the data can't distinguish causes of about one share
-    action = "; or ".join(dict.fromkeys(remedy for _, remedy, _ in causes))
-    return " ".join(pieces), action or "look for a pattern in the report's residuals"
+    remedies = "; or ".join(dict.fromkeys(cause_words(cause)[1] for cause in data["causes"]))
+    return remedies or "look for a pattern in the report's residuals"
 
 
-def _one_sided(data: Mapping[str, Any]) -> Phrases:
-    counts = [
-        f"{max(entry['below'], entry['count'] - entry['below'])} of {entry['count']} readings lie"
-        f" {'below' if 2 * entry['below'] > entry['count'] else 'above'} the fit near strain"
-        f" {entry['strain']:.3g}"
-        for entry in data["strains"][:_MAX_SIGNS]
-    ]
-    return f"{list_text(counts)}.", ""
-
-
-def _at_least_strain(data: Mapping[str, Any]) -> Phrases:
-    ends = [f"{end['force']:+.3g} N at {end['pressure'] / 1e3:.4g} kPa" for end in data["ends"]]
-    return f"At the least strain residuals range from {' to '.join(ends)}.", ""
-
-
-def _wider_by_model(data: Mapping[str, Any]) -> Phrases:
-    ratio = range_text(np.array([data["least"], data["most"]]))
-    return f"Intervals are {ratio} times as wide as from noise alone, by the model's error.", ""
-
-
-def _wider_by_correlation(data: Mapping[str, Any]) -> Phrases:
-    text = f"Intervals are {data['ratio']:.2g} times as wide as from noise alone, by correlated"
-    return f"{text} residuals.", ""
-
-
-def _clipped(data: Mapping[str, Any]) -> Phrases:
-    text = (
-        f"{data['count']} readings are clipped at {floor_text(data['floor'])}: they only say that"
-        " the force was not above it."
-    )
-    return text, ""
-
-
-def _one_pressure(data: Mapping[str, Any]) -> Phrases:
-    pressure = pretty(data["pressure"], "pressure")
-    text = f"Data at one pressure only ({pressure}): the dependence on pressure is the law's."
-    return text, "measure at three pressures or more"
-
-
-def _no_resistance(_data: Mapping[str, Any]) -> Phrases:
-    text = (
-        "Nothing past the free strain was measured: the data contain no information on bending,"
-        " collapse and the hinge."
-    )
-    return text, f"if pushes matter, compress the muscle past its free strain, {_PUSHING}"
-
-
-def _no_collapse(data: Mapping[str, Any]) -> Phrases:
-    text = f"No reading lies past a collapse: {list_text(data['constants'])} can't be determined."
-    return text, "compress the muscle until it folds"
-
-
-def _tuning_range(data: Mapping[str, Any]) -> Phrases:
-    highest = pretty(data["pressure"], "pressure")
-    return f"C1 and C2 are determined up to {highest} and held constant above it.", ""
-
-
-def _limited(data: Mapping[str, Any]) -> Phrases:
+def _limited(data: Data) -> str:
     limits = [
         f"{e['name']} only {'an' if e['bound'] == 'upper' else 'a'} {e['bound']} limit,"
         f" {pretty(e['value'], e['dimension'], 3)} (90 %)"
         for e in data["limits"]
     ]
-    return f"The data give {list_text(limits)}.", _remedy(data["limits"][0]["name"])
+    return f"The data give {list_text(limits)}."
 
 
-def _undetermined(data: Mapping[str, Any]) -> Phrases:
-    names = data["constants"]
-    verb, prior = ("are", "their priors") if len(names) > 1 else ("is", "its prior")
-    text = f"{list_text(names)} {verb} not determined by the data: the fit returns {prior}."
-    return text, _remedy(names[0])
-
-
-def _law_in_doubt(data: Mapping[str, Any]) -> Phrases:
-    names = data["constants"]
-    verb = "hold" if len(names) > 1 else "holds"
-    text = (
-        f"{list_text(names)} {verb} for the fitted law past the free strain only, and the residuals"
-        " contradict this law there."
-    )
-    return text, ""
-
-
-def _confounded(data: Mapping[str, Any]) -> Phrases:
-    names = data["constants"]
-    pronoun = "them" if len(names) > 1 else "it"
-    text = f"Not fitted: {list_text(names)}. The data can't distinguish {pronoun} from the fitted"
-    return f"{text} constants.", ""
-
-
-def _correlated(data: Mapping[str, Any]) -> Phrases:
+def _correlated(data: Data) -> str:
     pairs = [
         f"{' and '.join(pair['constants'])} ({pair['correlation']:.3f})" for pair in data["pairs"]
     ]
-    text = f"Strongly correlated: {'; '.join(pairs)}. Do not interpret them individually."
-    name = data["constant"]
-    return text, _remedy(name) or f"leave {name} out of --fit"
+    return f"Strongly correlated: {'; '.join(pairs)}. Do not interpret them individually."
 
 
-def _sparse_transition(data: Mapping[str, Any]) -> Phrases:
-    text = (
-        f"Only {data['count']:.2g} readings at a pressure lie in the transition after collapse"
-        f" (1/β of strain): with fewer than {data['enough']} the collapse moment's interval is too"
-        " narrow."
-    )
-    return text, "take more readings near the collapse"
-
-
-def _unread(data: Mapping[str, Any]) -> Phrases:
-    pressures = ", ".join(f"{p / 1e3:.4g}" for p in data["pressures"])
-    text = (
-        f"Blocked force and free strain could not be read at {pressures} kPa: too few readings"
-        " pull there."
-    )
-    return text, "measure more strains at these pressures"
-
-
-def _misfit(data: Mapping[str, Any]) -> Phrases:
+def _misfit(data: Data) -> str:
     shape = {
         "free_strain": "The free strain over the law's is no polynomial of order 3 or less",
         "blocked_force": "The blocked force is not linear in pressure",
     }[data["curve"]]
-    text = (
+    return (
         f"{shape} within the errors of its readings ({data['ratio']:.3g} times them): the smooth"
         " curve misses some of them, and its uncertainty is increased."
     )
-    return text, ""
 
 
-def _no_loop(_data: Mapping[str, Any]) -> Phrases:
-    text = (
-        "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop of"
-        " friction, which these errors do not contain."
-    )
-    return text, "measure each pressure while the muscle shortens and while it lengthens"
-
-
-def _fitted_length(data: Mapping[str, Any]) -> Phrases:
+def _fitted_length(data: Data) -> str:
     length, given = pretty(data["length"], "length"), data["reference"]
     reference = "the initial length" if given is None else pretty(given, "length")
-    text = (
+    return (
         f"The fitted muscle is {length} long: its contractions refer to that length, those of the"
         f" record to {reference}."
     )
-    return text, ""
 
 
-def _other_size(data: Mapping[str, Any]) -> Phrases:
-    name = data["constant"]
+def _other_size(data: Data) -> str:
     value, nominal = (pretty(data[key], data["dimension"], 3) for key in ("value", "nominal"))
-    text = (
-        f"{name} is {value}, given as {nominal}, and its whole interval is more than"
+    return (
+        f"{data['constant']} is {value}, given as {nominal}, and its whole interval is more than"
         f" {100 * CALIPERS:g} % off: it compensates for an error of the law or of the gauge and is"
         " no measured size."
     )
-    return text, f"check the muscle's {name}: fitted {value}, given {nominal}"
 
 
 def _remedy(name: str) -> str:
@@ -470,40 +609,81 @@ def _remedy(name: str) -> str:
         return "read the gauges without pressure at the rest length, first and last"
     if name == "dead_band":  # nothing else measures it
         return ""
-    test = _TESTS.get(name, "")
+    test = _RUBBER_TEST if name in ("c10", "c01") else ""
     return f"measure {name}{test} and give it as the prior {name}=VALUE,DEVIATION"
 
 
-# rank and words by code, or by its first part
-_CATALOGUE: dict[str, tuple[int, Callable[[Mapping[str, Any]], Phrases]]] = {
-    "gauge": (4, _gauge),
-    "channel.ceiling": (5, _ceiling),
-    "channel.saturation": (5, _saturation),
-    "fit.not_converged": (0, lambda data: (f"The search {data['status']}.",
-                                           "search from more starts, --starts 16")),
-    "fit.untested": (1, lambda _: (
-        "Too few readings for the number of constants: residuals can't be tested.",
-        "take more readings, or fit fewer constants")),
-    "fit.noisy": (1, _noisy),
-    "residuals.pattern": (3, _pattern),
-    "residuals.one_sided": (9, _one_sided),
-    "residuals.at_least_strain": (9, _at_least_strain),
-    "intervals.wider_by_model": (9, _wider_by_model),
-    "intervals.wider_by_correlation": (9, _wider_by_correlation),
-    "readings.clipped": (9, _clipped),
-    "coverage.one_pressure": (1, _one_pressure),
-    "coverage.no_resistance": (7, _no_resistance),
-    "coverage.no_collapse": (6, _no_collapse),
-    "coverage.tuning_range": (9, _tuning_range),
-    "constants.limited": (6, _limited),
-    "constants.undetermined": (5, _undetermined),
-    "constants.law_in_doubt": (3, _law_in_doubt),
-    "constants.confounded": (9, _confounded),
-    "constants.correlated": (4, _correlated),
-    "constants.sparse_transition": (6, _sparse_transition),
-    "curves.unread": (8, _unread),
-    "curves.misfit": (8, _misfit),
-    "use.no_loop": (7, _no_loop),
-    "use.fitted_length": (9, _fitted_length),
-    "use.other_size": (2, _other_size),
+Part = str | Callable[[Data], str]
+# rank, text and action by code, or by its first part
+_CATALOGUE: dict[str, tuple[int, Part, Part]] = {
+    "gauge": (
+        4, lambda data: f"{_gauge_text(data)}: the readings are corrected for it.",
+        lambda data: f"{_GAUGES[data['name']][1]} before the next record"),
+    "channel.ceiling": (
+        5, "{count} forces are exactly {value:force}, the load cell's ceiling: they only say that"
+        " the force was not below it.", "use a load cell of a larger range"),
+    "channel.saturation": (5, _saturation, "check the range of the {channel}"),
+    "fit.not_converged": (
+        0, lambda data: f"The search {_STATUS[data['status']]}.",
+        "search from more starts, --starts 16"),
+    "fit.untested": (
+        1, "Too few readings for the number of constants: residuals can't be tested.",
+        "take more readings, or fit fewer constants"),
+    "fit.noisy": (
+        1, "Errors of {relative_rmse:percent} of the largest value without a pattern: the noise of"
+        " a gauge, or a column that is not what it was read as.",
+        "check the columns of pressure, force and length, and the noise of their gauges"),
+    "residuals.pattern": (3, _pattern, _pattern_remedy),
+    "intervals.wider_by_model": (
+        9, lambda data: f"Intervals are {range_text(np.array([data['least'], data['most']]))} times"
+        " as wide as from noise alone, by the model's error.", ""),
+    "intervals.wider_by_correlation": (
+        9, "Intervals are {ratio:.2g} times as wide as from noise alone, by correlated residuals.",
+        ""),
+    "readings.clipped": (
+        9, lambda data: f"{data['count']} readings are clipped at {floor_text(data['floor'])}: they"
+        " only say that the force was not above it.", ""),
+    "coverage.one_pressure": (
+        1, "Data at one pressure only ({pressure:pressure}): the dependence on pressure is the"
+        " law's.", "measure at three pressures or more"),
+    "coverage.no_resistance": (
+        7, "Nothing past the free strain was measured: the data contain no information on bending,"
+        " collapse and the hinge.",
+        f"if pushes matter, compress the muscle past its free strain, {_PUSHING}"),
+    "coverage.no_collapse": (
+        6, "No reading lies past a collapse: the data do not determine {constants:list}.",
+        "compress the muscle until it folds"),
+    "coverage.tuning_range": (
+        9, "C1 and C2 are determined up to {pressure:pressure} and held constant above it.", ""),
+    "constants.limited": (6, _limited, lambda data: _remedy(data["limits"][0]["name"])),
+    "constants.undetermined": (
+        5, "The data do not determine {constants:list}: their values rest on their priors.",
+        lambda data: _remedy(data["constants"][0])),
+    "constants.law_in_doubt": (
+        3, "The residuals contradict the law past the free strain: {constants:list} hold for this"
+        " law only.", ""),
+    "constants.confounded": (
+        9, "Not fitted: {constants:list}. The data can't distinguish these from the fitted"
+        " constants.", ""),
+    "constants.correlated": (
+        4, _correlated,
+        lambda data: _remedy(data["constant"]) or f"leave {data['constant']} out of --fit"),
+    "constants.sparse_transition": (
+        6, "Only {count:.2g} readings at a pressure lie in the transition after collapse (1/β of"
+        " strain): with fewer than {enough} the collapse moment's interval is too narrow.",
+        "take more readings near the collapse"),
+    "curves.unread": (
+        8, lambda data: "Blocked force and free strain could not be read at"
+        f" {', '.join(f'{p / 1e3:.4g}' for p in data['pressures'])} kPa: too few readings pull"
+        " there.", "measure more strains at these pressures"),
+    "curves.misfit": (8, _misfit, ""),
+    "use.no_loop": (
+        7, "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
+        " of friction, which these errors do not contain.",
+        "measure each pressure while the muscle shortens and while it lengthens"),
+    "use.fitted_length": (9, _fitted_length, ""),
+    "use.other_size": (
+        2, _other_size, lambda data: "check the muscle's {}: fitted {}, given {}".format(
+            data["constant"],
+            *(pretty(data[key], data["dimension"], 3) for key in ("value", "nominal")))),
 }  # fmt: skip

@@ -76,7 +76,6 @@ def straight():
             minimum=Minimum(covariance, np.zeros((2, 2)), sigma, sigma, linearize(problem, z)),
             free_strain=np.zeros(levels),
             solutions=solutions,
-            weights="uniform",
             diagnosis=Diagnosis(),
         )
 

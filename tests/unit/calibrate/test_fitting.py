@@ -250,28 +250,12 @@ def test_a_fit_is_seeded_and_finds_its_minimum_from_other_starts(constants):
     assert_allclose(other.coordinates, constants.coordinates, atol=1e-4)
 
 
-def test_levels_can_count_the_same():
-    there = np.ones(60, bool)
-    there[1:12:2] = False  # half of the lowest level's, which weigh for the others'
-    record = clipped().only(there)
-    plain, level = (fit(record, NOMINAL, NAMES, weights=how) for how in ("uniform", "level"))
-    counted = np.asarray(level.grid.count)
-    weight = np.asarray(level.problem.weight)
-    held = np.sum(counted * weight**2, axis=1)
-    assert_allclose(held, held[0], rtol=1e-12)
-    assert_allclose(held.sum(), counted.sum(), rtol=1e-12)  # 1 on average
-    assert_allclose(plain.problem.weight, counted > 0, rtol=0)
-    # and it is fitted so
-    assert np.max(np.abs(level.coordinates - plain.coordinates)) > 1e-4
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("loss", ["soft_l1", "cauchy"])
-def test_a_robust_loss_takes_no_notice_of_outliers(loss):
+def test_a_robust_loss_takes_no_notice_of_outliers():
     # 3 of 60 readings, 5 %, are off by 40 deviations
     spoiled = clipped(spoiled=40.0)
     assert np.sum(np.abs(spoiled.force.reshape(5, 12) - CLEAN) > 20) >= 2
-    robust = fit(spoiled, NOMINAL, NAMES, loss=loss)
+    robust = fit(spoiled, NOMINAL, NAMES, loss="soft_l1")
     plain = fit(spoiled, NOMINAL, NAMES)
     away = [abs(made.parameters[0].value - np.radians(33)) for made in (robust, plain)]
     truth = float(robust.problem.parameters[0].coordinate(DRAWN))
@@ -289,7 +273,6 @@ def test_a_robust_loss_takes_no_notice_of_outliers(loss):
     [
         (["c11"], {}, "fit"),
         (NAMES, {"loss": "huber"}, "loss"),
-        (NAMES, {"weights": "levels"}, "weights"),
         (NAMES, {"priors": {"c10": Prior(1e5, 1e4)}}, "priors"),
     ],
 )

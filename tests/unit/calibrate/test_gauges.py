@@ -12,11 +12,11 @@ from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.findings import calibration_findings
 from fascicle.calibrate.gauges import PERFECT, channel_faults, read_vented
 from fascicle.calibrate.model_selection import select_model
-from fascicle.calibrate.plot_data import fit_plot
 from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
+from fascicle.report.calibration_figures import fit_plot
 from gauge_bench import MUSCLE, TRUTH, bench_record
 
 
@@ -183,4 +183,4 @@ def test_a_clean_channel_has_no_fault():
 def test_curves_of_a_fit_with_gauges_have_bands(fitted):
     # curves have other strains than the readings, and neither their times nor their loop
     data = fit_plot(fitted)
-    assert np.all(np.isfinite(data.low)) and np.all(data.low < data.curve_force)
+    assert np.all(np.isfinite(data.half_width)) and np.all(data.half_width > 0)

@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import fit, select_model
-from fascicle.calibrate.calibration import Candidate, Trial
-from fascicle.calibrate.model_selection import select
+from fascicle.calibrate.model_selection import Candidate, select
 from fascicle.core.module import with_fields
 from fascicle.records.record import Record
 
@@ -60,16 +59,11 @@ def test_a_dead_band_is_found():
     assert band.low < 5e4 < band.high
 
 
-def test_a_missing_dead_band_is_the_likely_cause(found):
+def test_a_missing_dead_band_is_the_likely_cause():
     fitted = fit(record(SLACK, sigma=1.0), NOMINAL, FOUR, whole=False)
     diagnosis = fitted.diagnosis
     assert not diagnosis.is_white_noise
     assert diagnosis.causes[0].constant == "dead_band"
-    pressure, means = np.array(diagnosis.lowest_strain_means).T
-    assert_allclose(pressure, P[:, 0], rtol=1e-12)
-    assert_allclose(means, (fitted.grid.force - fitted.force)[: P.size, 0], rtol=1e-9)
-    assert np.ptp(means) > 4
-    assert "residuals.at_least_strain" in found(fitted)
 
 
 @pytest.mark.slow
@@ -150,7 +144,7 @@ def test_half_of_a_loop_is_in_the_error():
 
 def trial(constants, errors):
     size = float(np.sqrt(np.mean(errors**2)))
-    return Trial(Candidate("", ("",), "constants", constants, 1.0, size, 0.1, size), errors)
+    return Candidate(("",), "constants", constants, 1.0, size, 0.1, size, left_out_errors=errors)
 
 
 def test_a_record_too_short_for_cross_validation_is_refused():

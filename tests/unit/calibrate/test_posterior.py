@@ -81,7 +81,7 @@ def test_the_density_is_what_least_squares_minimize(straight):
 
 
 def test_a_robust_loss_has_no_posterior(made):
-    robust = replace(made, problem=replace(made.problem, loss="cauchy"))
+    robust = replace(made, problem=replace(made.problem, loss="soft_l1"))
     with pytest.raises(fs.InvalidInputError) as error:
         sample(robust)
     assert error.value.argument == "loss"

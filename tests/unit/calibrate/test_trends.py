@@ -168,10 +168,6 @@ def test_runs_are_counted_along_strain_and_along_pressure():
         for there in (p == P for p in np.unique(P))
     )
     assert runs["strain"].changes == changes and not runs["strain"].found
-    first = seen.signs[0]
-    where = np.isclose(strain, 0.06).sum()
-    assert (first.count, first.below) in {(where, where), (np.isclose(strain, 0.013).sum(), 0)}
-    assert (where, where) in {(one.count, one.below) for one in seen.signs}
 
 
 def test_too_few_readings_tell_nothing():

@@ -9,13 +9,13 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate.calibration import Estimate, Profile
 from fascicle.calibrate.data import select_fit_data
+from fascicle.calibrate.findings import FITS, judge
 from fascicle.calibrate.fitting import fit
 from fascicle.calibrate.intervals import with_profiles
-from fascicle.calibrate.messages import interval_texts
 from fascicle.calibrate.model_selection import select_model
-from fascicle.calibrate.verdict import FITS, judge
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
+from fascicle.report.calibration_words import interval_texts
 
 
 MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, math.radians(26))

@@ -7,7 +7,6 @@ import pytest
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.plot_data import curves_csv
 from fascicle.files import dumps, loads, provenance
 from fascicle.files.calibration_files import (
     calibrated_files,
@@ -16,6 +15,7 @@ from fascicle.files.calibration_files import (
 )
 from fascicle.io.input_file import parse_toml
 from fascicle.records import Record
+from fascicle.report.calibration_figures import curves_csv
 from fascicle.units import parse
 
 

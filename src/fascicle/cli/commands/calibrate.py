@@ -28,8 +28,8 @@ from ..outputs import (
 
 
 if TYPE_CHECKING:
-    from ...calibrate.calibration import Selection
     from ...calibrate.fitting import Prior
+    from ...calibrate.model_selection import Selection
     from ...muscle import Muscle
     from ...records.record import Record
     from ...report.calibration import CalibrationResult
@@ -111,13 +111,7 @@ def run(
     collapse: str | None = option("Law of collapse.", metavar="LAW"),
     post_collapse: str | None = option("Law past collapse.", metavar="LAW"),
     ends: str | None = option("Law of the ends.", metavar="LAW"),
-    loss: str = option(
-        "Loss: linear, or soft_l1 or cauchy for data with outliers.", default="linear"
-    ),
-    weights: str = option(
-        "Weights: uniform for equal readings, level for equal pressure levels.",
-        default="uniform",
-    ),
+    loss: str = option("Loss: linear, or soft_l1 for data with outliers.", default="linear"),
     starts: int = option("Starting points of the search.", default=4, min=1, max=64),
     seed: int = options.SEED,
     posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
@@ -157,7 +151,7 @@ def run(
     })  # fmt: skip
     record = reading.read_record(data, options_of_reading, float(start.length))
     _check(names, loss, posterior)
-    settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
+    settings = {"loss": loss, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
         from ...calibrate import fitting
         from ...calibrate import intervals as uncertainty
@@ -167,7 +161,10 @@ def run(
         priors = _read_priors(prior_texts, start, names)
         choice = None
         if names is None:
-            choice = select_model(record, start, priors, **settings, progress=update)
+            laws = ("ends",) if ends is not None else ()
+            choice = select_model(
+                record, start, priors, **settings, given_laws=laws, progress=update
+            )
             calibration = choice.calibration
         else:
             update("fitting")
@@ -292,10 +289,11 @@ def _add_analyses(
         # other laws of resisting force if that was fitted, else of tension
         pulling = fit.method == "constants" or fit.fit_data.pulls
         names = list(fit.names) if fit.method == "constants" or not pulling else None
-        compare_laws = comparison.resisting_law_comparison
         if pulling:
-            compare_laws, settings = comparison.tension_law_comparison, {**settings, "whole": False}
-        laws = compare_laws(record, start, names, priors, **settings)
+            settings = {**settings, "whole": False}
+            laws = comparison.compare_tension(record, start, names, priors, **settings)
+        else:
+            laws = comparison.compare(record, start, names, priors, **settings)
         result = result._replace(comparison=laws)
     return result
 
@@ -372,11 +370,10 @@ def _analysis_lines(result: "CalibrationResult") -> list[str]:
 
 def _print_details(result: "CalibrationResult") -> None:
     """Print how readings were read, the candidates, the compared laws, and all warnings."""
-    from ...calibrate import messages
-    from ...report.calibration_words import warnings_by_topic
+    from ...report import calibration_words as words
 
     fit = result.fit
-    for line in (*fit.record.notes, *messages.fit_data_lines(fit.fit_data)):
+    for line in (*fit.record.notes, *words.fit_data_lines(fit.fit_data)):
         print_line(line)
     if result.choice is not None:
         _print_choice(result.choice)
@@ -390,11 +387,12 @@ def _print_details(result: "CalibrationResult") -> None:
         heads = ["law", "fitted constants", "rms error [N]", "left-out error [N]",
                  "pull at clipped [N]", "AIC", "BIC"]  # fmt: skip
         print_table("Laws compared", heads, rows, _CRITERIA)
-    print_line(f"Search: {fit.status}.")
-    print_line(f"Intervals: {fit.intervals}.")
+    for line in words.search_lines(fit.solutions):
+        print_line(f"Search: {line}.")
+    print_line(f"Intervals: {words.interval_method(fit)}.")
     if fit.loop is not None:
-        print_line(messages.hysteresis_message(fit))
-    for topic, lines in warnings_by_topic(fit).items():
+        print_line(words.hysteresis_message(fit))
+    for topic, lines in words.warnings_by_topic(fit).items():
         print_line(f"Warnings ({topic}):")
         for line in lines:
             print_line(f"- {line}")
@@ -402,6 +400,7 @@ def _print_details(result: "CalibrationResult") -> None:
 
 def _print_choice(choice: "Selection") -> None:
     """Print the candidates, and the reasons for the selected one."""
+    from ...report.calibration_words import candidate_label, selection_reasons
 
     def percent(fraction: float) -> str:
         """Text of a fraction in percent; "-" if it isn't finite."""
@@ -410,7 +409,7 @@ def _print_choice(choice: "Selection") -> None:
     titles = {"pulling": "readings that pull", "all": "all readings"}
     for readings, title in titles.items():
         rows = [
-            [textwrap.fill(candidate.label, _LABEL_WIDTH), str(candidate.constants),
+            [textwrap.fill(candidate_label(candidate), _LABEL_WIDTH), str(candidate.constants),
              percent(candidate.relative_rmse), percent(candidate.relative_left_out_rmse),
              "selected" if candidate.chosen else ""]
             for candidate in choice.candidates
@@ -419,5 +418,5 @@ def _print_choice(choice: "Selection") -> None:
         if rows:
             heads = ["fitted constants", "number", "rms error [%]", "cross-validated error [%]", ""]
             print_table(f"Candidates, fitted to {title}", heads, rows, _SHARE)
-    for line in choice.reasons:
+    for line in selection_reasons(choice):
         print_line(line)

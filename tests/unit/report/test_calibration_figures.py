@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fascicle.plot import calibration, to_bytes
-from fascicle.plot.calibration import FitPlot, ProfilePlot, ReadingsPlot, profiles
+from fascicle.plot import to_bytes
+from fascicle.report.calibration_figures import FitPlot, draw_fit, draw_residuals
 
 
 P = np.array([0.0, 100e3, 200e3])
@@ -20,11 +20,8 @@ FIT = FitPlot(
     noise=0.1,
     curve_strain=STRAIN,
     curve_force=FORCE,
-    low=FORCE - 0.2,
-    high=FORCE + 0.2,
+    half_width=np.full(STRAIN.shape, 0.2),
 )
-X = np.linspace(-3, 3, 11)
-PROFILE = ProfilePlot("c10", "kPa", 90 + 2 * X, X**2, 90.0, 86.7, 93.3, (86.7, 93.3), True)
 
 
 def points(ax, marker):
@@ -33,25 +30,25 @@ def points(ax, marker):
 
 def test_a_measured_push_is_enlarged_in_a_second_panel():
     assert FIT.resists
-    _, zoom, _ = calibration.fit(FIT).axes  # the color bar has axes of its own
+    _, zoom, _ = draw_fit(FIT).axes  # the color bar has axes of its own
     low, high = zoom.get_ylim()
     assert low < FORCE.min() < 0 < high < -FORCE.min()
     pull = replace(FIT, force=np.abs(FORCE))
-    assert not pull.resists and len(calibration.fit(pull).axes) == 2
+    assert not pull.resists and len(draw_fit(pull).axes) == 2
 
 
 def test_clipped_readings_have_their_own_mark_and_are_no_push():
     clipped = FORCE < 0
     data = replace(FIT, force=np.where(clipped, 0.0, FORCE), censored=clipped)
     assert not data.resists
-    figure = calibration.fit(data)
+    figure = draw_fit(data)
     assert points(figure.axes[0], "v") and points(figure.axes[0], "o")
     assert all(np.all(line.get_ydata() == 0) for line in points(figure.axes[0], "v"))
     assert "clipped" in " ".join(text.get_text() for text in figure.legends[0].texts)
 
 
 def test_many_points_are_thinned_and_none_is_drawn_twice():
-    lines = points(calibration.fit(FIT).axes[0], "o")
+    lines = points(draw_fit(FIT).axes[0], "o")
     assert len(lines) == len(P)
     for line in lines:
         strain = line.get_xdata()
@@ -62,34 +59,13 @@ def test_many_points_are_thinned_and_none_is_drawn_twice():
 def test_rows_that_are_filled_up_are_left_out():
     strain, force = STRAIN.copy(), FORCE.copy()
     strain[0, 5:], force[0, 5:] = np.nan, np.nan
-    ax = calibration.fit(replace(FIT, strain=strain, force=force)).axes[0]
+    ax = draw_fit(replace(FIT, strain=strain, force=force)).axes[0]
     assert min(len(line.get_xdata()) for line in points(ax, "o")) == 5
 
 
 def test_one_pressure_without_a_band_can_be_drawn():
     names = ("pressure", "strain", "force", "censored", "residual", "curve_strain", "curve_force")
     first = {name: getattr(FIT, name)[:1] for name in names}
-    data = replace(FIT, **first, low=None, high=None)
-    for draw in (calibration.fit, calibration.residuals):
+    data = replace(FIT, **first, half_width=None)
+    for draw in (draw_fit, draw_residuals):
         assert to_bytes(draw(data), "png").startswith(b"\x89PNG")
-
-
-def test_readings_are_drawn_with_their_errors():
-    curve = np.stack([np.linspace(0, 2, 9) + shift for shift in (-0.1, 0, 0.1)])
-    read = ReadingsPlot(
-        P[1:], np.array([50.0, 100.0]), np.array([1.0, 2.0]), np.array([0.1, 0.2]),
-        np.array([0.01, 0.02]), np.linspace(2e3, 200e3, 9), 50 * curve, 0.1 * curve,
-    )  # fmt: skip
-    force, strain = calibration.readings(read).axes
-    for ax, half in ((force, [1.0, 2.0]), (strain, [0.01, 0.02])):
-        (bars,) = ax.containers
-        ends = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
-        np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, half)
-
-
-def test_an_unidentifiable_parameter_is_named_so_over_decades():
-    lost = replace(PROFILE, value=90 * np.exp(3 * X), identifiable=False, crosses=(-np.inf, np.inf))
-    first, second = profiles([PROFILE, lost]).axes
-    assert [text.get_text() for text in second.texts] == ["unidentifiable"] and not first.texts
-    assert (first.get_xscale(), second.get_xscale()) == ("linear", "log")
-    assert to_bytes(calibration.fit(FIT), "svg") == to_bytes(calibration.fit(FIT), "svg")
