@@ -328,12 +328,6 @@ def test_the_docs_five_minutes_go_by_keyboard_alone(visit):
     at = source(page, "point")["x"][0]
     press("PageUp")
     until(page, f"old => ({SOURCE})('point').x[0] > old", arg=at)
-    # buckling: the sweep
-    move_to(page, "Sweep the strain")
-    press("Space")
-    at = source(page, "point")["x"][0]
-    until(page, f"old => ({SOURCE})('point').x[0] !== old", arg=at)
-    press("Space")
     # overlap: another example, the next tab, a point and pressures for it
     move_to(page, "Example", "Shift+Tab")
     page.keyboard.type("Five muscles of slenderness 10 as two", delay=5)

@@ -35,11 +35,9 @@ from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled_muscle
 from .tab import Export, LatestResult, Tab
 from .widgets import (
-    SWEEP_STEPS,
     Field,
     Message,
     QuantitySlider,
-    Sweep,
     button,
     column,
     dropdown,
@@ -190,28 +188,12 @@ class FreeStrainChart:
     def __init__(self, tab: "BundleView", colors: Colors):
         self._tab = tab
         chart = self.chart = Chart(colors, "Pressure P2", "Free strain [–]", _FREE_STRAIN_HEIGHT)
-        styles = {"resisted": ("solid", 3), "free": ("dashed", 1.8), "jump": ("dotted", 2)}
         self._lines = {
-            name: chart.add(
-                "multi_line",
-                "xs ys color",
-                f"free_strain_{name}",
-                line_dash=dash,
-                line_width=width,
-            )
-            for name, (dash, width) in styles.items()
+            name: chart.add(f"free_strain_{name}") for name in ("resisted", "free", "jump")
         }
-        self._turn = chart.add(
-            "scatter",
-            "x y label",
-            "turn",
-            size=11,
-            marker="inverted_triangle",
-            line_color=colors.ink,
-            fill_color=colors.ink,
-        )
+        self._turn = chart.add("turn")
         chart.add_labels(self._turn, x_offset=8, y_offset=-18, text_font_size="12px")
-        self._point = chart.add_point(name="free_strain_point")
+        self._point = chart.add("point", "free_strain_point")
         chart.on_hold(self._set_pressure)
         self._legend = pane()
         self._message = pane(margin=(2, 8), sizing_mode="stretch_width")
@@ -379,7 +361,6 @@ class BundleView(Tab):
         self._strain = self.strain_slider()
         self._add_chart()
         self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
-        self._sweep = Sweep("", self._advance)
         self._numbers = pane()
         self._workspace, self._state, self._recruitments = (
             LatestResult(show, self.fail, self.is_open)
@@ -398,7 +379,7 @@ class BundleView(Tab):
         curves = (self.chart.new_pane(), self.message.pane, self.free_strain.panel)
         demand = column(*self._load.widgets, *self._load_strain.widgets, kind="pairs")
         asides = column(self._numbers, demand, self._solution_column, kind="aside")
-        scene = column(*self._scene.panes(self._sweep.button), asides, kind="equal picture")
+        scene = column(*self._scene.panes(), asides, kind="equal picture")
         main = column(
             self.notes,
             self._strain.panel,
@@ -414,7 +395,6 @@ class BundleView(Tab):
         self._resistance.value = view.resistance
         self._supply.show(view.supply, view.display_units["pressure"])
         self.units.show(view)
-        self._sweep.set_label(f"P{len(view.units)}")
         self.notes.object = remarks_html(view, "bundle")
         self.status.object = status_line("computing the workspace")
         self._workspace.request(lambda: bundle_workspace(view.bundle, view.resistance))
@@ -452,16 +432,6 @@ class BundleView(Tab):
             pressure=min(view.pressure, value),
         )
 
-    def _advance(self) -> bool:
-        """Raise the last unit's pressure, or begin again at zero; False if another tab is open."""
-        view = self.session.view
-        if not self.is_open():
-            return False
-        following = float(f"{view.pressures[-1] + view.supply / SWEEP_STEPS:.6g}")
-        last = 0.0 if following > view.supply else following
-        self.units.set_pressure(len(view.pressures) - 1, last)
-        return True
-
     # the figure
 
     def _add_chart(self) -> None:
@@ -469,62 +439,15 @@ class BundleView(Tab):
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", _FORCE_HEIGHT)
         chart.add_zero_line()
-        self._regions = chart.add(
-            "patches",
-            "xs ys color label",
-            "regions",
-            color="color",
-            fill_alpha=0.16,
-            line_width=1.5,
-            legend_field="label",
-        )
-        self._levels = chart.add(
-            "multi_line", "xs ys color width", line_width="width", line_alpha=0.7
-        )
-        self._overlap = chart.add(
-            "patches",
-            "xs ys",
-            "overlap",
-            fill_alpha=0,
-            line_alpha=0,
-            hatch_color=colors.ink,
-            hatch_pattern="right_diagonal_line",
-            hatch_alpha=0.55,
-            hatch_scale=9,
-            legend_label="overlap of states",
-        )
-        self._unit_forces = chart.add(
-            "multi_line",
-            "xs ys color",
-            line_width=1.6,
-            line_dash="dashed",
-            legend_label="each motor unit",
-        )
-        self._force = chart.new_source("strain force", "bundle_force")
-        style = {"line_color": colors.ink, "line_width": 3, "legend_label": "all motor units"}
-        chart.figure.line("strain", "force", source=self._force, **style)
+        self._regions = chart.add("states", "regions")
+        self._levels = chart.add("levels")
+        self._overlap = chart.add("overlap")
+        self._unit_forces = chart.add("unit_forces")
+        self._force = chart.add("bundle_force")
         self._hover = chart.add_force_hover()
-        self._equilibria = chart.add(
-            "scatter",
-            "x y fill",
-            "equilibria",
-            size=10,
-            line_color=colors.ink,
-            fill_color="fill",
-            line_width=2,
-            legend_label="equilibria (hollow: unstable)",
-        )
-        self._point = chart.add_point(legend_label="this contraction")
-        self._target = chart.add(
-            "scatter",
-            "x y",
-            "target",
-            size=16,
-            marker="cross",
-            line_color=colors.bad,
-            line_width=3,
-            legend_label="the load",
-        )
+        self._equilibria = chart.add("equilibria")
+        self._point = chart.add("point", "bundle_point", legend_label="this contraction")
+        self._target = chart.add("target")
         chart.on_hold(self._set_demand)
         chart.style_legend(glyph_height=20)  # of points
 

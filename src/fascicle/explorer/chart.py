@@ -3,7 +3,9 @@
 Line styles differ as well as colors, so that no color is needed to read a figure.
 """
 
+import tomllib
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,9 @@ from ..plot.theme import FIGURES, Colors
 from .widgets import LAYOUT_CSS, height_css
 
 
+_STYLES: dict[str, dict[str, Any]] = tomllib.loads(
+    Path(__file__).with_name("figures.toml").read_text(encoding="utf-8")
+)
 _VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a light, a dark page
 # the server feels a hand in the figure at most every 40 ms, unless a tool of the toolbar has it
 _HOLD = """
@@ -34,6 +39,7 @@ hand.data = {x: [cb_obj.x], y: [cb_obj.y]};
 _TOUCH = ".bk-events { touch-action: pan-y !important; cursor: crosshair; }"
 # arguments of glyphs that are columns' names
 _COLUMNS: dict[str, dict[str, str]] = {
+    "line": {},
     "multi_line": {"xs": "xs", "ys": "ys", "line_color": "color"},
     "patches": {"xs": "xs", "ys": "ys"},
     "quad": {"left": "left", "right": "right"},
@@ -89,49 +95,35 @@ def padded_range(values: ArrayLike, fraction: float, minimum: float = 0.0) -> tu
 
 
 class Chart:
-    """A figure and its sources."""
+    """A figure and its sources, in the style of `figures.toml`."""
 
     def __init__(self, colors: Colors, x: str, y: str, height: str, **options: Any):
         """Figure with axes labeled `x` and `y`, or none, and a `height` in CSS."""
         self.colors = colors
-        style = {
-            "height": 500,
-            "sizing_mode": "stretch_width",
-            "output_backend": "canvas",
-            "x_range": Range1d(start=0, end=1),
-            "y_range": Range1d(start=0, end=1),
-            "x_axis_type": "auto" if x else None,
-            "y_axis_type": "auto" if y else None,
-            "stylesheets": [height_css(height)],
-            "tools": "pan,box_zoom,wheel_zoom,reset",
-            "active_drag": None,
-        }
-        fig: Any = figure(**style | options)
+        fig: Any = figure(
+            x_range=Range1d(start=0, end=1),
+            y_range=Range1d(start=0, end=1),
+            x_axis_type="auto" if x else None,
+            y_axis_type="auto" if y else None,
+            stylesheets=[height_css(height)],
+            active_drag=None,
+            **self._style("figure") | options,
+        )
         self.figure = fig
         self.describe(f"{y} over {x}" if x else "Drawing")
         fig.toolbar.update(logo=None, autohide=True)
-        fig.update(  # on the page's own ground
-            background_fill_color=None,
-            border_fill_color=None,
-            outline_line_color=None,
-            min_border_right=18 if x else 0,
-        )
+        fig.update(min_border_right=18 if x else 0, **self._style("ground"))
         for axis, label in zip(fig.axis, (x, y), strict=False):
-            axis.update(
-                axis_label=label,
-                axis_label_text_font=FIGURES,
-                axis_label_text_color=colors.ink,
-                axis_label_text_font_style="normal",
-                axis_label_text_font_size="14px",
-                major_label_text_font=FIGURES,
-                major_label_text_color=colors.ink,
-                major_label_text_font_size="12px",
-                axis_line_color=colors.soft,
-                major_tick_line_color=colors.soft,
-                minor_tick_line_color=None,
-            )
+            axis.update(axis_label=label, **self._style("axis"))
         for grid in fig.grid:
             grid.grid_line_color = colors.line
+
+    def _style(self, name: str) -> dict[str, Any]:
+        """Style with a `name`, in the page's colors."""
+        return {
+            key: getattr(self.colors, entry[1:]) if str(entry).startswith("@") else entry
+            for key, entry in _STYLES[name].items()
+        }
 
     def describe(self, text: str) -> None:
         """Say what the figure shows, for those who don't see it."""
@@ -147,10 +139,14 @@ class Chart:
         """An empty source with `columns`, such as "x y"; tests find it by its `name`."""
         return ColumnDataSource(data={column: [] for column in columns.split()}, name=name)
 
-    def add(self, kind: str, columns: str, name: str | None = None, **style: Any) -> Any:
-        """Draw an empty source of `columns` by the figure's method `kind`; returns the source."""
-        source = self.new_source(columns, name)
-        getattr(self.figure, kind)(source=source, **_COLUMNS[kind] | style)
+    def add(self, style_name: str, name: str = "", source: Any = None, **style: Any) -> Any:
+        """Draw an empty source, or another one, in a style; returns the source, of the same name
+        unless it is given.
+        """
+        options = self._style(style_name) | style
+        kind, columns = options.pop("kind"), options.pop("columns")
+        source = source or self.new_source(columns, name or style_name)
+        getattr(self.figure, kind)(source=source, **_COLUMNS[kind] | options)
         return source
 
     def add_zero_line(self) -> None:
@@ -158,25 +154,11 @@ class Chart:
         line = Span(location=0, dimension="width", line_color=self.colors.soft, level="underlay")
         self.figure.add_layout(line)
 
-    def add_point(self, **options: Any) -> Any:
-        """Draw the point that sliders and hands move, and return its source."""
-        style = {"line_color": self.colors.ink, "fill_color": self.colors.accent}
-        return self.add("scatter", "x y", size=14, marker="diamond", **style | options)
-
-    def add_labels(self, source: ColumnDataSource, **options: Any) -> None:
+    def add_labels(self, source: Any, **options: Any) -> None:
         """Write the `label`s of a `source` at its points, readable on every curve."""
         font: Any = value(FIGURES)  # a bare text would be a column's name
-        style = {
-            "x_offset": 5,
-            "y_offset": 3,
-            "text_font_size": "11px",
-            "text_font": font,
-            "text_color": self.colors.ink,
-            "background_fill_color": self.colors.paper,
-            "background_fill_alpha": 0.8,
-        }
-        labels = LabelSet(x="x", y="y", text="label", source=source, **style | options)
-        self.figure.add_layout(labels)
+        style = {"text_font": font} | self._style("labels") | options
+        self.figure.add_layout(LabelSet(x="x", y="y", text="label", source=source, **style))
 
     def add_hover(self, tooltips: list[tuple[str, str]], **options: Any) -> HoverTool:
         """Add and return a tool with `tooltips` on the glyph that was drawn last."""
@@ -197,24 +179,10 @@ class Chart:
         self.figure.stylesheets = [*self.figure.stylesheets, _TOUCH]
         hand.on_change("data", lambda _attr, _old, new: callback(new["x"][0], new["y"][0]))
 
-    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> list[LegendItem]:
+    def style_legend(self, **options: Any) -> list[LegendItem]:
         """Style the legend, whose entries hide their curves at a click, and return its entries."""
         (legend,) = self.figure.legend
-        legend.update(
-            location=location,
-            padding=6,
-            margin=4,
-            spacing=1,
-            background_fill_color=self.colors.paper,
-            background_fill_alpha=0.85,
-            border_line_color=None,
-            label_text_color=self.colors.ink,
-            label_text_font=FIGURES,
-            label_text_font_size="12px",
-            label_height=16,
-            glyph_height=glyph_height,
-            click_policy="hide",
-        )
+        legend.update(**self._style("legend") | options)
         return legend.items
 
     def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:

@@ -144,23 +144,9 @@ class CompareView(Tab):
         chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(430))
         self.chart = chart
         chart.add_zero_line()
-        self._curves = chart.add(
-            "multi_line",
-            "xs ys color dash label",
-            "compared",
-            line_dash="dash",
-            line_width=_LINE_WIDTH,
-        )
+        self._curves = chart.add("compared", line_width=_LINE_WIDTH)
         self._hover = chart.add_hover([])
-        self._points = chart.add(
-            "scatter",
-            "x y color",
-            "compared_points",
-            size=11,
-            marker="diamond",
-            line_color=colors.paper,
-            fill_color="color",
-        )
+        self._points = chart.add("compared_points")
         chart.on_hold(self._move_strain)
         self._table = pane(sizing_mode="stretch_width", margin=(8, 8))
         shown = (self._strain.panel, chart.new_pane(), self._table)

@@ -144,7 +144,6 @@ class DataView(Tab):
         self.record: Record | None = None
         self.fit: FitResult | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
-        self._stage = ""  # of a fit
         self._cancelled = threading.Event()
         self._add_widgets()
         self._add_chart()
@@ -182,7 +181,7 @@ class DataView(Tab):
         self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
         self.cancel = button("Cancel the fit", self.cancel_fit, visible=False)
         self.fit_notes = pane(sizing_mode="stretch_width")
-        self.progress = Progress("fitting", self.status, self.is_open)
+        self.progress = Progress("fitting", self.status)
         self.table = pane(margin=(4, 8))
         self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
@@ -237,25 +236,8 @@ class DataView(Tab):
         """Add the chart of force over strain."""
         height = screen_height(_MARGIN_EMPTY)
         chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", height)
-        self.readings = chart.add(
-            "scatter",
-            "x y color",
-            "readings",
-            size=4,
-            color="color",
-            alpha=0.55,
-        )
-        self._before = chart.add(
-            "multi_line",
-            "xs ys color",
-            "untuned",
-            line_width=1.5,
-            line_dash="dashed",
-            legend_label="this muscle",
-        )
-        self._after = chart.add(
-            "multi_line", "xs ys color", "tuned", line_width=2.6, legend_label="tuned"
-        )
+        self.readings = chart.add("readings")
+        self._before, self._after = chart.add("untuned"), chart.add("tuned")
         self._labels = chart.new_source("x y label")
         chart.add_labels(self._labels)
         chart.add_zero_line()
@@ -383,18 +365,12 @@ class DataView(Tab):
         self.message.show("")
         self.calibrate.disabled, self.cancel.visible = True, True
         cancelled = self._cancelled = threading.Event()
-        self._stage, usual = "fitting", _DURATIONS[self.kind.value]
-        self.progress.start(
-            lambda seconds: (
-                f"{self._stage}: {seconds:.0f} s. It usually takes {usual}, longer on"
-                " a busy machine."
-            )
-        )
+        usual = _DURATIONS[self.kind.value]
+        self.progress.start(f"fitting: it usually takes {usual}, longer on a busy machine")
 
-        def progress(stage: str) -> None:
+        def progress(_: str) -> None:
             if cancelled.is_set():
                 raise ValueError("The fit was cancelled.")
-            self._stage = stage
 
         def compute() -> FitResult:
             selection = fit_record(record, muscle, progress, names)

@@ -26,9 +26,7 @@ from .solid import Scene, muscle_solid
 from .state import Session, View, changed
 from .tab import Export, Tab
 from .widgets import (
-    SWEEP_STEPS,
     QuantitySlider,
-    Sweep,
     column,
     format_quantity,
     heading,
@@ -46,7 +44,6 @@ from .widgets import (
 _SCENE_HEIGHT = "var(--scene-height, clamp(220px, min(100vh - 500px, 90vw), 900px))"
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
-_FAR = 1e9  # [shown unit] beyond every picture
 # told apart without color
 _PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
 
@@ -68,14 +65,13 @@ class MuscleView(Tab):
         self._add_chart()
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT, self._set_strain)
         self._numbers = pane(sizing_mode="stretch_width")
-        self._sweep = Sweep("the strain", self._advance)
         explanations = pane(
             words_html(*PARTS[1:], "blocked force", "free strain", "buckling", "collapse")
         )
         left = side_column(self.inputs.panel, self.message.pane, explanations, width=284)
         curves = column(self.chart.new_pane(), kind="equal")
         scene = column(
-            *self._scene.panes(self._sweep.button),
+            *self._scene.panes(),
             column(self._numbers, kind="aside"),
             kind="equal picture",
         )
@@ -92,8 +88,7 @@ class MuscleView(Tab):
         self._show_family(curves)
         self._show_curve_and_regions(view, curves)
         self._show_point(view, curves)
-        note = tuning_note(view.muscle, view.display_units["pressure"])
-        self.notes.object = remarks_html(view, "muscle") + status_line(note)
+        self.notes.object = remarks_html(view, "muscle") + status_line(tuning_note(view.muscle))
 
     def follow(self, before: View, after: View) -> None:
         """Update what depends on pressure and contraction."""
@@ -120,73 +115,25 @@ class MuscleView(Tab):
         """Add the chart of force over strain."""
         colors = self.colors
         chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(270))
-        self.strips = chart.add(
-            "quad",
-            "left right color alpha",
-            "strips",
-            top=_FAR,
-            bottom=-_FAR,
-            fill_color="color",
-            fill_alpha="alpha",
-            line_color=None,
-        )
+        self.strips = chart.add("strips")
         chart.add_zero_line()
-        self.region_names = chart.add(
-            "text",
-            "x y label",
-            "regions",
-            text_color=colors.soft,
-            text_align="center",
-            text_baseline="top",
-            text_font_size="12px",
-        )
-        self._family = chart.add(
-            "multi_line", "xs ys color label", "family", line_width=1.2, line_alpha=0.9
-        )
+        self.region_names = chart.add("regions")
+        self._family = chart.add("family")
         chart.add_hover([("P", "@label")])
         self._family_names = chart.new_source("x y label")
         chart.add_labels(self._family_names)
-        self.curve = chart.new_source(f"strain {' '.join(PARTS)}", "curve")
-        for (component, dash), color in zip(
-            _PART_DASHES.items(), cycle_colors(colors, 3, first=2), strict=True
-        ):
-            chart.figure.line(
-                "strain",
-                component,
-                source=self.curve,
-                line_color=color,
-                line_dash=dash,
-                line_width=1.8,
-                legend_label=component,
-            )
-        chart.figure.line(
-            "strain",
-            "force",
-            source=self.curve,
-            line_color=colors.ink,
-            line_width=3,
-            legend_label="force",
-        )
+        self.curve = chart.add("curve")
         self._hover = chart.add_force_hover()
-        self._marks = chart.add(
-            "scatter",
-            "x y label above beside align",
-            "marks",
-            size=9,
-            line_color=colors.ink,
-            line_width=2,
-            fill_color=colors.paper,
-        )
-        chart.add_labels(
-            self._marks,
-            x_offset="beside",
-            y_offset="above",
-            text_align="align",
-            text_font_size="12px",
-        )
-        self._point = chart.add_point(name="point")
+        part_colors = cycle_colors(colors, len(_PART_DASHES), first=2)
+        for (part, dash), color in zip(_PART_DASHES.items(), part_colors, strict=True):
+            style = {"y": part, "line_color": color, "line_dash": dash, "legend_label": part}
+            chart.add("part", source=self.curve, **style)
+        self._marks = chart.add("marks")
+        offsets = {"x_offset": "beside", "y_offset": "above", "text_align": "align"}
+        chart.add_labels(self._marks, text_font_size="12px", **offsets)
+        self._point = chart.add("point")
         chart.on_hold(self._set_strain)
-        chart.style_legend("right")
+        chart.style_legend(location="right")
 
     def _show_family(self, curves: MuscleCurves) -> None:
         unit, scale = self.unit("force")
@@ -285,20 +232,11 @@ class MuscleView(Tab):
             rows["several equilibria"] = branches
         self._numbers.object = heading("At this point") + readout_table(rows)
 
-    # the hand, and the sweep
+    # the hand
 
     def _set_strain(self, strain: float, _: float = 0.0) -> None:
         """Move the point to a `strain` [-] that is drawn."""
         self.session.change(strain=round(float(np.clip(strain, 0.0, self.top)), 4))
-
-    def _advance(self) -> bool:
-        """Raise the strain by a step, or begin again at zero; False if another tab is open."""
-        view = self.session.view
-        if not self.is_open():
-            return False
-        following = view.strain + self.top / SWEEP_STEPS
-        self._set_strain(0.0 if following > self.top else following)
-        return True
 
 
 def _bending_moment_text(moment: float, units: Mapping[str, str]) -> str:

@@ -15,7 +15,7 @@ from ..muscle.validation import (
 )
 from .muscle_curves import is_tuned
 from .state import CHANGED, View
-from .widgets import format_quantity, status_line, text_html, unit_factor
+from .widgets import status_line, text_html
 
 
 _FACTORS = {
@@ -96,33 +96,21 @@ def validity_warnings(view: View, tab: str) -> list[str]:
     return [line for line in dict.fromkeys(lines) if line]
 
 
-def tuning_note(muscle: Muscle, unit: str) -> str:
-    """Sentence on the tuning of a `muscle`, pressures in a `unit`; empty where it has none."""
-    tuning, changes = muscle.tuning, []
-    for name, label in _FACTORS.items():
-        factor = float(getattr(tuning, f"{name}_factor"))
-        slope = float(tuning.hinge_stiffness_slope) if name == "hinge_stiffness" else 0.0
-        if slope:
-            rise = slope * unit_factor(unit, "pressure")
-            sign = "−" if rise < 0 else "+"
-            changes.append(f"{label} × ({factor:.4g} {sign} {abs(rise):.3g} per {unit})")
-        elif factor != 1:
-            changes.append(f"{label} × {factor:.4g}")
-    # a fit writes the muscle's rate into its tuning, whether it was fitted or not
-    rate = muscle.transition_rate if tuning.transition_rate is None else tuning.transition_rate
-    if float(rate) != float(muscle.transition_rate):
-        changes.append(f"transition rate β = {float(rate):.4g}")
-    if (rows := tuning.pressures.shape[-1]) > 1:
-        highest = format_quantity(float(tuning.pressures[-1]), unit, "pressure", 4)
-        changes.append(f"C₁ and C₂ in {rows} rows up to {highest}")
-    if tuning.dead_band:
-        band = format_quantity(float(tuning.dead_band), unit, "pressure", 4)
-        changes.append(f"dead band {band}")
-    if not changes:
+def tuning_note(muscle: Muscle) -> str:
+    """Sentence on the tuning of a `muscle`; empty where it has none."""
+    if not is_tuned(muscle):
         return ""
+    tuning = muscle.tuning
+    changes = [
+        f"{label} × {float(getattr(tuning, f'{name}_factor')):.4g}"
+        for name, label in _FACTORS.items()
+        if float(getattr(tuning, f"{name}_factor")) != 1
+    ]
+    if (rows := tuning.pressures.shape[-1]) > 1:
+        changes.append(f"C₁ and C₂ in {rows} rows")
     return (
-        f"This muscle is tuned: {', '.join(changes)}. To see the curve without it, choose"
-        " untuned among the laws in Compare."
+        f"This muscle is tuned{': ' * bool(changes)}{', '.join(changes)}. To see the curve without"
+        " it, choose untuned among the laws in Compare."
     )
 
 

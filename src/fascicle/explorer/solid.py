@@ -25,7 +25,7 @@ from ..plot.shapes import PROJECTION, Outline, outline
 from ..plot.theme import Colors, red_green_blue
 from .chart import Chart
 from .muscle_curves import MuscleCurves
-from .widgets import WIDGET_CSS, row
+from .widgets import WIDGET_CSS
 
 
 RINGS, AROUND = 45, 20  # points of a tube: smooth on a screen, and few enough to turn at once
@@ -151,7 +151,7 @@ class Scene:
         self._faces = chart.new_source("a b c d red green blue")
         self._fibers = chart.new_source("x y z nx ny nz", f"{name}_fibers")
         self._hand = chart.new_source("strain")
-        drawn = chart.add("patches", "xs ys color", f"{name}_drawn", color="color", line_width=0.6)
+        drawn = chart.add("patches_in_space", f"{name}_drawn")
         slider = self._slider = Slider(
             title="Turn the view [°]",
             start=-180,
@@ -188,10 +188,10 @@ class Scene:
         self.describe = chart.describe
         self._kinds: tuple[object, ...] = ()
 
-    def panes(self, *widgets: object) -> tuple[pn.pane.Bokeh, pn.Row]:
-        """The figure, and a row of the slider that turns it and `widgets`."""
+    def panes(self) -> tuple[pn.pane.Bokeh, pn.pane.Bokeh]:
+        """The figure, and the slider that turns it."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
-        return self._chart.new_pane(), row(slider, *widgets, kind="")
+        return self._chart.new_pane(), slider
 
     def show(
         self,

@@ -7,7 +7,6 @@ import asyncio
 import multiprocessing
 import re
 import signal
-import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterable
@@ -33,7 +32,7 @@ _MOST_JOBS = 2  # at once, in threads and in processes; others wait
 _WORKERS = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle")
 WAITING = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle-job")  # for processes
 _RUNNING: set["Future[Any]"] = set()
-_PERIOD = 500  # ms between the seconds that a progress shows
+_WAIT = 0.5  # s between two looks at a tab that isn't open
 Outcome = tuple[Any, ValueError | None]  # of a computation: result, and error
 _Result = TypeVar("_Result")
 
@@ -150,35 +149,20 @@ def _is_alive(doc: Document) -> bool:
 
 
 class Progress:
-    """A bar that moves while a computation of unknown duration runs, and a line with its time."""
+    """A bar that moves while a computation of unknown duration runs, and a line about it."""
 
-    def __init__(self, label: str, status: pn.pane.HTML, is_open: Callable[[], bool]):
-        """Progress with a `label` for screen readers; `status` is the pane of the line, which
-        changes while `is_open` is true.
-        """
-        self._is_open = is_open
+    def __init__(self, label: str, status: Any):
+        """Progress with a `label` for screen readers; `status` is the pane of the line."""
         html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
         self.bar = pane(html, visible=False, sizing_mode="stretch_width")
-        self._status, self._timer = status, None
+        self._status = status
 
-    def start(self, text: Callable[[float], str]) -> None:
-        """Show the `text` of the seconds since now."""
-        start_time = time.monotonic()
-
-        def show() -> None:
-            if self._is_open():
-                self._status.object = status_line(text(time.monotonic() - start_time))
-
-        show()
-        self.bar.visible = True
-        if session_document():
-            self._timer = pn.state.add_periodic_callback(show, period=_PERIOD)
+    def start(self, text: str) -> None:
+        """Show the bar and a `text`."""
+        self.bar.visible, self._status.object = True, status_line(text)
 
     def stop(self) -> None:
         """Hide bar and text."""
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
         self.bar.visible, self._status.object = False, ""
 
 
@@ -226,7 +210,7 @@ class LatestResult:
         async def wait() -> None:
             outcome = await asyncio.wrap_future(future)
             while not self._is_open() and self._latest is compute and _is_alive(doc):
-                await asyncio.sleep(_PERIOD / 1e3)
+                await asyncio.sleep(_WAIT)
             if _is_alive(doc):
                 # on the loop: a document that sends its changes loses a callback of a thread
                 doc.add_next_tick_callback(lambda: deliver(outcome))

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import panel as pn
 from bokeh.events import Tap
-from bokeh.models import Button, CustomJS, Div, Model, Select, Slider, Span
+from bokeh.models import Button, CustomJS, Div, Select, Slider, Span
 from matplotlib.figure import Figure
 
 from ..core.errors import MissingExtraError, require
@@ -216,38 +216,7 @@ class Player:
         scene = self._scene = Chart(
             colors, "", "", _SCENE_HEIGHT, tools="", toolbar_location=None, min_border=0
         )
-        rigid = scene.add("patches", "xs ys fill", "time_rigid", fill_color="fill", line_color=None)
-        tubes = scene.add(
-            "patches",
-            "xs ys fill line alpha hatch",
-            "time_tubes",
-            fill_color="fill",
-            fill_alpha="alpha",
-            line_color="line",
-            line_width=1.5,
-            hatch_pattern="hatch",
-            hatch_color="line",
-            hatch_scale=7,
-        )
-        labels = scene.add(
-            "text",
-            "x y label",
-            "time_labels",
-            text_color=colors.ink,
-            text_align="center",
-            text_baseline="bottom",
-            text_font_size="12px",
-            text_line_height=1.1,
-        )
-        valves = scene.add(
-            "scatter",
-            "x y marker size color",
-            "time_valves",
-            marker="marker",
-            size="size",
-            color="color",
-            line_width=2,
-        )
+        parts = {name: scene.add(f"time_{name}") for name in ("rigid", "tubes", "labels", "valves")}
         self._frames = scene.new_source("time", "time_frames")
         self._frames.tags = [None]
         cursors = []
@@ -257,22 +226,13 @@ class Player:
             cursor.update(line_color=colors.ink, line_width=1.5)
             chart.figure.add_layout(cursor)
             cursors.append(cursor)
-        self._add_controls(
-            {
-                "rigid": rigid,
-                "tubes": tubes,
-                "labels": labels,
-                "valves": valves,
-                "cursors": cursors,
-                "frames": self._frames,
-                "scene": scene.figure,
-            }
-        )
+        models = {"cursors": cursors, "frames": self._frames, "scene": scene.figure}
+        self._add_controls(parts | models)
         for chart in charts:
             chart.figure.js_on_event(Tap, self._code)
         self.pane = scene.new_pane()
 
-    def _add_controls(self, models: dict[str, Model | list[Span]]) -> None:
+    def _add_controls(self, models: dict[str, Any]) -> None:
         style: Any = {"stylesheets": [WIDGET_CSS]}
         play = Button(label="▶ Play", width=96, margin=(20, 4, 4, 8), name="play", **style)
         options: Any = [(value, f"{value}×") for value in _SPEEDS]
@@ -332,7 +292,7 @@ class TimeView(Tab):
         self.cancel = button(
             "Cancel", self.cancel_run, width=76, margin=(22, 4, 4, 4), disabled=True
         )
-        self._progress = Progress("simulating", self.status, self.is_open)
+        self._progress = Progress("simulating", self.status)
         self._runs = LatestResult(self._show_result, self._fail_run, self.is_open, WAITING)
         self.charts = [
             Chart(
@@ -350,8 +310,7 @@ class TimeView(Tab):
         for chart, name in zip(self.charts, _CHARTS, strict=True):
             chart.figure.x_range = self.charts[0].figure.x_range
             chart.add_zero_line()
-            columns, style = "xs ys color dash width", {"line_width": "width", "line_dash": "dash"}
-            self.curves.append(chart.add("multi_line", columns, f"time_{name}", **style))
+            self.curves.append(chart.add("over_time", f"time_{name}"))
         self._player = Player(colors, self.charts)
         self._drawing_legend = pane(sizing_mode="stretch_width")
         self._table = pane(margin=(4, 8), stylesheets=[LAYOUT_CSS, _TABLE_CSS])
@@ -397,7 +356,7 @@ class TimeView(Tab):
         text = view.setup.text(bundle=view.bundle)
         self.message.show("")
         self.run.disabled, self.cancel.disabled = True, False
-        self._progress.start(lambda seconds: f"simulating: {seconds:.0f} s")
+        self._progress.start("simulating")
         arguments = text, view.setup.name, view.setup.policies
         self._runs.request(lambda: (text, run_job(run_policies, *arguments)))
 

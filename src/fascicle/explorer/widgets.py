@@ -35,9 +35,7 @@ SIZES = {
 }
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
 _STRAIN_STEP = 0.001  # of a slider: two pixels
-_SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
 _INVALID_CSS = ":host .bk-input { border: 2px solid var(--bad) !important; }"
-SWEEP_STEPS = 80  # from one end to the other
 # labels on the page of arguments in the library's messages
 _LABELS = {name: label for name, (label, _) in SIZES.items()} | {
     "count": "Number of muscles",
@@ -401,33 +399,6 @@ class QuantitySlider:
             value_text = f"{value / scale:.6g} {self._unit}".strip()
             raise InvalidInputError(self.field.name, rule, value, shown=value_text)
         self._set(min(value, self._top))
-
-
-class Sweep:
-    """A button that moves a value on, step by step, until it is pressed again."""
-
-    def __init__(self, label: str, step: Callable[[], bool]):
-        """Sweep of the value of a `label`; `step` moves it, and returns False at the end."""
-        self._step, self._timer = step, None
-        options = {"margin": (4, 8), "sizing_mode": None}
-        self.button = widget(pn.widgets.Toggle, "", self._on_toggle, **options)
-        self.set_label(label)
-
-    def set_label(self, label: str) -> None:
-        """Name the value."""
-        self.button.label = f"▶ Sweep {label}"
-
-    def _on_toggle(self, pressed: bool) -> None:
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
-        if pressed and pn.state.curdoc is not None:
-            self._timer = pn.state.add_periodic_callback(self._advance, period=_SWEEP_PERIOD)
-
-    def _advance(self) -> None:
-        """Move the value a step, and release the button at the end."""
-        if not self._step():
-            self.button.value = False
 
 
 # HTML
