@@ -21,7 +21,7 @@ def wait(value: Any) -> Any:
 
 def make_muscle() -> fs.Muscle:
     """Fig. 6's muscle; all three regions of its law lie within the points below."""
-    return fs.Muscle.from_dimensions(LENGTH, 6.35e-3, 1.6e-3, math.radians(33), MATERIAL)
+    return fs.Muscle(LENGTH, 6.35e-3, 1.6e-3, math.radians(33), MATERIAL)
 
 
 def field(pressures: int, strains: int) -> tuple[np.ndarray, np.ndarray]:
@@ -34,8 +34,7 @@ def unlike_bundle(units: int) -> fs.Bundle:
     """Bundle of equally long, otherwise different motor units."""
     sizes = np.random.default_rng(2).uniform([4e-3, 0.15, 25.0], [8e-3, 0.3, 38.0], (units, 3))
     muscles = [
-        fs.Muscle.from_dimensions(LENGTH, r, ratio * r, math.radians(angle), MATERIAL)
-        for r, ratio, angle in sizes
+        fs.Muscle(LENGTH, r, ratio * r, math.radians(angle), MATERIAL) for r, ratio, angle in sizes
     ]
     return fs.Bundle([fs.MotorUnit(m) for m in muscles], supply_pressure=MAX_PRESSURE)
 

@@ -34,12 +34,12 @@ MUSCLE = 'import fascicle as fs; m = fs.example("kim2021_figure_6"); P, e = 1e5,
 BUNDLE = 'import fascicle as fs; b = fs.example("kim2021_bundle_five"); P = [4e5, 3e5, 1e5, 0, 0]'
 ELASTICA = """
 import math, fascicle as fs
-m = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(24), buckling="elastica")
+m = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(24), buckling="elastica")
 b = fs.Bundle([fs.MotorUnit(m), fs.MotorUnit(m, 4)], supply_pressure=4e5)
 """
 FIRST_FORCE = """
 import fascicle as fs
-fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, 0.576).force(1e5, 0.1)
+fs.Muscle(0.127, 6.35e-3, 1.6e-3, 0.576).force(1e5, 0.1)
 """
 # the call, what runs before it, and the goal [CPU s]
 CALLS = {

@@ -28,7 +28,7 @@ TOLERANCE = 1e-8  # N: between residuals of both; the hinge's force is steep at 
 def make_problem(samples: int) -> Problem:
     """The factors' problem on a synthetic record, with its blocked force and free strain."""
     truth = fs.example("kim2021_slenderness_10")
-    untuned = fs.Muscle.from_dimensions(
+    untuned = fs.Muscle(
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
     record = VirtualDynamometer(samples=samples, both_ways=False).record(truth, seed=1)

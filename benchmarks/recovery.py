@@ -89,7 +89,7 @@ def recover(title: str, options: argparse.Namespace) -> list[dict]:
     rows = {row["seed"]: row for row in load_rows(options.resume) if row["key"] == key}
     machine = VirtualDynamometer(samples=options.samples)
     truth = make_truth(title, np.asarray(machine.pressures))
-    untuned = fs.Muscle.from_dimensions(
+    untuned = fs.Muscle(
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
     first = machine.record(truth, seed=0)

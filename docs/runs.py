@@ -27,7 +27,7 @@ def stride_error(compensate: bool) -> float:
 def clipped_fit() -> list[str]:
     """Lines on a fit of a synthetic record that is clipped at zero."""
     truth = fs.example("kim2021_slenderness_10")
-    muscle = fs.Muscle.from_dimensions(
+    muscle = fs.Muscle(
         length=truth.length,
         outer_radius=truth.outer_radius,
         wall_thickness=truth.wall_thickness,

@@ -108,7 +108,7 @@ def build() -> Leg:
     choices = [
         (
             f"{2 * radius} mm",
-            fs.Muscle.from_dimensions("200 mm", f"{radius} mm", f"{wall} mm", "25 deg"),
+            fs.Muscle("200 mm", f"{radius} mm", f"{wall} mm", "25 deg"),
         )
         for radius, wall in ((5, 1), (7.5, 1.5), (10, 2))
     ]

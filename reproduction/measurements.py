@@ -177,7 +177,7 @@ def _measured_record(path: Path, folder: Path) -> MeasuredRecord:
                 return MeasuredRecord(name, left_out=f"{toml.name} holds more than one muscle")
         else:
             length, radius, wall, angle, source = _SIZES[name]
-            muscle = Muscle.from_dimensions(length, radius, wall, angle)
+            muscle = Muscle(length, radius, wall, angle)
         record = load(path, rest_length=float(muscle.length))
     except (ValueError, OSError) as error:
         return MeasuredRecord(name, left_out=str(error))

@@ -11,7 +11,7 @@ from fascicle.muscle.materials import MooneyRivlin
 from fascicle.records.record import Record
 
 
-MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, np.radians(26), material="latex")
+MUSCLE = fs.Muscle(0.2, 9.5e-3, 1.5e-3, np.radians(26), material="latex")
 CONSTANTS = {"c10": 150e3, "c01": 70e3}
 TRUE = MUSCLE.replace(material=MooneyRivlin(**CONSTANTS, youngs_modulus=6 * 220e3))
 TRUTH = Gauge(force_zero=8.0, force_gain=1.03, force_drift=0.01, pressure_zero=1.5e3)

@@ -32,7 +32,7 @@ def random_bundle(
     made = []
     for _ in range(units):
         radius = random.uniform(4e-3, 10e-3)
-        muscle = fs.Muscle.from_dimensions(
+        muscle = fs.Muscle(
             0.127,
             radius,
             radius * random.uniform(0.15, 0.35),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from . import dynamics as dynamics
     from . import fluid as fluid
     from . import laws as laws
+    from . import plot as plot
     from . import records as records
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
@@ -71,6 +72,7 @@ _HOMES = {
     "laws": "",
     "load": "files",
     "materials": "muscle",
+    "plot": "",
     "post_collapse": "muscle",
     "records": "",
     "recruitment": "bundle",
@@ -106,6 +108,7 @@ __all__ = [
     "laws",
     "load",
     "materials",
+    "plot",
     "post_collapse",
     "records",
     "recruitment",

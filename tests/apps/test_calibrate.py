@@ -138,7 +138,7 @@ def test_json_alone_writes_nothing(ran, folder):
 def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    muscle = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), "latex")
     P, eps = np.linspace(2.5e5, 6e5, 6), np.linspace(0, 0.08, 8)
     force = np.asarray(muscle.force(P[:, None], eps))
     bow = 6 * np.sin(2 * np.pi * eps / 0.08)  # what no constant follows
@@ -186,7 +186,7 @@ def test_control_c_leaves_nothing_half_written(fascicle, folder, monkeypatch):
 
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    muscle = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), "latex")
     P, eps = np.linspace(2.5e5, 6e5, 4)[:, None], np.linspace(0, 0.08, 8)
     force = np.asarray(muscle.force(P, eps)) + np.random.default_rng(0).normal(size=(4, 8))
     records.write(records.Record.of(P, eps, force, synthetic=True), "d.csv")
@@ -225,7 +225,7 @@ def test_the_readmes_calibration_finds_the_angle_that_was_built(fascicle, tmp_pa
 
 def test_a_joint_with_a_torque_sensor_is_a_bench(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    muscle = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(27), "latex")
+    muscle = fs.Muscle(0.2, 10e-3, 2e-3, np.radians(27), "latex")
     # a synthetic joint: the arm r = 0.02 sin(angle + 5 deg) [m] nearly vanishes at its end
     angle = np.radians(np.arange(0, 91, 3.0))
     arm, noise = 0.02 * np.sin(angle + np.radians(5)), np.random.default_rng(3)

@@ -231,7 +231,7 @@ def test_an_error_is_at_its_field_and_the_picture_stays(visit):
     message = page.get_by_role("alert")
     message.wait_for()
     with pytest.raises(ValueError, match="braid_angle") as error:
-        fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(60))
+        fs.Muscle(0.127, 6.35e-3, 1.6e-3, np.radians(60))
     assert message.inner_text() == page_message(error.value)
     assert abs(message.bounding_box()["y"] - angle.bounding_box()["y"]) < 60
     assert source(page, "curve") == before
@@ -242,7 +242,7 @@ def test_an_error_is_at_its_field_and_the_picture_stays(visit):
 
 
 def test_a_file_opens_and_saves(visit, tmp_path):
-    muscle = fs.Muscle.from_dimensions(0.2, 8e-3, 1.5e-3, np.radians(28))
+    muscle = fs.Muscle(0.2, 8e-3, 1.5e-3, np.radians(28))
     path = tmp_path / "mine.toml"
     fs.save(muscle, path)
     page = visit()

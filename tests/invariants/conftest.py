@@ -36,7 +36,7 @@ def stack(seed, n, tuned=False, **laws):
     # one is made, and checked, and its numbers are then those of all
     first = {name: value[0] for name, value in values.items()}
     tuning = fs.Tuning(**{name: x[0] for name, x in corrections.items()}) if tuned else None
-    one = fs.Muscle.from_dimensions(
+    one = fs.Muscle(
         **first, material=fs.MooneyRivlin(*(x[0] for x in rubber)), tuning=tuning, **laws
     )
     one = eqx.tree_at(lambda m: [getattr(m, name) for name in values], one, [*values.values()])

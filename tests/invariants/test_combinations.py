@@ -49,7 +49,7 @@ def muscle_of(seed):
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of stubby ones, and braids that are held
-        muscle = fs.Muscle.from_dimensions(
+        muscle = fs.Muscle(
             length, radius, radius * rng.uniform(0.05, 0.5),
             math.radians(NEUTRAL if rng.random() < 0.1 else rng.uniform(5, NEUTRAL)),
             fs.MooneyRivlin(*rng.uniform(3e4, 3e5, 2), poisson_ratio=rng.uniform(0.3, 0.5)),

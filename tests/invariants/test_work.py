@@ -168,7 +168,7 @@ def test_free_strain_may_fall_again_where_fibers_are_nearly_straight(degrees, fa
         )
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", ".* is unusual")
-            muscle = fs.Muscle.from_dimensions(
+            muscle = fs.Muscle(
                 0.127, 6e-3, 6e-3 * wall, math.radians(degrees), fs.MooneyRivlin(c10, c01)
             )
         seen += bool(np.any(np.diff(muscle.free_strain(P)) < 0))
@@ -179,7 +179,7 @@ def test_free_strain_may_fall_again_where_fibers_are_nearly_straight(degrees, fa
 def one_muscle(buckling):
     @jax.jit
     def ask(length, radius, wall, angle, pressure, strain):
-        muscle = fs.Muscle.from_dimensions(
+        muscle = fs.Muscle(
             length, radius, wall * radius, angle, "silicone_kim2021", buckling=buckling
         )
         slopes = jax.grad(muscle.force, (0, 1))(pressure, strain)
@@ -218,7 +218,7 @@ def test_any_muscle_resists_past_its_free_strain(
 
 def test_stretched_muscles_have_finite_slopes():
     def slope(length, radius, angle, pressure, strain):
-        muscle = fs.Muscle.from_dimensions(
+        muscle = fs.Muscle(
             length, radius, 0.2 * radius, angle, "silicone_kim2021", buckling="elastica"
         )
         return jax.grad(muscle.force)(pressure, strain)

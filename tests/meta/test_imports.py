@@ -38,7 +38,7 @@ def test_the_laws_load_no_files_results_or_pictures():
     modules = loaded(
         "import fascicle as fs\n"
         f"assert not {HEAVY!r} & set(sys.modules)\n"
-        "m = fs.Muscle.from_dimensions("
+        "m = fs.Muscle("
         "length=0.127, outer_radius=6.35e-3, wall_thickness=1.6e-3, braid_angle=0.576)\n"
         "m.force(1e5, 0.1)\n"
         "fs.Bundle([fs.MotorUnit(m)]).force([1e5], 0.1)"

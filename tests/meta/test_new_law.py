@@ -54,7 +54,7 @@ from pathlib import Path
 import numpy as np
 import fascicle as fs
 law = fs.tension.Toy2026(0.7, -300.0)
-muscle = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, math.radians(27), tension=law)
+muscle = fs.Muscle(0.2, 10e-3, 2e-3, math.radians(27), tension=law)
 assert fs.__file__.startswith(sys.argv[1]), fs.__file__
 """
 

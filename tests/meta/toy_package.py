@@ -26,5 +26,5 @@ def work_done(outcome: Outcome):
 
 def bundle() -> fs.Bundle:
     """Four equal motor units, recruited two by two."""
-    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, 0.576)
+    muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, 0.576)
     return fs.Bundle([fs.MotorUnit(muscle)] * 4, supply_pressure=413.7e3, scheme="pairs")

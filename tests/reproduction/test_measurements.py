@@ -11,14 +11,14 @@ from fascicle.records.record import Record
 from reproduction.measurements import measured_records, no_records_message, run
 
 
-NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
+NOMINAL = fs.Muscle(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder with a record that passes for measured, one of a model, and one without a muscle."""
     tmp_path = tmp_path_factory.mktemp("measured")
-    true = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
+    true = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
     P, strain = np.linspace(2.5e5, 6e5, 5)[:, None], np.linspace(0.0, 0.08, 6)
     force = np.asarray(true.force(P, strain))
     force = force + 2 * np.random.default_rng(0).normal(size=force.shape)

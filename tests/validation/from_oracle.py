@@ -20,7 +20,7 @@ def library_muscle(muscle):
     tuning = None
     if muscle.tuning != Tuning():
         tuning = fs.Tuning(**dataclasses.asdict(muscle.tuning))
-    return fs.Muscle.from_dimensions(
+    return fs.Muscle(
         **{name: getattr(muscle, name) for name in SIZES},
         material=fs.MooneyRivlin(**dataclasses.asdict(muscle.material)),
         tension=muscle.tension,

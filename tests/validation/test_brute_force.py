@@ -30,7 +30,7 @@ def muscle(rng, length, **laws):
             collapse_moment_factor=rng.uniform(0.6, 1.2),
         )  # fmt: skip
     c10, c01 = rng.uniform(60e3, 200e3), rng.uniform(20e3, 160e3)
-    return fs.Muscle.from_dimensions(
+    return fs.Muscle(
         length, radius, radius * rng.uniform(0.12, 0.35), math.radians(rng.uniform(20, 45)),
         fs.MooneyRivlin(c10, c01, rng.uniform(4, 9) * (c10 + c01)), tuning=tuning,
         transition_rate=rng.uniform(5, 120), **laws,

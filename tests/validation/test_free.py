@@ -20,9 +20,7 @@ SLACK = 0.02  # N: what the fine grid may miss of an extremum between two of its
 
 
 def muscle(radius: float, angle: float = 33.0) -> fs.Muscle:
-    return fs.Muscle.from_dimensions(
-        0.127, radius, 0.25 * radius, math.radians(angle), "silicone_kim2021"
-    )
+    return fs.Muscle(0.127, radius, 0.25 * radius, math.radians(angle), "silicone_kim2021")
 
 
 def unlike(counts=(1, 2, 3)) -> fs.Bundle:

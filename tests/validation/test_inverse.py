@@ -39,7 +39,7 @@ def muscle(random: np.random.Generator, length: float, **laws: str) -> fs.Muscle
         "tension": str(random.choice(TENSION)), "collapse": str(random.choice(COLLAPSE)), **laws
     }  # fmt: skip
     material = str(random.choice(["latex", "silicone_kim2021"]))
-    return fs.Muscle.from_dimensions(
+    return fs.Muscle(
         length, radius, radius * random.uniform(0.12, 0.3), math.radians(random.uniform(22, 43)),
         material, tuning=tuning, transition_rate=random.uniform(5, 150), **chosen,
     )  # fmt: skip
@@ -181,7 +181,7 @@ def test_no_aimed_demand_is_missed_or_wrong(seed, trials, count):
 
 def test_forces_beside_the_least_are_reached():
     """Collapse makes a kink there, between two nodes of any fixed grid of pressures."""
-    one = fs.Muscle.from_dimensions(
+    one = fs.Muscle(
         0.2396, 17.85e-3, 2.465e-3, math.radians(40.58), "latex",
         tension="kothera2009", collapse="brazier1927",
     )  # fmt: skip

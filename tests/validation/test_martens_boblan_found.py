@@ -15,7 +15,7 @@ from fascicle.records import load
 def choice():
     record = load(measured("martens-boblan-2017/dmsp-20-300.csv"), rest_length=0.3)
     # Festo's nominal sizes
-    return select_model(record, fs.Muscle.from_dimensions(0.3, 10e-3, 2e-3, math.radians(28.6)))
+    return select_model(record, fs.Muscle(0.3, 10e-3, 2e-3, math.radians(28.6)))
 
 
 def test_the_fit_is_found(choice):

@@ -45,7 +45,7 @@ def test_the_plain_command_gives_the_muscle_again(name):
     entry = fs.catalog[name]
     record = entry.record or load(measured(NAME), rest_length=entry.rest_length)
     radius = float(name.split("-")[2]) / 2e3 + 1.8e-3  # nominal bore, and Martens and Boblan's wall
-    start = fs.Muscle.from_dimensions(entry.rest_length, radius, 1.8e-3, math.radians(28.6))
+    start = fs.Muscle(entry.rest_length, radius, 1.8e-3, math.radians(28.6))
     choice = select_model(record, start)
     fit, error = choice.calibration, entry.error
     assert fit.relative_rmse <= 0.008

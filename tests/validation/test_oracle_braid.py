@@ -16,9 +16,7 @@ import fascicle as fs
 from fascicle.muscle.buckling import Elastica, Kim2021
 
 
-FIGURE_6 = fs.Muscle.from_dimensions(
-    0.127, 6.35e-3, 1.6e-3, math.radians(33), fs.materials.SILICONE_KIM2021
-)
+FIGURE_6 = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), fs.materials.SILICONE_KIM2021)
 
 
 def held(muscle, pressure):

@@ -19,9 +19,7 @@ def drawn(seed):
     angle, k = math.radians(rng.uniform(20, 42)), 10 ** rng.uniform(7.4, 10)
     c10, c01 = rng.uniform(60e3, 200e3), rng.uniform(20e3, 160e3)
     law = ElasticBraid(k)
-    muscle = fs.Muscle.from_dimensions(
-        length, r, wall, angle, fs.MooneyRivlin(c10, c01), tension=law
-    )
+    muscle = fs.Muscle(length, r, wall, angle, fs.MooneyRivlin(c10, c01), tension=law)
     pressure = rng.uniform(0, min(1e6, 0.8 * law.highest_pressure(muscle.bladder)))
     strain = rng.uniform(0.4 * (1 - 1 / math.cos(angle)), 0.5)
     return muscle, Tube(length, r, wall, angle, c10, c01, k * math.pi * r**2), pressure, strain

@@ -47,7 +47,7 @@ def test_the_volume_is_that_of_the_oracles_energy():
         assert_allclose(swept, active * braid, rtol=1e-9, atol=1e-15)
 
 
-MUSCLE = fs.Muscle.from_dimensions(0.25, 6.8e-3, 1.8e-3, math.radians(28.6))
+MUSCLE = fs.Muscle(0.25, 6.8e-3, 1.8e-3, math.radians(28.6))
 GRID = np.array([0.0, 5e4, 3e5, 8e5])[:, None], np.linspace(-0.1, 0.55, 80)
 
 

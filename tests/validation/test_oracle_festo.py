@@ -18,9 +18,7 @@ WALL, ANGLE = 1.8e-3, math.radians(28.6)
 
 
 def muscle(name, bore=0.010, length=0.25, **laws):
-    return fs.Muscle.from_dimensions(
-        length, bore / 2 + WALL, WALL, ANGLE, tension=MADE[name](), **laws
-    )
+    return fs.Muscle(length, bore / 2 + WALL, WALL, ANGLE, tension=MADE[name](), **laws)
 
 
 def test_numbers_asked_for():

@@ -112,7 +112,7 @@ def test_factors_are_fitted_as_scipy_fits_them():
 @pytest.fixture(scope="module")
 def real():
     record = load(measured(DMSP), rest_length=0.3)
-    muscle = fs.Muscle.from_dimensions(0.3, 10e-3, 2e-3, math.radians(28.6))
+    muscle = fs.Muscle(0.3, 10e-3, 2e-3, math.radians(28.6))
     return fit(record, muscle, NAMES), record
 
 

@@ -25,7 +25,6 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
 from ..core.errors import InvalidInputError
-from ..core.lazy import import_late, late_method
 from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
 from ..core.types import Batch, Int, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
@@ -47,9 +46,12 @@ from .equilibria import (
     find_first_equilibria,
     usual_count,
 )
+from .energetics import average_efficiency, efficiency_map
 from .inverse import recruit
 from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
 from .printing import bundle_line, bundle_table, unit_line, unit_table
+from .recruitment import workspace
+from .reversal import reversal
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -196,26 +198,10 @@ class Bundle(Module):
 
     # functions of a bundle, whose docstrings and signatures these methods have
     recruit = recruit
-    workspace = late_method("bundle.recruitment.workspace")
-    reversal = late_method("bundle.reversal.reversal")
-    efficiency_map = late_method("bundle.energetics.efficiency_map")
-    average_efficiency = late_method("bundle.energetics.average_efficiency")
-
-    def plot(
-        self,
-        pressures: Values = None,
-        strains: Values = None,
-        resistance: bool = True,
-        ax: Any = None,
-    ) -> Any:
-        """Figure (matplotlib's) of the force at `pressures` [Pa], one for each motor unit, or by
-        default of the workspace; `strains`: rising contractions [-], by default to the largest
-        free strain or past it; `resistance` as of `force`; `ax`: axes to draw on. `ValueError` for
-        neither pressures nor a supply's.
-        """
-        return import_late("plot.curves.bundle_force_strain")(
-            self, pressures, strains, resistance, ax
-        )
+    workspace = workspace
+    reversal = reversal
+    efficiency_map = efficiency_map
+    average_efficiency = average_efficiency
 
     def replace(self, **changes: Any) -> "Bundle":
         """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""

@@ -7,6 +7,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 import panel as pn
 
+from .. import plot
 from ..bundle import Bundle
 from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
@@ -420,7 +421,7 @@ class BundleView(Tab):
         """Picture and data of the workspace."""
         target, resistance = self.session.view.bundle, self.session.view.resistance
         variables = tables.space(target.workspace(resistance=resistance))
-        return Export(self.stem("space"), variables, lambda: target.plot(resistance=resistance))
+        return Export(self.stem("space"), variables, lambda: plot.bundle_force_strain(target, resistance=resistance))
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""

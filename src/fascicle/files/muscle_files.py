@@ -297,7 +297,7 @@ def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
     with location.error_context():
         if section.material is not None:
             arguments["material"] = _material(section.material)
-        return Muscle.from_dimensions(**arguments)
+        return Muscle(**arguments)
 
 
 def _material(material: str | TableModel) -> str | MooneyRivlin:

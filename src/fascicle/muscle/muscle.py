@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..core.lazy import import_late
 from ..core.module import (
     Module,
     evaluate,
@@ -120,7 +119,24 @@ class AtPressure(Module):
 
 @with_table_repr(muscle_table, muscle_line)
 class Muscle(Module):
-    """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
+    """A fluidic artificial muscle: its sizes at rest, its material, and its laws.
+
+        Muscle("127 mm", "6.35 mm", "1.6 mm", "33 deg", material="latex", buckling="elastica")
+
+    **Arguments:** numbers in SI units, or text with units.
+
+    - `length`: $L_0$ [m] between the end fittings.
+    - `outer_radius`: $r_0$ [m] of the bladder, which is the braid's radius.
+    - `wall_thickness`: $t_0$ [m], less than the radius.
+    - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
+    - `material`: the bladder's, a name or an object.
+    - `tension`, `buckling`, `collapse`, `post_collapse`, `ends`: laws of `fascicle.tension` and so
+      on, by name or as objects.
+    - `transition_rate`: $\\beta$ [-] of (26).
+    - `tuning`: measured corrections; none if left out.
+
+    **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
+    """
 
     length: Batch = record(converter=partial(check_size, name="length"))
     outer_radius: Batch = record(converter=partial(check_size, name="outer_radius"))
@@ -142,48 +158,6 @@ class Muscle(Module):
 
     def __check_init__(self):
         check_muscle(self)
-
-    @classmethod
-    def from_dimensions(
-        cls,
-        length: Values,
-        outer_radius: Values,
-        wall_thickness: Values,
-        braid_angle: Values,
-        material: str | AbstractMaterial = LATEX,
-        tension: str | AbstractTension = "klute_hannaford",
-        buckling: str | AbstractBuckling = "kim2021",
-        collapse: str | AbstractCollapse = "kim2021",
-        post_collapse: str | AbstractPostCollapse = "derived",
-        transition_rate: Values = 25.0,
-        tuning: Tuning | None = None,
-        ends: str | AbstractEnds = "rigid",
-    ) -> "Muscle":
-        """A muscle from what can be measured on it at rest.
-
-        **Arguments:**
-
-        - `length`: $L_0$ [m] between the end fittings.
-        - `outer_radius`: $r_0$ [m] of the bladder, which is the braid's radius.
-        - `wall_thickness`: $t_0$ [m], less than the radius.
-        - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
-        - `material`: the bladder's, a name or an object.
-        - `tension`: a law of `fascicle.tension`, by name or as an object.
-        - `buckling`: a law of `fascicle.buckling`.
-        - `collapse`: a law of `fascicle.collapse`.
-        - `post_collapse`: a law of `fascicle.post_collapse`.
-        - `transition_rate`: $\\beta$ [-] of (26).
-        - `tuning`: measured corrections; none if left out.
-        - `ends`: a law of `fascicle.ends`.
-
-        **Returns:** the muscle.
-
-        **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
-        """
-        return cls(
-            length, outer_radius, wall_thickness, braid_angle, material,
-            tension, buckling, collapse, post_collapse, transition_rate, tuning, ends,
-        )  # fmt: skip
 
     @classmethod
     def from_thread(
@@ -395,27 +369,6 @@ class Muscle(Module):
         """Centerline [m] of at least 3 `points` at `pressure` [Pa] and `strain` [-]."""
         count = check_whole_number(points, "points", 3)
         return self._evaluate_at(PressurizedMuscle.shape, pressure, strain, count)
-
-    def plot(
-        self,
-        pressures: Values = None,
-        strains: Values = None,
-        components: bool = False,
-        ax: Any = None,
-    ) -> Any:
-        """Plot the force over contraction, a curve or a panel for each pressure.
-
-        **Arguments:**
-
-        - `pressures`: gauge pressures [Pa]; left out, five (four with components) up to 400 kPa,
-          or to the tuning's last.
-        - `strains`: contractions [-], rising; left out, to past the largest free strain.
-        - `components`: a panel for each of at most four pressures, with the force's parts.
-        - `ax`: matplotlib's axes to draw on, without components; left out, a new figure's.
-
-        **Returns:** a figure of matplotlib's.
-        """
-        return import_late("plot.curves.force_strain")(self, pressures, strains, components, ax)
 
     def _evaluate_law(self, method: Callable, pressure: Values) -> Batch:
         pressure = validate_pressure(pressure, self.tuning)

@@ -19,7 +19,6 @@ import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.lazy import import_late
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval, check_positive
 from ..files import catalog
@@ -123,12 +122,6 @@ class Sizing:
         """Torque of the chosen muscles at the supply's pressure in each pose [N·m or N]."""
         pull = self.chosen.pull(self.pressure, self.route.lengths)
         return self.route.moment_arms * pull
-
-    def plot(self) -> Any:
-        """Plot the tendon's length, its moment arm, and torque asked for and available, over the
-        joint's coordinate; returns a figure of matplotlib's.
-        """
-        return import_late("robots.sizing_plot.plot_sizing")(self)
 
 
 def size(

@@ -1,19 +1,15 @@
 """Picture of a muscle that was sized to a tendon."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letters, new_figure, styled
 
-
-if TYPE_CHECKING:
-    from .sizing import Sizing
+from .sizing import Sizing
 
 
 @styled
-def plot_sizing(sizing: "Sizing") -> Figure:
+def plot_sizing(sizing: Sizing) -> Figure:
     """Plot a `sizing`: the tendon's length with the muscle's contraction, the moment arm, and the
     torques, over the coordinate of the torque's joint.
     """

@@ -19,9 +19,9 @@ SIZES = {
 }
 LONGER = SIZES | {"length": 0.131}
 FULL = 344.7e3
-muscle = fs.Muscle.from_dimensions(**SIZES)
-thick = fs.Muscle.from_dimensions(**SIZES | {"outer_radius": 9e-3, "wall_thickness": 2.25e-3})
-bent = fs.Muscle.from_dimensions(**SIZES, buckling="elastica")
+muscle = fs.Muscle(**SIZES)
+thick = fs.Muscle(**SIZES | {"outer_radius": 9e-3, "wall_thickness": 2.25e-3})
+bent = fs.Muscle(**SIZES, buckling="elastica")
 unlike = fs.Bundle([fs.MotorUnit(muscle, 2), fs.MotorUnit(bent, 1), fs.MotorUnit(thick, 3)])
 pair = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)])
 
@@ -50,7 +50,7 @@ def test_pressures_and_strain_broadcast(shape):
     assert_allclose(force, pair.force([FULL, 50e3], 0.1), rtol=1e-14)
 
 
-stout = fs.Muscle.from_dimensions(
+stout = fs.Muscle(
     **SIZES | {"length": 0.102},
     tuning=fs.Tuning(
         youngs_modulus_factor=1.25,
@@ -73,7 +73,7 @@ def test_compiled_equilibria_are_complete():
     assert_allclose(result.strain, plain.strain, rtol=0, atol=1e-12)
 
 
-LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUnit(muscle, 2)],
+LONG = fs.Bundle([fs.MotorUnit(fs.Muscle(**LONGER)), fs.MotorUnit(muscle, 2)],
                  length=0.127)  # fmt: skip
 
 
@@ -97,9 +97,7 @@ def test_replace_checks_new_arguments_and_keeps_the_others():
     assert batch.motor_units == pair.motor_units
     assert LONG.replace(scheme="batch").plate_distance == LONG.plate_distance
     thin = muscle.replace(wall_thickness=1e-3, buckling="elastica")
-    assert thin == fs.Muscle.from_dimensions(
-        **SIZES | {"wall_thickness": 1e-3}, buckling="elastica"
-    )
+    assert thin == fs.Muscle(**SIZES | {"wall_thickness": 1e-3}, buckling="elastica")
     assert muscle.replace() == muscle
     with pytest.raises(ValueError, match="`wall_thickness` must be less than `outer_radius`"):
         muscle.replace(wall_thickness=7e-3)

@@ -12,7 +12,7 @@ from fascicle import energetics
 
 SUPPLY = 413.7e3
 wide = 9e-3 * math.sqrt(2)
-semu = fs.Muscle.from_dimensions(
+semu = fs.Muscle(
     0.127,
     wide,
     0.25 * wide,
@@ -50,7 +50,7 @@ def test_fluid_energy_counts_active_units_at_supply_pressure():
 
 @pytest.mark.parametrize("length", np.linspace(0.128, 0.14, 13))
 def test_volumes_reach_to_the_end_of_the_domain_of_unlike_lengths(length):
-    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     units = [fs.MotorUnit(muscle), fs.MotorUnit(muscle.replace(length=length))]
     bundle = fs.Bundle(units, length=0.13)
     end = float(np.min(1 - (1 - 0.6) / bundle.ratios))  # a muscle's strain there rounds to 0.6
@@ -60,7 +60,7 @@ def test_volumes_reach_to_the_end_of_the_domain_of_unlike_lengths(length):
 
 def test_ideal_muscle_turns_all_fluid_energy_into_work():
     """Without a bladder W = P ΔV: an isobaric contraction at supply pressure loses nothing."""
-    ideal = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), tension="ideal")
+    ideal = fs.Muscle(0.127, 9e-3, 2.25e-3, math.radians(33), tension="ideal")
     bundle = fs.Bundle([fs.MotorUnit(ideal)], SUPPLY)
     force = float(bundle.force([SUPPLY], 0.1))
     result = energetics.efficiency_map(bundle, path="isobaric", force=force, strain=0.1)

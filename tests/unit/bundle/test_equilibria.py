@@ -25,7 +25,7 @@ def test_the_free_strain_is_the_first_equilibrium(buckling):
 
 @pytest.mark.parametrize("P", [[0.0, 0.0], [0.0, SUPPLY], [1.0, SUPPLY], [2e5, 2e5]])
 def test_equal_units_at_any_pressures(P):
-    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     pair = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)])
     free = pair.free_strain(P)
     assert_allclose(free, pair.equilibria(P).strain[0], rtol=0, atol=1e-13)
@@ -33,7 +33,7 @@ def test_equal_units_at_any_pressures(P):
 
 
 def test_no_pressures_have_no_zeros():
-    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     assert fs.Bundle([fs.MotorUnit(muscle)]).free_strain(np.zeros((0, 1))).shape == (0,)
 
 

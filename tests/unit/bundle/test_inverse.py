@@ -19,7 +19,7 @@ from fascicle.bundle.recruitment import pressures_of, recruit
 from unlike import LAWS, SUPPLY, random_bundle
 
 
-thin = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+thin = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 bundle = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(thin, 4)], SUPPLY)
 
 
@@ -129,9 +129,7 @@ def test_single_demands_select_the_solution_nearest_to_the_present_pressures():
 
 @pytest.mark.parametrize("scheme", ["orderly", "free"])
 def test_units_of_unlike_laws(scheme):
-    other = fs.Muscle.from_dimensions(
-        0.127, 8e-3, 1.6e-3, math.radians(30), "silicone_kim2021", tension="ideal"
-    )
+    other = fs.Muscle(0.127, 8e-3, 1.6e-3, math.radians(30), "silicone_kim2021", tension="ideal")
     mixed = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(other, 2), fs.MotorUnit(thin, 3)], SUPPLY)
     force, strain = np.array([20.0, 150.0, 500.0, 900.0]), 0.1
     result = recruit(mixed, force, strain, scheme=scheme)
@@ -231,7 +229,7 @@ def test_without_resistance_no_unit_pushes():
 def test_narrow_rise_of_steep_fibers_is_found():
     # the free strain of the steep muscle rises from 0.07 to 0.21 between 42 and 48 kPa, in which
     # the force of both rises and falls again
-    steep = fs.Muscle.from_dimensions(
+    steep = fs.Muscle(
         0.1564392, 3.085767e-3, 0.5948e-3, 0.2503973,
         fs.MooneyRivlin(39967.6, 101328.3, youngs_modulus=6813941.0, poisson_ratio=0.3480493),
         collapse=fs.collapse.Kim2021Collapse(0.5),
@@ -242,7 +240,7 @@ def test_narrow_rise_of_steep_fibers_is_found():
             transition_rate=60.43266,
         ),
     )  # fmt: skip
-    other = fs.Muscle.from_dimensions(
+    other = fs.Muscle(
         0.1564392, 4.371344e-3, 0.6856914e-3, 0.5536535,
         fs.MooneyRivlin(28322.17, 30594.65, youngs_modulus=562409.8, poisson_ratio=0.3990455),
         transition_rate=20.1518,

@@ -36,7 +36,7 @@ def test_works_along_a_path_are_areas_under_the_curve(resistance):
 
 
 def test_units_of_unequal_length_have_strains_of_their_own():
-    short = fs.Muscle.from_dimensions(0.12, 6.35e-3, 1.6e-3, 0.576, "silicone_kim2021")
+    short = fs.Muscle(0.12, 6.35e-3, 1.6e-3, 0.576, "silicone_kim2021")
     bundle = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(short, 2)], length=0.125)
     P = np.array([[1e5, 2e5], [0.0, 3e5]])
     whole = fs.energetics.unit_work(bundle, P[:, None, :], STRAINS)

@@ -18,7 +18,7 @@ FULL = 344.7e3
 
 def built(length, **more):
     sizes = (length, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
-    return fs.Muscle.from_dimensions(*sizes, **more)
+    return fs.Muscle(*sizes, **more)
 
 
 short, long = built(SHORT), built(LONG)

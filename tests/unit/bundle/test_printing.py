@@ -33,9 +33,9 @@ def test_results_print_their_numbers():
 
 
 def test_plot_draws_the_workspace_or_the_units():
-    assert BUNDLE.plot().axes[0].get_xlabel() == "Contraction ε [–]"
-    labels = BUNDLE.plot(["50 psi", 0.0]).axes[0].get_legend_handles_labels()[1]
+    assert fs.plot.bundle_force_strain(BUNDLE).axes[0].get_xlabel() == "Contraction ε [–]"
+    labels = fs.plot.bundle_force_strain(BUNDLE, ["50 psi", 0.0]).axes[0].get_legend_handles_labels()[1]
     assert labels[-1] == "bundle" and labels[0].startswith("unit 1: 1 × 344.7")
     with pytest.raises(fs.InvalidInputError) as error:
-        BUNDLE.replace(supply_pressure=None).plot()
+        fs.plot.bundle_force_strain(BUNDLE.replace(supply_pressure=None))
     assert error.value.argument == "pressures"

@@ -9,7 +9,7 @@ from fascicle.bundle.recruitment import overlap, pressures_of, workspace
 
 
 SUPPLY = 413.7e3
-muscle = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
+muscle = fs.Muscle(0.127, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
 two = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
 three = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle), fs.MotorUnit(muscle, 2)], SUPPLY)
 

@@ -9,7 +9,7 @@ from fascicle.bundle.reversal import free_strain_curve, onset_pressure, reversal
 
 
 SUPPLY = 344.7e3
-muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 even = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
 uneven = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)], SUPPLY)
 
@@ -59,7 +59,7 @@ def test_onset_is_zero_at_rest_and_infinite_out_of_reach():
 @pytest.mark.parametrize("unit", [1, 2])
 def test_onset_in_a_bundle_of_two_lengths(unit):
     """Each muscle has a strain of its own."""
-    longer = fs.Muscle.from_dimensions(0.14, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
+    longer = fs.Muscle(0.14, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
     mixed = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(longer)], SUPPLY, length=0.127)
     strain = 0.15
     result = onset_pressure(mixed, strain, unit)

@@ -20,8 +20,7 @@ from fascicle.design import Designs, Task, evaluate
 
 SUPPLY = 413.7e3
 thin, thick = (
-    fs.Muscle.from_dimensions(0.127, r, 0.25 * r, math.radians(33), "silicone_kim2021")
-    for r in (5e-3, 9e-3)
+    fs.Muscle(0.127, r, 0.25 * r, math.radians(33), "silicone_kim2021") for r in (5e-3, 9e-3)
 )
 three = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(thick), fs.MotorUnit(thin, 2)], SUPPLY)
 

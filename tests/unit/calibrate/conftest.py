@@ -55,7 +55,7 @@ def straight():
         clipped = np.zeros(F.shape, bool) if censored is None else censored
         F = np.where(clipped, 0.0, F)  # as a gauge that clips at zero writes it
         grid = Grid(P, np.zeros(F.shape), F, np.ones(F.shape), clipped)
-        muscle = fs.Muscle.from_dimensions(*SIZES)
+        muscle = fs.Muscle(*SIZES)
         weight = np.ones(F.shape) if weight is None else weight
         problem = Straight(
             muscle, grid, weight, sigma, np.zeros(2), prior * np.ones(2),

@@ -106,13 +106,13 @@ PRIORS = {"outer_radius": Prior(10.6e-3, 0.02e-3)}
 
 
 def nominal(tension="klute_hannaford"):
-    return fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension=tension)
+    return fs.Muscle(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension=tension)
 
 
 @pytest.fixture(scope="module")
 def spoiled():
     """Readings that a robust loss plays down, and of which one level has fewer."""
-    true = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    true = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), "latex")
     P, strain = np.linspace(1.5e5, 6e5, 5)[:, None], np.linspace(0.0, 0.1, 8)
     force = np.asarray(true.force(P, strain))
     force = force + 2.0 * np.random.default_rng(0).normal(size=force.shape)
@@ -139,7 +139,7 @@ def test_a_comparison_fits_as_separate_fits_do(spoiled):
 
 @pytest.mark.slow
 def test_a_law_of_collapse_is_compared_with_its_factor():
-    muscle = fs.Muscle.from_dimensions(
+    muscle = fs.Muscle(
         0.127, 6.35e-3, 1.6e-3, np.radians(33), "silicone_kim2021", collapse=Kim2021Collapse(0.4)
     )
     P = np.linspace(1e5, 3e5, 4)[:, None]

@@ -18,8 +18,8 @@ from fascicle.calibrate.least_squares import NORMAL
 from fascicle.records.record import Record
 
 
-TRUE = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
-NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(4e5, 2e5))
+TRUE = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
+NOMINAL = fs.Muscle(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(4e5, 2e5))
 NAMES = ["braid_angle", "outer_radius"]
 P, STRAIN = np.linspace(1.5e5, 6e5, 10)[:, None], np.linspace(0.0, 0.1, 8)
 FORCE = np.asarray(TRUE.force(P, STRAIN))  # the muscle pulls at all of them

@@ -17,7 +17,7 @@ from fascicle.records.record import Record
 TRUE = fs.example("kim2021_slenderness_10")
 PRESSURES = [0.0, 41.4e3, 82.7e3, 124.1e3, 165.5e3, 206.8e3, 344.7e3]
 MACHINE = VirtualDynamometer(pressures=PRESSURES, samples=60, both_ways=False)
-DRAWN = fs.Muscle.from_dimensions(
+DRAWN = fs.Muscle(
     TRUE.length, TRUE.outer_radius, TRUE.wall_thickness, TRUE.braid_angle, material=TRUE.material
 )
 
@@ -170,9 +170,7 @@ def test_a_shorter_muscle_sees_longer_strains(tuned):
 
 P5, STRAIN = np.array([50e3, 100e3, 150e3, 200e3, 300e3])[:, None], np.linspace(0, 0.32, 12)
 NAMES = ["braid_angle", "outer_radius"]
-NOMINAL = fs.Muscle.from_dimensions(
-    0.127, 6e-3, TRUE.wall_thickness, np.radians(30), material=TRUE.material
-)
+NOMINAL = fs.Muscle(0.127, 6e-3, TRUE.wall_thickness, np.radians(30), material=TRUE.material)
 CLEAN = np.asarray(DRAWN.force(P5, STRAIN))
 
 

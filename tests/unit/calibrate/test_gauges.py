@@ -52,7 +52,7 @@ def test_a_column_that_folds_earlier_is_no_zero(samples, factor):
     example = fs.example("kim2021_slenderness_10")
     true = example.replace(tuning=with_fields(example.tuning, collapse_moment_factor=factor))
     sizes = true.length, true.outer_radius, true.wall_thickness, true.braid_angle
-    nominal = fs.Muscle.from_dimensions(*sizes, material=true.material)
+    nominal = fs.Muscle(*sizes, material=true.material)
     machine = VirtualDynamometer(pressures=(0.0, 2e5, 4e5), samples=samples)
     for seed in range(5):
         record = machine.record(true, seed=seed)
@@ -98,7 +98,7 @@ def test_a_zero_counts_next_to_the_rest_length():
 def test_the_whole_model_shows_a_zero_that_rest_readings_do_not(zero):
     true = fs.example("kim2021_slenderness_10")
     sizes = true.length, true.outer_radius, true.wall_thickness, true.braid_angle
-    nominal = fs.Muscle.from_dimensions(*sizes, material=true.material)
+    nominal = fs.Muscle(*sizes, material=true.material)
     record = VirtualDynamometer(pressures=(0.0, 1e5, 2e5, 3e5, 4e5), samples=40).record(true)
     record = replace(record, force=record.force + zero)
     assert not select_fit_data(record, nominal).gauge.faults

@@ -12,7 +12,7 @@ from fascicle.records.record import Record
 
 
 TRUE = fs.example("kim2021_slenderness_10")
-DRAWN = fs.Muscle.from_dimensions(
+DRAWN = fs.Muscle(
     TRUE.length, TRUE.outer_radius, TRUE.wall_thickness, TRUE.braid_angle, material=TRUE.material
 )
 MACHINE = VirtualDynamometer(

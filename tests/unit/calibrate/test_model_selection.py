@@ -11,8 +11,8 @@ from fascicle.core.module import with_fields
 from fascicle.records.record import Record
 
 
-TRUE = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
-NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
+TRUE = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
+NOMINAL = fs.Muscle(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
 SLACK = with_fields(TRUE, tuning=with_fields(TRUE.tuning, dead_band=5e4))
 FOUR = ["c10", "c01", "braid_angle", "outer_radius"]
 P, STRAIN = np.linspace(2.5e5, 6e5, 7)[:, None], np.linspace(0.0, 0.08, 8)
@@ -157,7 +157,7 @@ def test_candidates_without_some_predictions_are_not_compared():
     # two pressures of three strains: without a stretch of strain no tuning can be read
     pressure, strain = np.array([[1e5], [2e5]]), np.array([0.0, 0.1, 0.2])
     data = Record.of(pressure, strain, [[200.0, 100.0, 0.0], [400.0, 220.0, 60.0]])
-    muscle = fs.Muscle.from_dimensions(0.3, 12e-3, 2e-3, np.radians(25))
+    muscle = fs.Muscle(0.3, 12e-3, 2e-3, np.radians(25))
     candidates = select_model(data, muscle).candidates
     (tuning,) = (candidate for candidate in candidates if candidate.method == "tuning")
     assert np.isfinite(tuning.rmse) and np.isnan(tuning.left_out_rmse) and not tuning.chosen

@@ -24,7 +24,7 @@ TUNING = fs.Tuning(
     dead_band=20e3,
 )
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
-muscle = fs.Muscle.from_dimensions(*SIZES, tuning=TUNING)
+muscle = fs.Muscle(*SIZES, tuning=TUNING)
 LAWS = {
     law.name: [one.name for one in law.constants()]
     for law in TENSION_LAWS.values()
@@ -88,7 +88,7 @@ def test_a_modulus_that_follows_the_constants_follows_them():
     two = select_parameters(["c10", "c01"], muscle)
     moved = put(two, muscle, jnp.log(jnp.asarray([2e5, 3e5])))
     assert_allclose(moved.material.youngs_modulus, 6 * 5e5, rtol=1e-14)
-    apart = fs.Muscle.from_dimensions(*SIZES, material=fs.MooneyRivlin(1e5, 1e5, 1.78e6))
+    apart = fs.Muscle(*SIZES, material=fs.MooneyRivlin(1e5, 1e5, 1.78e6))
     moved = put(two, apart, jnp.log(jnp.asarray([2e5, 3e5])))
     assert_allclose(moved.material.youngs_modulus, 1.78e6, rtol=0)
     assert_allclose([moved.material.c10, moved.material.c01], [2e5, 3e5], rtol=1e-14)
@@ -106,7 +106,7 @@ def test_a_radius_and_its_wall_together_can_be():
 
 
 def test_no_transition_rate_in_the_tuning_is_the_muscles_own():
-    bare = fs.Muscle.from_dimensions(*SIZES, transition_rate=30.0)
+    bare = fs.Muscle(*SIZES, transition_rate=30.0)
     rate = PARAMETERS["transition_rate"]
     assert float(rate.value(bare)) == 30.0
     moved = rate.put(bare, jnp.log(40.0))
@@ -124,7 +124,7 @@ def test_names_that_the_muscle_has_not_are_refused(names):
 
 @pytest.mark.parametrize(("law", "names"), LAWS.items())
 def test_a_tension_laws_own_constants(law, names):
-    other = fs.Muscle.from_dimensions(*SIZES, tension=law)
+    other = fs.Muscle(*SIZES, tension=law)
     own = [one.name for one in other.tension.constants()]
     assert set(names) <= set(own)
     free = select_parameters(names, other)

@@ -10,7 +10,7 @@ from fascicle.calibrate.least_squares import LOSSES, Problem
 from fascicle.calibrate.parameters import select_parameters
 
 
-muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33))
+muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, np.radians(33))
 SIGMA = 0.7
 
 

@@ -12,7 +12,7 @@ from fascicle.calibrate.readings import SmoothCurves, read_curves
 
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
-muscle = fs.Muscle.from_dimensions(*SIZES)
+muscle = fs.Muscle(*SIZES)
 P = np.array([0.0, 50e3, 100e3, 150e3, 200e3, 250e3, 300e3, 350e3])
 STRAIN = np.linspace(0.0, 0.25, 26)
 SEEDS, SIGMA = [50, pytest.param(200, marks=pytest.mark.slow)], 0.5
@@ -95,7 +95,7 @@ def test_tables_give_back_blocked_force_and_free_strain():
     found = read_curves(muscle, gridded(force))
     c1, c2 = SmoothCurves(muscle, P, P.max()).corrections(found.coefficients)
     assert (c1[0], c2[0]) == (0.0, 1.0)
-    tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
+    tuned = fs.Muscle(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
     assert_allclose(tuned.free_strain(P)[1:], free[1:], rtol=1e-6)
     assert_allclose(tuned.blocked_force(P)[1:], blocked[1:], rtol=1e-6)
     # between the measured pressures, over the same highest one
@@ -107,7 +107,7 @@ def test_tables_give_back_blocked_force_and_free_strain():
 
 def test_a_dead_band_is_no_correction():
     # a muscle with a dead band that measures as its own law says needs none
-    banded = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(dead_band=20e3))
+    banded = fs.Muscle(*SIZES, tuning=fs.Tuning(dead_band=20e3))
     force = np.asarray(banded.force(P[:, None], 0.9 * np.asarray(banded.free_strain(P))[:, None]
                                     * np.linspace(0, 1, 9)))  # fmt: skip
     strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)

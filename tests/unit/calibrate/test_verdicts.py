@@ -18,7 +18,7 @@ from fascicle.records.segmentation import runs
 from fascicle.report.calibration_words import interval_texts
 
 
-MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, math.radians(26))
+MUSCLE = fs.Muscle(0.2, 9.5e-3, 1.5e-3, math.radians(26))
 
 
 def record(P, strain, force, branch=None):
@@ -161,7 +161,7 @@ def test_a_few_readings_at_one_pressure_are_no_verdict(found):
 
 def test_causes_that_the_data_can_not_distinguish_are_all_named():
     # synthetic: an ideal muscle with a dead band, and rubber that pushes in proportion to strain
-    ideal = fs.Muscle.from_dimensions(0.2, 8e-3, 1e-3, math.radians(25), "latex", tension="ideal")
+    ideal = fs.Muscle(0.2, 8e-3, 1e-3, math.radians(25), "latex", tension="ideal")
     P, strain = np.repeat([1e5, 2e5, 3e5, 4e5], 60), np.tile(np.linspace(0, 0.24, 60), 4)
     noise = np.random.default_rng(7).normal(0, 1, P.size)
     force = np.asarray(ideal.force(P - 15e3, strain)) - 120 * strain + noise

@@ -47,9 +47,7 @@ def test_a_hand_over_ends_before_the_units_before_no_longer_suffice():
     """The last step, in which the unit before is all but full, takes the longest."""
     supply = 600e3
     material = fs.materials.MooneyRivlin(c10=110e3, c01=40e3, youngs_modulus=1.2e6)
-    thick = fs.Muscle.from_dimensions(
-        0.15, 10e-3, 2.5e-3, np.radians(24), material, transition_rate=60.0
-    )
+    thick = fs.Muscle(0.15, 10e-3, 2.5e-3, np.radians(24), material, transition_rate=60.0)
     bundle = fs.Bundle([fs.MotorUnit(thick), fs.MotorUnit(thick)], supply)
     valves = [control.PlantValves(
         fluid.Isothermal(), fluid.SonicValve(2.48e-9, 0.3), supply, 293.15
@@ -61,7 +59,7 @@ def test_a_hand_over_ends_before_the_units_before_no_longer_suffice():
 
 
 def test_a_hand_over_does_not_wait_for_the_demand_to_fall_again():
-    latex = fs.Muscle.from_dimensions(0.18, 8e-3, 1.5e-3, np.radians(27), "latex")
+    latex = fs.Muscle(0.18, 8e-3, 1.5e-3, np.radians(27), "latex")
     bundle = fs.Bundle([fs.MotorUnit(latex), fs.MotorUnit(latex)], 350e3)
     valve = fluid.SonicValve(1.587e-9, 0.3)
     valves = [control.PlantValves(fluid.Isothermal(), valve, 350e3, 293.15)] * 2

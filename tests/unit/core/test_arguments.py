@@ -10,7 +10,7 @@ import fascicle as fs
 from fascicle import energetics, recruitment, reversal
 
 
-MUSCLE = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+MUSCLE = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
 BUNDLE = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(MUSCLE, 4)], supply_pressure=413.7e3)
 LONGER = MUSCLE.replace(length=0.131)
 PLATES = fs.Bundle([fs.MotorUnit(MUSCLE), fs.MotorUnit(LONGER)], 4e5, length=0.13)

@@ -16,12 +16,12 @@ def error_of(call):
 
 
 def test_an_error_has_argument_rule_value_and_remedy():
-    error = error_of(lambda: fs.Muscle.from_dimensions(0.127, 6e-3, 1e-3, math.radians(60)))
+    error = error_of(lambda: fs.Muscle(0.127, 6e-3, 1e-3, math.radians(60)))
     assert error.argument == "braid_angle"
     assert error.value == pytest.approx(60) and error.remedy == ""
     assert str(error) == "`braid_angle` must lie in (0, 54.7356) deg to contract, got 60 deg."
     assert isinstance(error, ValueError)
-    error = error_of(lambda: fs.Muscle.from_dimensions(127.0, 6e-3, 1e-3, 0.5))
+    error = error_of(lambda: fs.Muscle(127.0, 6e-3, 1e-3, 0.5))
     assert (error.argument, error.value, error.remedy) == ("length", 127.0, "check its unit")
     muscle = fs.example("kim2021_figure_6")
     error = error_of(lambda: fs.Bundle([fs.MotorUnit(muscle)], scheme="batsh"))

@@ -15,7 +15,7 @@ SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "br
 
 
 def muscle(**changes):
-    return fs.Muscle.from_dimensions(**(SIZES | changes))
+    return fs.Muscle(**(SIZES | changes))
 
 
 @pytest.mark.parametrize(

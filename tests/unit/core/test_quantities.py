@@ -49,8 +49,8 @@ def test_numbers_pass_as_they_are(plain):
 
 
 def test_a_muscle_is_made_and_evaluated_in_any_unit():
-    written = fs.Muscle.from_dimensions("127 mm", "0.25 in", "1.6 mm", "33 deg")
-    numbers = fs.Muscle.from_dimensions(**SIZES, braid_angle=math.radians(33))
+    written = fs.Muscle("127 mm", "0.25 in", "1.6 mm", "33 deg")
+    numbers = fs.Muscle(**SIZES, braid_angle=math.radians(33))
     assert written == numbers
     of_pint = fs.Muscle(127 * ureg.mm, 6.35 * ureg.mm, 1.6 * ureg.mm, 33 * ureg.deg)
     assert of_pint.force(1e5, 0.1) == pytest.approx(numbers.force(1e5, 0.1), rel=1e-12)

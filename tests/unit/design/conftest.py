@@ -8,7 +8,7 @@ from fascicle.design import Task
 
 @pytest.fixture(scope="session")
 def muscle():
-    return fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+    return fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 
 
 @pytest.fixture(scope="session")

@@ -167,7 +167,7 @@ def test_usual_model_error_is_that_of_a_published_muscle():
     """The docs say where the 15 % come from: sizes alone, latex and a wall of 1.5 mm assumed."""
     record = fs.catalog["festo-dmsp-10-250"].record
     pulls = record.force > 0
-    untuned = fs.Muscle.from_dimensions(0.25, 6.5e-3, 1.5e-3, np.radians(28.6), "latex")
+    untuned = fs.Muscle(0.25, 6.5e-3, 1.5e-3, np.radians(28.6), "latex")
     error = untuned.force(record.pressure[pulls], record.strain[pulls]) - record.force[pulls]
     share = np.sqrt(np.mean(error**2)) / record.force.max()
     assert_allclose(Uncertainty().scatter.model_error, share, atol=0.01)  # given in whole percent

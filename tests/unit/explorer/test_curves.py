@@ -53,7 +53,7 @@ def test_curves_are_what_the_methods_give(strain):
 @pytest.mark.parametrize("pressure", [0.0, 34.5e3])
 def test_strips_are_the_regions_of_the_law(pressure):
     """A stubby muscle shortens straight past its free strain: that isn't buckled."""
-    muscle = fs.Muscle.from_dimensions(
+    muscle = fs.Muscle(
         0.03, 6.35e-3, 1.6e-3, math.radians(22), buckling="elastica",
         material=fs.materials.SILICONE_KIM2021,
     )  # fmt: skip

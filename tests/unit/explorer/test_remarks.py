@@ -13,7 +13,7 @@ from fascicle.muscle.fitted_length import FittedLength
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
 TUNED = view_of(fs.example("kim2021_slenderness_10"), "kim2021_slenderness_10")
-OTHER = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28))
+OTHER = fs.Muscle(0.127, 9e-3, 2.25e-3, math.radians(28))
 PICTURES = TABS[:2]
 
 

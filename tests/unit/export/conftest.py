@@ -33,6 +33,4 @@ def compile_c():
 @pytest.fixture(scope="session")
 def make_muscle():
     """A muscle with laws by keyword."""
-    return lambda **laws: fs.Muscle.from_dimensions(
-        0.127, 6.35e-3, 1.6e-3, math.radians(33), **laws
-    )
+    return lambda **laws: fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), **laws)

@@ -105,7 +105,7 @@ def test_a_muscle_table_in_c_equals_the_polynomial(laws, make_muscle, build):
 
 @pytest.mark.parametrize("plates", [None, 0.13])
 def test_a_bundle_table_in_c_equals_the_sum_of_its_units(plates, make_muscle, build):
-    larger = fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))
+    larger = fs.Muscle(0.135, 9e-3, 2.25e-3, math.radians(28))
     units = [fs.MotorUnit(make_muscle(), 1), fs.MotorUnit(make_muscle(), 3)]
     units += [] if plates is None else [fs.MotorUnit(larger, 2)]
     bundle = fs.Bundle(units, supply_pressure=TOP, length=plates)

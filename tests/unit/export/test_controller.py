@@ -21,7 +21,7 @@ NUMBER, ARRAY = ctypes.c_double, ctypes.c_double * 3
 
 def make_plant(chamber=None, valve=None):
     muscle = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_KIM2021)
-    thicker = fs.Muscle.from_dimensions(0.127, 8e-3, 2e-3, 0.55)
+    thicker = fs.Muscle(0.127, 8e-3, 2e-3, 0.55)
     units = [fs.MotorUnit(muscle), fs.MotorUnit(thicker, 2), fs.MotorUnit(muscle)]
     return dynamics.Plant(
         fs.Bundle(units, SUPPLY), dynamics.HangingMass(3.0), fluid.ConstantSupply(SUPPLY),

@@ -35,7 +35,7 @@ class Backward(AbstractScheme):
 @pytest.fixture(scope="module")
 def make_bundle(make_muscle):
     """Bundles of a scheme: one muscle and four, or unlike muscles between plates."""
-    larger = fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))
+    larger = fs.Muscle(0.135, 9e-3, 2.25e-3, math.radians(28))
 
     def make(scheme="orderly", unlike=False):
         if unlike:
@@ -158,7 +158,7 @@ def test_by_the_table_it_finds_the_first_pressure(scheme, make_bundle, compile_c
 @pytest.mark.parametrize("supply", [1.0, 0.6])
 def test_the_table_covers_the_workspace_of_unlike_units(supply, compile_c, tmp_path):
     """A unit of a wide braid stops pulling long before the other one, and resists from there on."""
-    muscles = (fs.Muscle.from_dimensions(0.13, 6e-3, 1e-3, math.radians(x)) for x in (22, 45))
+    muscles = (fs.Muscle(0.13, 6e-3, 1e-3, math.radians(x)) for x in (22, 45))
     units = [fs.MotorUnit(muscle, count) for muscle, count in zip(muscles, (2, 1), strict=True)]
     bundle = fs.Bundle(units, SUPPLY)
     library = compile_c(write_table(bundle, tmp_path, "knee")[1])

@@ -45,7 +45,7 @@ def test_sizes_are_the_floats_that_python_would_write():
 
 def test_missing_keys_take_the_default():
     muscle = loads(MUSCLE)
-    default = Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    default = Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
     assert str(muscle) == str(default)
     assert muscle.material.c10 == default.material.c10
 

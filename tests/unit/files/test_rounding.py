@@ -24,7 +24,7 @@ P, EPS = np.linspace(1e5, 4e5, 4), np.linspace(0, 0.12, 12)
 
 def calibration(noise):
     # synthetic: a muscle a little thicker and steeper than the one that is fitted to it
-    start = fs.Muscle.from_dimensions(0.2, 10e-3, 1.7e-3, np.radians(27), "latex")
+    start = fs.Muscle(0.2, 10e-3, 1.7e-3, np.radians(27), "latex")
     built = start.replace(outer_radius=10.4e-3, braid_angle=np.radians(27.777))
     force = np.asarray(built.force(P[:, None], EPS))
     force = force + noise * np.random.default_rng(3).normal(size=force.shape)
@@ -103,7 +103,7 @@ def test_without_noise_digits_are_kept():
 @pytest.mark.parametrize("pushes", [False, True])
 def test_a_fit_of_strains_of_the_wrong_sign_has_files(pushes):
     # synthetic: fitted fibers would be straight where the record says that it was stretched
-    muscle = fs.Muscle.from_dimensions(0.2, 8e-3, 1e-3, np.radians(25), "latex")
+    muscle = fs.Muscle(0.2, 8e-3, 1e-3, np.radians(25), "latex")
     strain = np.append(np.linspace(0, 0.24, 30), np.linspace(0.24, 0, 30))
     pressure, branch = np.array([[1e5], [2e5], [3e5]]), np.tile([1] * 30 + [-1] * 30, (3, 1))
     force = np.asarray(muscle.force(pressure, strain)) - 30.0 * pushes

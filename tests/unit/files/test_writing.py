@@ -63,7 +63,7 @@ def build(wall, factor, collapse, material, tuning, tension, **rest):
     if tuning is not None:
         table, factors = tuning["table"], {k: x for k, x in tuning.items() if k != "table"}
         tuning = Tuning(*([row[i] for row in table] for i in range(3)), **factors)
-    return Muscle.from_dimensions(
+    return Muscle(
         wall_thickness=rest["outer_radius"] * wall,
         material=material if isinstance(material, str) else MooneyRivlin(**material),
         collapse=COLLAPSE_LAWS[collapse](factor),
@@ -120,13 +120,13 @@ def test_text_is_as_people_write_it():
 
 def test_refuses_what_a_file_cannot_describe(tmp_path):
     path = tmp_path / "m.toml"
-    several = Muscle.from_dimensions(jnp.array([0.1, 0.2]), 0.01, 0.002, 0.5)
-    muscle = Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5)
+    several = Muscle(jnp.array([0.1, 0.2]), 0.01, 0.002, 0.5)
+    muscle = Muscle(0.1, 0.01, 0.002, 0.5)
 
     class Stiffer(Kim2021):
         pass
 
-    mine = Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5, buckling=Stiffer())
+    mine = Muscle(0.1, 0.01, 0.002, 0.5, buckling=Stiffer())
     for obj, words in (
         (3, "only a Muscle or a Bundle can be saved, got int"),
         (MotorUnit(muscle), "got MotorUnit"),

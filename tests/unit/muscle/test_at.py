@@ -25,7 +25,7 @@ several = pytest.mark.parametrize("laws", CHOICES.values(), ids=CHOICES)
 
 
 def made(laws):
-    return fs.Muscle.from_dimensions(*SIZES, "silicone_kim2021", **laws)
+    return fs.Muscle(*SIZES, "silicone_kim2021", **laws)
 
 
 @several

@@ -9,7 +9,7 @@ import fascicle as fs
 
 
 L0, R0, T0, ANGLE = 0.127, 6.35e-3, 1.6e-3, np.radians(33)
-bladder = fs.Muscle.from_dimensions(L0, R0, T0, ANGLE).bladder
+bladder = fs.Muscle(L0, R0, T0, ANGLE).bladder
 strains = np.linspace(0.95 * (1 - 1 / np.cos(ANGLE)), 0.6, 33)
 
 

@@ -16,7 +16,7 @@ from fascicle.muscle.buckling.kim2021 import bow_ratio
 
 
 L0 = 0.127
-muscle = fs.Muscle.from_dimensions(L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+muscle = fs.Muscle(L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 law = Kim2021()
 P = 34.5e3
 column = muscle.law.at(P).column

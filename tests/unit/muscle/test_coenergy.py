@@ -97,7 +97,7 @@ def test_it_is_the_slope_of_the_work(buckling, tension):
 
 def test_it_holds_the_share_of_a_jump():
     # just at the onset that turns back, which moves by a strain of 1e-4 for a pascal
-    muscle = fs.Muscle.from_dimensions(
+    muscle = fs.Muscle(
         45.5411e-3, 10e-3, 2.5e-3, math.radians(22), buckling="elastica",
         tuning=fs.Tuning(collapse_moment_factor=1e6),
     )  # fmt: skip

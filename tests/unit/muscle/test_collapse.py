@@ -15,7 +15,7 @@ from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS, hinge_moment
 L0, R0, T0, NU = 0.127, 6.35e-3, 1.6e-3, 0.5
 SIZES = (L0, R0, T0, math.radians(33), "silicone_kim2021")
 E = 1.78e6
-muscle = fs.Muscle.from_dimensions(*SIZES)
+muscle = fs.Muscle(*SIZES)
 P = np.array([0.0, 34.5e3, 1e6])
 
 
@@ -32,10 +32,10 @@ def by_hand(name):
 
 @pytest.mark.parametrize("name", COLLAPSE_LAWS)
 def test_moment_matches_the_closed_form(name):
-    made = fs.Muscle.from_dimensions(*SIZES, collapse=name)
+    made = fs.Muscle(*SIZES, collapse=name)
     assert_allclose(made.collapse_moment(P), by_hand(name), rtol=1e-14)
     assert made.collapse_moment(P).shape == (3,) and made.collapse.name == name
-    scaled = fs.Muscle.from_dimensions(*SIZES, collapse=COLLAPSE_LAWS[name](factor=math.pi / 4))
+    scaled = fs.Muscle(*SIZES, collapse=COLLAPSE_LAWS[name](factor=math.pi / 4))
     assert_allclose(scaled.collapse_moment(P), math.pi / 4 * by_hand(name), rtol=1e-14)
 
 
@@ -48,7 +48,7 @@ def test_braziers_coefficient():
 
 @pytest.mark.parametrize("name", COLLAPSE_LAWS)
 def test_moment_has_a_slope_in_pressure(name):
-    made = fs.Muscle.from_dimensions(*SIZES, collapse=name)
+    made = fs.Muscle(*SIZES, collapse=name)
     slope = jax.vmap(jax.grad(made.collapse_moment))(jnp.asarray(P))
     step = 10.0  # Pa
     high = made.collapse_moment(P[1:2] + step)
@@ -115,7 +115,7 @@ def test_shape_keeps_its_arc_to_second_order(name, share):
 
     `derived` has half the slope that takes, so a quarter of the shortening.
     """
-    made = fs.Muscle.from_dimensions(*SIZES, post_collapse=name)
+    made = fs.Muscle(*SIZES, post_collapse=name)
     P, eps = 34.5e3, np.array([0.2, 0.3, 0.5])
     L = L0 * (1 - float(made.free_strain(P)))
     line = made.shape(P, eps, 4001)

@@ -15,7 +15,7 @@ from fascicle.muscle.buckling import Elastica
 L0 = 0.127
 SIZES = (L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 never = fs.muscle.collapse.Kim2021Collapse(factor=1e3)  # so that buckling is seen on its own
-muscle = fs.Muscle.from_dimensions(*SIZES, buckling="elastica", collapse=never)
+muscle = fs.Muscle(*SIZES, buckling="elastica", collapse=never)
 law = Elastica()
 P = 34.5e3
 with np.errstate(all="ignore"):  # of branches that aren't taken
@@ -133,7 +133,7 @@ def test_a_slender_muscle_has_one_equilibrium():
 
 def test_without_any_compression_it_stays_straight():
     # the mesh alone, without pressure: no force at all, at any strain
-    idle = fs.Muscle.from_dimensions(*SIZES, tension="ideal", buckling="elastica")
+    idle = fs.Muscle(*SIZES, tension="ideal", buckling="elastica")
     response = idle.response(0.0, 0.5)
     assert response.force == 0 and response.region == 3
     assert np.isposinf(idle.collapse_strain(0.0))

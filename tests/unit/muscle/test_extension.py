@@ -10,7 +10,7 @@ import fascicle as fs
 from fascicle.muscle.laws import LAWS
 
 
-MUSCLE = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, math.radians(25))
+MUSCLE = fs.Muscle(0.18, 5e-3, 1e-3, math.radians(25))
 BUNDLE = fs.Bundle([fs.MotorUnit(MUSCLE, 1), fs.MotorUnit(MUSCLE, 2)], supply_pressure=4e5)
 UNEQUAL = fs.Bundle(
     [fs.MotorUnit(MUSCLE, 1), fs.MotorUnit(MUSCLE.replace(length=0.175), 2)],
@@ -19,7 +19,7 @@ UNEQUAL = fs.Bundle(
 )
 
 # unlike braid angles
-ROWS = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, np.radians([25.0, 40.0]))
+ROWS = fs.Muscle(0.18, 5e-3, 1e-3, np.radians([25.0, 40.0]))
 
 CALLS = {
     "force": lambda strain: MUSCLE.force(2e5, strain),

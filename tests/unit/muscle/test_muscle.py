@@ -18,8 +18,8 @@ from fascicle.muscle.tension import Ideal
 ANGLE = math.radians(33)
 SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": ANGLE}
 LOWEST = 1 - 1 / math.cos(ANGLE)
-table = fs.Muscle.from_dimensions(**SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.78e6))
-latex = fs.Muscle.from_dimensions(**SIZES)
+table = fs.Muscle(**SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.78e6))
+latex = fs.Muscle(**SIZES)
 P, EPS = np.array([[0.0], [34.5e3], [137.9e3]]), np.linspace(0, 0.33, 12)
 
 
@@ -55,10 +55,10 @@ def test_inside_jit_vmap_and_grad():
 def test_a_stack_of_muscles():
     def force(length):
         sizes = SIZES | {"length": length}
-        return fs.Muscle.from_dimensions(**sizes).force(34.5e3, 0.1)
+        return fs.Muscle(**sizes).force(34.5e3, 0.1)
 
     lengths = jnp.array([0.1, 0.127, 0.3])
-    stacked = jax.vmap(lambda L: fs.Muscle.from_dimensions(**SIZES | {"length": L}))(lengths)
+    stacked = jax.vmap(lambda L: fs.Muscle(**SIZES | {"length": L}))(lengths)
     forces = jax.vmap(lambda m: m.force(34.5e3, 0.1))(stacked)
     assert_allclose(forces[1], latex.force(34.5e3, 0.1), rtol=1e-12)
     assert_allclose(forces, jax.vmap(force)(lengths), rtol=1e-12)
@@ -103,19 +103,19 @@ def test_slenderness():
 
 
 def test_laws_by_name_object_or_class():
-    named = fs.Muscle.from_dimensions(**SIZES, tension="ideal", collapse="wood1958")
-    made = fs.Muscle.from_dimensions(**SIZES, tension=Ideal(), collapse=Wood1958(factor=0.5))
+    named = fs.Muscle(**SIZES, tension="ideal", collapse="wood1958")
+    made = fs.Muscle(**SIZES, tension=Ideal(), collapse=Wood1958(factor=0.5))
     assert type(named.tension) is type(made.tension)
     assert_allclose(made.collapse_moment(1e5), 0.5 * named.collapse_moment(1e5), rtol=1e-15)
     assert isinstance(named.buckling, Kim2021) and isinstance(named.post_collapse, Derived)
-    silicone = fs.Muscle.from_dimensions(**SIZES, material="silicone_kim2021")
+    silicone = fs.Muscle(**SIZES, material="silicone_kim2021")
     assert silicone.material is fs.materials.SILICONE_KIM2021
 
 
 @pytest.mark.parametrize("buckling", BUCKLING_LAWS)
 @pytest.mark.parametrize("law", POST_COLLAPSE_LAWS)
 def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
-    muscle = fs.Muscle.from_dimensions(
+    muscle = fs.Muscle(
         0.127, 6.35e-3, 1.6e-3, math.radians(24), buckling=buckling, post_collapse=law
     )
     P, eps = np.meshgrid([0.0, 1e5], [0.0, 0.1, 0.3, 0.5])
@@ -138,7 +138,7 @@ def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
 )  # fmt: skip
 def test_refuses_a_muscle_that_cannot_be(argument, value):
     with pytest.raises(fs.InvalidInputError) as error:
-        fs.Muscle.from_dimensions(**SIZES | {argument: value})
+        fs.Muscle(**SIZES | {argument: value})
     assert error.value.argument == argument
 
 

@@ -15,10 +15,7 @@ P, BETA = 34.5e3, 25.0
 LAWS = [("kim2021", "derived"), ("kim2021", "printed"), ("elastica", "consistent")]
 # which takes ten times as long as the others
 OF_LAWS = [*LAWS[:2], pytest.param(LAWS[2], marks=pytest.mark.slow)]
-muscles = {
-    laws: fs.Muscle.from_dimensions(*SIZES, buckling=laws[0], post_collapse=laws[1])
-    for laws in LAWS
-}
+muscles = {laws: fs.Muscle(*SIZES, buckling=laws[0], post_collapse=laws[1]) for laws in LAWS}
 
 
 def strains_after(muscle):

@@ -17,8 +17,8 @@ from fascicle.muscle.tension import (
 
 ANGLE = np.radians(33)
 SIZES = (0.127, 6.35e-3, 1.6e-3, ANGLE)
-muscle = fs.Muscle.from_dimensions(*SIZES, material="silicone_kim2021")
-ideal = fs.Muscle.from_dimensions(*SIZES, tension="ideal")
+muscle = fs.Muscle(*SIZES, material="silicone_kim2021")
+ideal = fs.Muscle(*SIZES, tension="ideal")
 
 
 def no_offset(pressure):
@@ -68,9 +68,7 @@ def test_ideal_offset_has_its_limit_without_pressure():
     assert np.isfinite(slope)
 
 
-@pytest.mark.parametrize(
-    "of", [muscle, *(fs.Muscle.from_dimensions(*SIZES, tension=law) for law in LAWS)]
-)
+@pytest.mark.parametrize("of", [muscle, *(fs.Muscle(*SIZES, tension=law) for law in LAWS)])
 def test_free_strain_has_a_gradient_in_every_parameter(of):
     slopes = eqx.filter_grad(lambda m: m.free_strain(1e5))(of)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))
@@ -81,7 +79,7 @@ def test_free_strain_has_a_gradient_in_every_parameter(of):
 
 
 def test_derivative_of_a_free_strain_at_the_end_of_its_search():
-    muscle = fs.Muscle.from_dimensions(0.066, 2.5e-3, 0.39e-3, 0.628, tension="martens2017")
+    muscle = fs.Muscle(0.066, 2.5e-3, 0.39e-3, 0.628, tension="martens2017")
     free, angle, step = muscle.free_strain(3e5), float(muscle.braid_angle), 1e-6
     assert muscle.law.tension.force(3e5, free) > 0.1  # it still pulls where the mesh does not
     slope = jax.grad(lambda muscle: muscle.free_strain(3e5))(muscle).braid_angle

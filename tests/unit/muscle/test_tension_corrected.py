@@ -11,13 +11,13 @@ from fascicle.muscle.tension import Meller2014, TonduLopez
 
 ANGLE = math.radians(33)
 SIZES = (0.127, 6.35e-3, 1.6e-3, ANGLE)
-IDEAL = fs.Muscle.from_dimensions(*SIZES, tension="ideal")
+IDEAL = fs.Muscle(*SIZES, tension="ideal")
 P = np.array([[0.0], [34.5e3], [300e3], [1e6]])
 EPS = np.linspace(-0.1, 0.2, 7)
 
 
 def muscle(law):
-    return fs.Muscle.from_dimensions(*SIZES, tension=law)
+    return fs.Muscle(*SIZES, tension=law)
 
 
 @pytest.mark.parametrize("name", ["tondu_lopez", "meller2014"])

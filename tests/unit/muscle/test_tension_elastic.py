@@ -13,7 +13,7 @@ from fascicle.muscle.tension import ElasticBraid
 from fascicle.records import Record
 
 
-STIFF = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+STIFF = fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 PRESSURE, STRAIN = np.linspace(0, 1e6, 11)[:, None], np.linspace(-0.19, 0.6, 80)
 
 

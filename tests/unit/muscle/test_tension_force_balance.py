@@ -13,7 +13,7 @@ L0, R0, T0, ANGLE, E = 0.127, 6.35e-3, 1.6e-3, math.radians(33), 1.78e6
 
 
 def muscle(law, wall=T0):
-    return fs.Muscle.from_dimensions(L0, R0, wall, ANGLE, "silicone_kim2021", tension=law)
+    return fs.Muscle(L0, R0, wall, ANGLE, "silicone_kim2021", tension=law)
 
 
 def sizes(eps, wall=T0):

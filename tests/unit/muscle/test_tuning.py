@@ -13,21 +13,21 @@ SIZES = (0.127, 6.35e-3, 1.6e-3, math.radians(33))
 TABLE = {"pressures": [1e5, 3e5], "c1": [2.0, 4.0], "c2": [0.9, 1.1]}
 # the last row holds beyond the table, which is told
 beyond = pytest.mark.filterwarnings("ignore:the tuning was measured up to")
-plain = fs.Muscle.from_dimensions(*SIZES)
-tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE))
+plain = fs.Muscle(*SIZES)
+tuned = fs.Muscle(*SIZES, tuning=fs.Tuning(**TABLE))
 
 
 def with_factors(**factors):
-    return fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**factors))
+    return fs.Muscle(*SIZES, tuning=fs.Tuning(**factors))
 
 
 @beyond
 def test_left_out_it_is_the_identity():
     P, eps = np.array([[0.0], [5e4], [1e6]]), np.linspace(-0.1, 0.6, 15)
-    identity = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning())
+    identity = fs.Muscle(*SIZES, tuning=fs.Tuning())
     assert_allclose(identity.force(P, eps), plain.force(P, eps), rtol=0, atol=0)
     # a table of ones and zeros is one too, up to the order of the sums
-    ones = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning([1e5], [0.0], [1.0]))
+    ones = fs.Muscle(*SIZES, tuning=fs.Tuning([1e5], [0.0], [1.0]))
     assert_allclose(ones.force(P, eps), plain.force(P, eps), rtol=1e-12)
 
 
@@ -56,14 +56,14 @@ def test_it_restores_what_was_measured():
     P, free, blocked = 1e5, 0.11, 30.0
     c1 = float(plain.force(P, free))
     c2 = blocked / (float(plain.blocked_force(P)) - c1)
-    fitted = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning([P], [c1], [c2]))
+    fitted = fs.Muscle(*SIZES, tuning=fs.Tuning([P], [c1], [c2]))
     assert_allclose(fitted.free_strain(P), free, rtol=1e-12)
     assert_allclose(fitted.blocked_force(P), blocked, rtol=1e-13)
 
 
 def test_modulus_factor_stands_wherever_the_modulus_does():
     stiff = with_factors(youngs_modulus_factor=1.25)
-    made = fs.Muscle.from_dimensions(
+    made = fs.Muscle(
         *SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.25 * 6 * (118.4e3 + 105.7e3))
     )
     P, eps = np.array([[0.0], [1e5]]), np.linspace(-0.1, 0.6, 29)
@@ -95,7 +95,7 @@ def test_without_a_dead_band_the_effective_pressure_is_the_pressure():
 @beyond
 def test_a_dead_band_delays_the_tension_and_its_tables():
     P_d, P = 40e3, np.array([[0.0], [2e4], [40e3], [140e3], [340e3], [1e6]])
-    late = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE, dead_band=P_d))
+    late = fs.Muscle(*SIZES, tuning=fs.Tuning(**TABLE, dead_band=P_d))
     P_e = np.maximum(P - P_d, 0)
     assert_allclose(late.free_strain(P), tuned.free_strain(P_e), rtol=0, atol=0)
     assert_allclose(late.blocked_force(P), tuned.blocked_force(P_e), rtol=0, atol=0)
@@ -109,7 +109,7 @@ def test_the_kink_where_the_gap_closes():
     P_d = 40e3
 
     def force(P, P_d):
-        muscle = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(dead_band=P_d))
+        muscle = fs.Muscle(*SIZES, tuning=fs.Tuning(dead_band=P_d))
         return muscle.force(P, 0.0)
 
     by = jax.jit(jax.vmap(jax.value_and_grad(force, (0, 1)), (0, None)))
@@ -122,7 +122,7 @@ def test_the_kink_where_the_gap_closes():
 
 def test_gradient_in_every_entry():
     everything = fs.Tuning(**TABLE, hinge_stiffness_slope=1e-7, transition_rate=50.0, dead_band=1e4)
-    muscle = fs.Muscle.from_dimensions(*SIZES, tuning=everything)
+    muscle = fs.Muscle(*SIZES, tuning=everything)
     P, eps = jnp.array([0.0, 1e5, 2e5, 1e6]), jnp.array([0.3, 0.05, 0.3, 0.6])
     slopes = jax.vmap(jax.grad(lambda m, P, eps: m.force(P, eps)), (None, 0, 0))(muscle, P, eps)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes.tuning))
@@ -131,7 +131,7 @@ def test_gradient_in_every_entry():
 def test_tables_may_be_differentiated_into():
     def force(c1):
         tuning = fs.Tuning(jnp.array([1e5]), c1, jnp.array([1.0]))
-        return fs.Muscle.from_dimensions(*SIZES, tuning=tuning).force(1e5, 0.05)
+        return fs.Muscle(*SIZES, tuning=tuning).force(1e5, 0.05)
 
     assert_allclose(jax.jit(jax.grad(force))(jnp.array([2.0])), [-1.0], rtol=1e-13)
 
@@ -167,7 +167,7 @@ def test_refuses_what_cannot_be(argument, given):
 
 def test_a_pressure_past_the_table_warns():
     tuning = fs.Tuning([1e5, 2e5], [0.1, 0.2], [1.0, 1.1], dead_band=1e4)
-    muscle = fs.Muscle.from_dimensions(*SIZES, tuning=tuning)
+    muscle = fs.Muscle(*SIZES, tuning=tuning)
     muscle.force(2.1e5, 0.05)  # the table is in effective pressures
     for pressure in (2.2e5, jnp.asarray([1e5, 2.2e5])):
         with pytest.warns(UserWarning, match="is 220 kPa"):

@@ -49,7 +49,7 @@ def test_too_many_panels_are_refused():
 
 def test_a_notebook_shows_a_figure_before_pyplot_made_one():
     formatters = pytest.importorskip("IPython.core.formatters", reason="no IPython: make setup")
-    data, _ = formatters.DisplayFormatter().format(MUSCLE.plot())
+    data, _ = formatters.DisplayFormatter().format(plot.force_strain(MUSCLE))
     assert data["image/png"].startswith(b"\x89PNG")
 
 
@@ -59,15 +59,15 @@ import matplotlib.pyplot as plt
 import fascicle as fs
 from fascicle import plot
 muscle, bundle = fs.example("kim2021_figure_6"), fs.example("kim2021_bundle_1_4")
-figure = muscle.plot()
+figure = plot.force_strain(muscle)
 plt.savefig(sys.argv[1])
 assert plt.imread(sys.argv[1])[..., :3].min() < 0.5  # not a blank page
 assert plt.gcf() is figure
 plot.to_bytes(figure, "png")
 assert not plt.get_fignums()  # a notebook doesn't show it once more
 figure, (first, second, third) = plt.subplots(1, 3)
-assert muscle.plot([1e5], ax=first) is figure is bundle.plot(ax=second)
-assert bundle.plot([3e5, 1e5], ax=third) is figure
+assert plot.force_strain(muscle, [1e5], ax=first) is figure is plot.bundle_force_strain(bundle, ax=second)
+assert plot.bundle_force_strain(bundle, [3e5, 1e5], ax=third) is figure
 assert all(ax.lines for ax in (first, second, third)) and len(plt.get_fignums()) == 1
 """
 
@@ -82,7 +82,7 @@ def test_pyplot_knows_figures_and_its_axes_are_drawn_on(tmp_path):
 def test_panels_are_not_drawn_on_given_axes():
     _, axes = new_figure()
     with pytest.raises(InvalidInputError) as error:
-        MUSCLE.plot(components=True, ax=axes[0, 0])
+        plot.force_strain(MUSCLE, components=True, ax=axes[0, 0])
     assert error.value.argument == "ax"
 
 
@@ -94,7 +94,7 @@ def test_a_notebooks_backend_stays_interactive(tmp_path):
     )
     code = (
         "import matplotlib, matplotlib.pyplot, fascicle as fs\n"
-        "fs.example('kim2021_figure_6').plot()\nassert matplotlib.is_interactive()\n"
+        "fs.plot.force_strain(fs.example('kim2021_figure_6'))\nassert matplotlib.is_interactive()\n"
     )
     paths = [str(tmp_path), os.environ.get("PYTHONPATH", "")]
     environ = os.environ | {

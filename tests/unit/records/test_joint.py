@@ -160,7 +160,7 @@ def test_arms_stay_with_their_readings():
 
 
 def test_a_fit_to_a_joint_recovers_a_constant():
-    truth = fs.Muscle.from_dimensions(
+    truth = fs.Muscle(
         length=0.2, outer_radius=6e-3, wall_thickness=1.5e-3, braid_angle=np.radians(30),
         material="latex",
     )  # fmt: skip

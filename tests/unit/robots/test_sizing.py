@@ -11,6 +11,7 @@ import fascicle as fs
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
 from fascicle.robots import Drive, attach, size  # noqa: E402 needs what was just looked for
 from fascicle.robots.route import trace_route  # noqa: E402 as above
+from fascicle.robots.sizing_plot import plot_sizing  # noqa: E402 as above
 
 
 KNEE = """<mujoco><compiler angle="radian"/><worldbody><site name="hip" pos="-0.05 0 0.3"/>
@@ -33,7 +34,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def muscle():
-    return fs.Muscle.from_dimensions("220 mm", "10 mm", "2 mm", "25 deg")
+    return fs.Muscle("220 mm", "10 mm", "2 mm", "25 deg")
 
 
 def weight(poses):
@@ -150,4 +151,4 @@ def test_two_joints_make_a_grid(model, muscle):
     sizing = size(model, "both", muscle, 3.0, 620e3, joint="knee", points=5)
     assert sizing.route.poses.shape == (25, 2)
     np.testing.assert_allclose(np.ptp(sizing.route.lengths), 0.04 * 1.6 + 0.02 * 0.6)
-    assert sizing.plot().axes
+    assert plot_sizing(sizing).axes

@@ -215,7 +215,7 @@ def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
     from ...muscle import Muscle
 
     with user_errors():
-        return Muscle.from_dimensions(**changes)
+        return Muscle(**changes)
 
 
 def _check(names: list[str] | None, loss: str, posterior: bool) -> None:
