@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.bundle import Bundle
-from fascicle.bundle.energetics import EfficiencyMap, constant_cross_section, efficiency_map
+from fascicle.bundle.energetics import EfficiencyMap, efficiency_map
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import components_of
 from fascicle.plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
@@ -53,7 +53,7 @@ def efficiency_of(units: int, path: str, resistance: bool, rows: int = 80) -> Ef
 
 def family(units: int) -> Bundle:
     """`units` motor units in the section of one."""
-    return constant_cross_section(semu(), units, setting.HIGHEST)
+    return Bundle.constant_cross_section(semu(), units, setting.HIGHEST)
 
 
 def averages(path: str, resistance: bool) -> np.ndarray:

@@ -7,8 +7,8 @@ EXPORTS = [
     "MuscleTable", "Switch",
     "Tuning", "buckling", "calibrate", "catalog", "collapse", "control", "design",
     "dynamics", "ends", "energetics", "example", "examples", "fluid", "laws", "load",
-    "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes", "tables",
-    "tension",
+    "materials", "plot", "post_collapse", "records", "recruitment", "reversal", "save", "schemes",
+    "tables", "tension",
 ]  # fmt: skip
 
 

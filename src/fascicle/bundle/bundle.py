@@ -25,7 +25,15 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, evaluate, record, replace_checked, static, unique_indices
+from ..core.module import (
+    Module,
+    evaluate,
+    record,
+    replace_checked,
+    static,
+    unique_indices,
+    with_fields,
+)
 from ..core.types import Batch, Int, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
     LARGEST_STRAIN,
@@ -33,12 +41,14 @@ from ..core.validation import (
     check_count,
     check_finite,
     check_gauge_pressure,
+    check_whole_number,
     match_array_type,
 )
 from ..muscle import Muscle
 from ..muscle.muscle import batch_shape
 from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
+from .energetics import average_efficiency, efficiency_map
 from .equilibria import (
     Equilibria,
     attach_derivatives,
@@ -46,7 +56,6 @@ from .equilibria import (
     find_first_equilibria,
     usual_count,
 )
-from .energetics import average_efficiency, efficiency_map
 from .inverse import recruit
 from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
 from .printing import bundle_line, bundle_table, unit_line, unit_table
@@ -113,6 +122,27 @@ class Bundle(Module):
         if supply is not None:
             supply = check_gauge_pressure(supply, "supply_pressure")
         self.__attrs_init__(units, supply, scheme_of(scheme), distance)
+
+    @classmethod
+    def constant_cross_section(
+        cls,
+        muscle: Muscle,
+        units: int,
+        supply_pressure: Values = None,
+        scheme: AbstractScheme | str = "orderly",
+    ) -> "Bundle":
+        r"""A bundle that splits a muscle's section evenly into motor units of one muscle each.
+
+        $N$ `units` of radius $r = R/\sqrt N$ take the section of one `muscle` of radius $R$, with
+        $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor
+        unit (SEMU) that a bundle is compared with. `supply_pressure` [Pa] and `scheme` are the
+        bundle's. `ValueError` for less than one unit.
+        """
+        units = check_whole_number(units, "units", 1)
+        scale = np.sqrt(units)
+        radius, thickness = muscle.outer_radius / scale, muscle.wall_thickness / scale
+        thin = with_fields(muscle, outer_radius=radius, wall_thickness=thickness)
+        return cls([MotorUnit(thin)] * units, supply_pressure, scheme)
 
     @property
     def length(self) -> Batch:
@@ -207,6 +237,14 @@ class Bundle(Module):
         """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""
         return replace_checked(self, changes, length=self.plate_distance)
 
+    def distinct_units(self) -> tuple["Bundle", Int[np.ndarray, " unit"]]:
+        """A bundle of the units that differ, without supply pressure and scheme, and the index
+        among them of each unit: equal units are evaluated once.
+        """
+        unique, inverse = unique_indices(self.motor_units)
+        units = [self.motor_units[i] for i in unique]
+        return Bundle(units, length=self.plate_distance), np.array(inverse)
+
     def _check_strain(self, strain: Values) -> Batch:
         """The `strain` [-] of the plates as floats, refused off the domain of any muscle."""
         single = isinstance(strain, float) and self.plate_distance is None
@@ -268,12 +306,3 @@ def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
     muscles = pressurize(bundle, pressures)
     free_strains = muscles.plate_strains(lambda muscle: muscle.column.free_strain)
     return array_namespace(free_strains).max(free_strains, axis=-1)
-
-
-def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
-    """A bundle of the units that differ, without supply pressure and scheme, and the index among
-    them of each unit: equal units are evaluated once.
-    """
-    unique, inverse = unique_indices(bundle.motor_units)
-    units = [bundle.motor_units[i] for i in unique]
-    return Bundle(units, length=bundle.plate_distance), np.array(inverse)

@@ -28,34 +28,34 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 """
 
 import warnings
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, stack
+from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
-from ..core.module import evaluate, with_fields
+from ..core.module import evaluate
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
 from ..core.validation import (
     check_choice,
     check_finite,
     check_gauge_pressure,
     check_positive,
-    check_whole_number,
-    is_concrete,
 )
-from ..muscle import Muscle
 from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import PressurizedMuscle
 from ..repr_table import with_table_repr
-from .bundle import Bundle, MotorUnit, distinct_units
-from .pressurized import muscle_strain, pressurize
+from .pressurized import pressurize, unit_volume_change
 from .printing import efficiency_table
 from .recruitment import unit_tables
 from .schemes import AbstractScheme
 from .states import resolve_scheme, resolve_supply_pressure, states_of
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 PATHS = ("isobaric", "isotonic")  # values of the argument `path`
@@ -69,41 +69,7 @@ _NODES, _NARROW, _NODES_NARROW = 6, 1 / 250, 4
 Grid = Float[np.ndarray, "force strain"]
 
 
-def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
-    """Refuse `muscles` whose volume depends on their force, too; warn of braids that swell."""
-    for muscle in muscles:
-        if muscle.tension.stretches:
-            warnings.warn(
-                "fluid is counted in the braid as it is without pressure: the volume by which"
-                " fibers that stretch let it swell is not included.",
-                stacklevel=3,
-            )
-        compliance = muscle.ends.compliance
-        if is_concrete(compliance) and np.any(np.asarray(compliance) > 0):
-            largest = float(np.max(np.asarray(compliance)))
-            rule = "must be 0 for efficiencies, designs and the least fluid: volume is the strain's"
-            text = f"{1e6 * largest:g} mm/kN"
-            remedy = "leave it out; simulations and `conjugate_volume` count fluid at its pressure"
-            raise InvalidInputError("end_compliance", rule, largest, remedy, shown=text)
-
-
-def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
-    """Fluid $n_i (V_i(\\varepsilon) - V_i(0))$ [m³] that each motor unit of a `bundle` takes in
-    from rest length to `strain` [-], units on the last axis; `ValueError` for compliant ends.
-    """
-    units, ratios = bundle.motor_units, bundle.ratios
-    check_volume_by_strain(unit.muscle for unit in units)
-    eps, volumes = bundle._check_strain(strain), []
-    for i, unit in enumerate(units):
-        start, end = 0.0, eps
-        if ratios is not None:
-            start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
-        volume = unit.muscle.braid.volume  # the bladder's own doesn't change
-        volumes.append(unit.count * (volume(end) - volume(start)))
-    return stack(volumes, axis=-1)
-
-
-def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
+def work(bundle: "Bundle", pressures: Values, strain: Values, resistance: bool = True) -> Batch:
     """Work $W$ [J] of a contraction from rest length to `strain` [-] at constant `pressures` [Pa],
     (28); arguments and errors are those of `Bundle.force`.
     """
@@ -112,7 +78,7 @@ def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = T
 
 
 def unit_work(
-    bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
+    bundle: "Bundle", pressures: Values, strain: Values, resistance: bool = True
 ) -> PerUnit:
     """Work of each motor unit [J], all its muscles, units on the last axis; `bundle`, `pressures`
     [Pa], `strain` [-] and `resistance` as for `work`.
@@ -121,7 +87,7 @@ def unit_work(
     return evaluate(_unit_work, bundle, P, eps, static=(bool(resistance),))
 
 
-def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
+def _unit_work(bundle: "Bundle", pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
     """As `unit_work`, without checks."""
 
     def muscle_work(muscle: PressurizedMuscle, strain: Numbers, start: Numbers) -> Numbers:
@@ -133,7 +99,9 @@ def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: 
     return bundle.counts * muscles.map_units_over_strain(muscle_work, strain, 0.0 * strain)
 
 
-def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:
+def fluid_energy(
+    bundle: "Bundle", strain: Values, supply_pressure: Values, active: Values
+) -> Batch:
     """Energy $E$ [J] drawn from a supply at `supply_pressure` [Pa] by a contraction from rest
     length to `strain` [-], (29); `active`: 1 for pressurized units [-], 0 for others, units last.
     """
@@ -147,7 +115,7 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
 
 
 def unit_work_along(
-    bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool
+    bundle: "Bundle", pressures: Numbers, strain: Numbers, resistance: bool
 ) -> Float[np.ndarray, "level strain unit"]:
     """Work of each motor unit [J] from rest length to every `strain` of a list [-], at constant
     `pressures` [Pa], a row for each level; `resistance` as for `work`. By NumPy, unchecked.
@@ -165,26 +133,6 @@ def unit_work_along(
         muscles = pressurize(bundle, pressures)
         works = bundle.counts * muscles.map_units_over_strain(muscle_work, stops[:, None])
     return np.moveaxis(np.asarray(works), 0, 1)
-
-
-def constant_cross_section(
-    muscle: Muscle,
-    units: int,
-    supply_pressure: Values = None,
-    scheme: AbstractScheme | str = "orderly",
-) -> Bundle:
-    r"""A bundle that splits a muscle's section evenly into motor units of one muscle each.
-
-    $N$ `units` of radius $r = R/\sqrt N$ take the section of one `muscle` of radius $R$, with
-    $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor
-    unit (SEMU) that a bundle is compared with. `supply_pressure` [Pa] and `scheme` are the
-    bundle's. `ValueError` for less than one unit.
-    """
-    units = check_whole_number(units, "units", 1)
-    scale = np.sqrt(units)
-    radius, thickness = muscle.outer_radius / scale, muscle.wall_thickness / scale
-    thin = with_fields(muscle, outer_radius=radius, wall_thickness=thickness)
-    return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)
 
 
 @with_table_repr(efficiency_table)
@@ -209,7 +157,7 @@ class EfficiencyMap:
 
 
 def efficiency_map(
-    bundle: Bundle,
+    bundle: "Bundle",
     supply_pressure: Values = None,
     path: str = "isobaric",
     force: Values = None,
@@ -234,7 +182,7 @@ def efficiency_map(
             ' way; ask for path="isotonic" (--path isotonic)'
         )
         raise InvalidInputError("path", rule, path, remedy)
-    distinct, inverse = distinct_units(bundle)
+    distinct, inverse = bundle.distinct_units()
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(inverse.tolist())
     full = np.full(len(distinct.motor_units), supply)
     if force is None:
@@ -282,7 +230,7 @@ def efficiency_map(
 
 
 def average_efficiency(
-    bundle: Bundle,
+    bundle: "Bundle",
     supply_pressure: Values = None,
     path: str = "isobaric",
     resistance: bool = True,

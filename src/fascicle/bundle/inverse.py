@@ -18,7 +18,6 @@ import numpy as np
 
 from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
-from ..core.lazy import import_late
 from ..core.module import to_numpy, tree_map, unique_indices
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, Values
 from ..core.validation import (
@@ -29,6 +28,7 @@ from ..core.validation import (
 )
 from ..repr_table import with_table_repr
 from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots, run_starts
+from .pressurized import unit_volume_change
 from .printing import recruitment_table, solutions_table
 from .schemes import AbstractScheme
 from .states import States, resolve_scheme, resolve_supply_pressure, states_of
@@ -138,7 +138,7 @@ def recruit(
     states, volume = states_of(scheme, units), None
     with np.errstate(all="ignore"):  # of branches that aren't taken
         if not states.nested or states.independent:  # else the order of states is that of energies
-            volume = import_late("bundle.energetics.unit_volume_change")(bundle, eps)
+            volume = unit_volume_change(bundle, eps)
         curves = StateCurves(bundle, supply, states, bool(resistance))
         if volume is not None and states.independent:
             sets, owner = states.sets(unique_indices(bundle.motor_units)[1])

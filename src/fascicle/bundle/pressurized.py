@@ -12,13 +12,14 @@ that is shorter than $L$ is stretched from the start. **Valid** while no muscle'
 straight as long as another one isn't pulled.
 """
 
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import add_table_axis, array_namespace
+from ..core.array_namespace import add_table_axis, array_namespace, stack
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, tree_leaves, tree_map, tree_structure, with_fields
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
@@ -208,3 +209,37 @@ def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
             rule = f"and the muscles' must stay below {limit}"
             remedy = "take lengths that are nearer to each other"
             raise InvalidInputError("length", rule, value, remedy, shown=f"{value:g} m")
+
+
+def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
+    """Refuse `muscles` whose volume depends on their force, too; warn of braids that swell."""
+    for muscle in muscles:
+        if muscle.tension.stretches:
+            warnings.warn(
+                "fluid is counted in the braid as it is without pressure: the volume by which"
+                " fibers that stretch let it swell is not included.",
+                stacklevel=3,
+            )
+        compliance = muscle.ends.compliance
+        if is_concrete(compliance) and np.any(np.asarray(compliance) > 0):
+            largest = float(np.max(np.asarray(compliance)))
+            rule = "must be 0 for efficiencies, designs and the least fluid: volume is the strain's"
+            text = f"{1e6 * largest:g} mm/kN"
+            remedy = "leave it out; simulations and `conjugate_volume` count fluid at its pressure"
+            raise InvalidInputError("end_compliance", rule, largest, remedy, shown=text)
+
+
+def unit_volume_change(bundle: Any, strain: Values) -> PerUnit:
+    """Fluid $n_i (V_i(\\varepsilon) - V_i(0))$ [m³] that each motor unit of a `bundle` takes in
+    from rest length to `strain` [-], units on the last axis; `ValueError` for compliant ends.
+    """
+    units, ratios = bundle.motor_units, bundle.ratios
+    check_volume_by_strain(unit.muscle for unit in units)
+    eps, volumes = bundle._check_strain(strain), []
+    for i, unit in enumerate(units):
+        start, end = 0.0, eps
+        if ratios is not None:
+            start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
+        volume = unit.muscle.braid.volume  # the bladder's own doesn't change
+        volumes.append(unit.count * (volume(end) - volume(start)))
+    return stack(volumes, axis=-1)

@@ -15,7 +15,7 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,11 +29,14 @@ from ..core.validation import (
     to_si,
 )
 from ..repr_table import with_table_repr
-from .bundle import Bundle, distinct_units
 from .inverse import RecruitmentResult, Solutions, recruit
 from .printing import workspace_table
 from .schemes import AbstractScheme, scheme_of
 from .states import overlap_edges, resolve_scheme, resolve_supply_pressure, states_of
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 __all__ = [
@@ -129,7 +132,7 @@ def boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: Any)
 
 
 def workspace(
-    bundle: Bundle,
+    bundle: "Bundle",
     supply_pressure: Values = None,
     levels: Values = 7,
     strain: Values = None,
@@ -177,7 +180,7 @@ def overlap(workspace: Workspace) -> Overlap:
 
 
 def unit_tables(
-    bundle: Bundle,
+    bundle: "Bundle",
     supply_pressure: float,
     levels: Float[np.ndarray, " level"],
     strain: Float[np.ndarray, " strain"],
@@ -186,7 +189,7 @@ def unit_tables(
     """Force of every unit [N] at each of `levels` [Pa], with level, strain and unit axes, and at no
     and at full pressure, without levels: the arguments of `States.sums` and `States.edges`.
     """
-    distinct, inverse = distinct_units(bundle)
+    distinct, inverse = bundle.distinct_units()
     pressures = np.r_[levels, 0.0, supply_pressure][:, None, None]
     pressures = pressures * np.ones(len(distinct.motor_units))
     table = np.asarray(distinct.unit_forces(pressures, strain, resistance))[..., inverse]

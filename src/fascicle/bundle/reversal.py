@@ -11,6 +11,7 @@ jump is the reversal point, and its lower side counts.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,11 +23,14 @@ from ..core.validation import (
     check_whole_number,
 )
 from ..repr_table import with_table_repr
-from .bundle import Bundle
 from .pressurized import muscle_strain
 from .printing import reversal_table
 from .recruitment import pressures_of
 from .states import resolve_supply_pressure
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 _GRID = 129  # pressures of each bracket: fine enough for a fall or an onset not to slip through
@@ -52,7 +56,7 @@ class Reversal:
 
 
 def free_strain_curve(
-    bundle: Bundle,
+    bundle: "Bundle",
     unit: int,
     pressures: Values,
     supply_pressure: Values = None,
@@ -69,7 +73,7 @@ def free_strain_curve(
 
 
 def reversal(
-    bundle: Bundle, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
+    bundle: "Bundle", unit: int = 2, supply_pressure: Values = None, resistance: bool = True
 ) -> Reversal:
     """Turn of the free strain [-] as the pressure [Pa] of a `unit` of a `bundle`, counted from 1,
     rises from zero to the supply's, with earlier units at `supply_pressure` [Pa], by default the
@@ -95,7 +99,7 @@ def reversal(
 
 
 def onset_pressure(
-    bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
+    bundle: "Bundle", strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> float:
     """Pressure [Pa] above which, at a `strain` [-] of a `bundle`, a `unit`, counted from 1, only
     adds force: 0 if always, inf if never up to `supply_pressure` [Pa], by default the bundle's own.

@@ -41,9 +41,9 @@ def load_laws() -> None:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not modules such as jaxtyping
     with status("loading the laws"):
-        from ..core.validation import disable_pressure_unit_warning
+        from ..core.validation import BareNumberWarning
         from ..files import muscle_files  # noqa: F401 and with it all laws
-    disable_pressure_unit_warning()  # options and files have units
+    warnings.simplefilter("ignore", BareNumberWarning)  # options and files have units
 
 
 def _cache_folder() -> Path | None:

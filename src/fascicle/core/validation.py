@@ -211,24 +211,20 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 
 
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
-_WARNED_ONCE: set[str] = set()  # kinds of warnings that aren't repeated
 
 
-def warn_user(message: str) -> None:
+class BareNumberWarning(UserWarning):
+    """A number in Pa that is so small that it may be in another unit."""
+
+
+def warn_user(message: str, category: type[UserWarning] = UserWarning) -> None:
     """Warn with a `message`, unless it is empty, at the user's line: the first outside fascicle."""
     if not message:
         return
     frame, levels = sys._getframe(), 1
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "fascicle":
         frame, levels = frame.f_back, levels + 1
-    warnings.warn(message, stacklevel=levels)
-
-
-def warn_once(kind: str, message: str) -> None:
-    """Warn with a `message`, unless a warning of its `kind` was given before."""
-    if kind not in _WARNED_ONCE:
-        _WARNED_ONCE.add(kind)
-        warn_user(f"{message} (shown once)")
+    warnings.warn(message, category, stacklevel=levels)
 
 
 def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
@@ -240,16 +236,9 @@ def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
     # zeros, and ranges that begin so low, don't warn
     if 0 < highest < FAINT_PRESSURE and not has_units(value):
         guess = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
-        warn_once(
-            "low pressure",
-            f'Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean "{guess}"?',
-        )
+        message = f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa"
+        warn_user(f'{message}: did you mean "{guess}"?', BareNumberWarning)
     return match_array_type(value, pressure)
-
-
-def disable_pressure_unit_warning() -> None:
-    """Switch off the warning of low pressures where all pressures have units."""
-    _WARNED_ONCE.add("low pressure")
 
 
 def check_size(value: Values, name: str, limits: Range | None = None) -> Batch:

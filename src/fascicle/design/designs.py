@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
-from ..bundle.energetics import check_volume_by_strain
+from ..bundle.pressurized import check_volume_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields

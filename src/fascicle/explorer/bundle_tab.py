@@ -421,7 +421,11 @@ class BundleView(Tab):
         """Picture and data of the workspace."""
         target, resistance = self.session.view.bundle, self.session.view.resistance
         variables = tables.space(target.workspace(resistance=resistance))
-        return Export(self.stem("space"), variables, lambda: plot.bundle_force_strain(target, resistance=resistance))
+        return Export(
+            self.stem("space"),
+            variables,
+            lambda: plot.bundle_force_strain(target, resistance=resistance),
+        )
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""

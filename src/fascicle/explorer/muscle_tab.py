@@ -104,7 +104,9 @@ class MuscleView(Tab):
         muscle, pressures = self.session.view.muscle, [self.session.view.pressure]
         strain = np.linspace(0.0, self.top, POINTS)
         variables = tables.muscle_force(muscle, pressures, strain)
-        return Export(self.stem("force"), variables, lambda: plot.force_strain(muscle, pressures, strain))
+        return Export(
+            self.stem("force"), variables, lambda: plot.force_strain(muscle, pressures, strain)
+        )
 
     def _compute_curves(self, view: View) -> MuscleCurves:
         strain = min(view.strain, self.top)

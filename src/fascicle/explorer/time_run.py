@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..core.validation import BareNumberWarning
 from ..plot.shapes import outlines
 from ..plot.theme import Colors, mix
 from ..results import Table
@@ -123,12 +124,11 @@ def _read_limited_scenario(text: str, name: str) -> tuple["Scenario", list[str]]
     """A scenario within the page's limits, and warnings about it."""
     for library in ("jax", "matplotlib"):
         logging.getLogger(library).setLevel(logging.CRITICAL)
-    from ..core.validation import disable_pressure_unit_warning
     from ..files.scenario import loads_scenario
 
-    disable_pressure_unit_warning()  # files have units
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
+        warnings.simplefilter("ignore", BareNumberWarning)  # files have units
         study = loads_scenario(text, name, name=Path(name).stem)
     steps, plant = round(study.duration / study.dt), study.plant
     remedy = "use `fascicle simulate`"

@@ -24,7 +24,6 @@ from ..core.validation import (
     is_concrete,
     match_array_type,
     to_si,
-    warn_once,
     warn_user,
 )
 from ..units import pretty
@@ -178,11 +177,7 @@ def validate_braid_angle(value: Values) -> Batch:
 def check_muscle(muscle: Any) -> None:
     """Refuse sizes of a `muscle` that can't be together, and warn of those its laws don't fit."""
     check_wall_thickness(muscle.wall_thickness, muscle.outer_radius)
-    if message := proportions_message(muscle.length, muscle.outer_radius):
-        if np.min(np.asarray(muscle.length) / np.asarray(muscle.outer_radius)) < _DISK:
-            warn_user(message)
-        else:
-            warn_once("slenderness", message)
+    warn_user(proportions_message(muscle.length, muscle.outer_radius))
     check_active_length(muscle.ends, muscle.length)
     warn_user(stretched_fibers_message(muscle))
     warn_user(published_range_message(muscle))

@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letters, new_figure, styled
-
 from .sizing import Sizing
 
 

@@ -19,7 +19,7 @@ semu = fs.Muscle(
     math.radians(33),
     fs.MooneyRivlin(c10=118.4e3, c01=105.7e3, youngs_modulus=1.78e6),
 )
-two = energetics.constant_cross_section(semu, 2, SUPPLY)
+two = fs.Bundle.constant_cross_section(semu, 2, SUPPLY)
 thin = two.motor_units[0].muscle
 
 
@@ -105,7 +105,7 @@ def test_batch_recruitment_throttles_both_units():
 
 
 def test_constant_cross_section_keeps_section_and_shape():
-    five = energetics.constant_cross_section(semu, 5).motor_units
+    five = fs.Bundle.constant_cross_section(semu, 5).motor_units
     areas = [float(unit.muscle.bladder.area) for unit in five]
     assert_allclose(sum(areas), float(semu.bladder.area), rtol=1e-12)
     ratio = five[0].muscle.wall_thickness / five[0].muscle.outer_radius

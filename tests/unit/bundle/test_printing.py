@@ -34,7 +34,9 @@ def test_results_print_their_numbers():
 
 def test_plot_draws_the_workspace_or_the_units():
     assert fs.plot.bundle_force_strain(BUNDLE).axes[0].get_xlabel() == "Contraction ε [–]"
-    labels = fs.plot.bundle_force_strain(BUNDLE, ["50 psi", 0.0]).axes[0].get_legend_handles_labels()[1]
+    labels = (
+        fs.plot.bundle_force_strain(BUNDLE, ["50 psi", 0.0]).axes[0].get_legend_handles_labels()[1]
+    )
     assert labels[-1] == "bundle" and labels[0].startswith("unit 1: 1 × 344.7")
     with pytest.raises(fs.InvalidInputError) as error:
         fs.plot.bundle_force_strain(BUNDLE.replace(supply_pressure=None))

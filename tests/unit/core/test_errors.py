@@ -18,8 +18,7 @@ def error_of(call):
 def test_an_error_has_argument_rule_value_and_remedy():
     error = error_of(lambda: fs.Muscle(0.127, 6e-3, 1e-3, math.radians(60)))
     assert error.argument == "braid_angle"
-    assert error.value == pytest.approx(60) and error.remedy == ""
-    assert str(error) == "`braid_angle` must lie in (0, 54.7356) deg to contract, got 60 deg."
+    assert error.value == pytest.approx(60) and "extensor" in error.remedy
     assert isinstance(error, ValueError)
     error = error_of(lambda: fs.Muscle(127.0, 6e-3, 1e-3, 0.5))
     assert (error.argument, error.value, error.remedy) == ("length", 127.0, "check its unit")

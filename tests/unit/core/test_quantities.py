@@ -9,7 +9,6 @@ import pint
 import pytest
 
 import fascicle as fs
-from fascicle.core import validation as limits
 from fascicle.core.validation import to_si
 from fascicle.records import VirtualDynamometer
 
@@ -18,11 +17,6 @@ ureg = pint.UnitRegistry()
 MUSCLE = fs.example("kim2021_figure_6")
 BUNDLE = fs.example("kim2021_bundle_1_4")
 SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3}
-
-
-@pytest.fixture
-def unwarned(monkeypatch):
-    monkeypatch.setattr(limits, "_WARNED_ONCE", set())
 
 
 @pytest.mark.parametrize(
@@ -129,16 +123,13 @@ def test_another_quantity_is_refused(argument, call):
         (lambda: MUSCLE.at(400.0), "400 kPa"),
     ],
 )
-def test_a_low_pressure_warns_once_at_the_users_line(unwarned, call, guess):
+def test_a_low_pressure_warns_at_the_users_line(call, guess):
     with pytest.warns(UserWarning, match=f'did you mean "{guess}"') as caught:
         call()
     assert [warning.filename for warning in caught] == [__file__]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        call()
 
 
-def test_intended_low_pressures_do_not_warn(unwarned):
+def test_intended_low_pressures_do_not_warn():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         MUSCLE.force(np.linspace(0.0, 4e5, 1000), 0.1)  # begins low

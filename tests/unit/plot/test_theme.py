@@ -66,7 +66,8 @@ assert plt.gcf() is figure
 plot.to_bytes(figure, "png")
 assert not plt.get_fignums()  # a notebook doesn't show it once more
 figure, (first, second, third) = plt.subplots(1, 3)
-assert plot.force_strain(muscle, [1e5], ax=first) is figure is plot.bundle_force_strain(bundle, ax=second)
+assert plot.force_strain(muscle, [1e5], ax=first) is figure
+assert plot.bundle_force_strain(bundle, ax=second) is figure
 assert plot.bundle_force_strain(bundle, [3e5, 1e5], ax=third) is figure
 assert all(ax.lines for ax in (first, second, third)) and len(plt.get_fignums()) == 1
 """
