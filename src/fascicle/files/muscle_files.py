@@ -1,8 +1,6 @@
 """Muscle and bundle files: TOML to checked `Muscle` or `Bundle`, and back to the same bits."""
 
-import json
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -146,13 +144,15 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     **Raises:** `ValueError` for an object that a file can't describe.
     """
+    import tomlkit  # its import takes as long as reading a file
+
     if isinstance(obj, Muscle):
-        muscles, lines = [obj], _table_lines("muscle", _muscle_tables(obj))
+        muscles, data = [obj], {"muscle": _muscle_table(obj)}
     elif isinstance(obj, Bundle):
-        muscles, lines = [unit.muscle for unit in obj.motor_units], _bundle_lines(obj)
+        muscles, data = [unit.muscle for unit in obj.motor_units], _bundle_tables(obj)
     else:
         raise ValueError(f"only a Muscle or a Bundle can be saved, got {type(obj).__name__}.")
-    text = "\n".join(["format = 1", "", *lines]) + "\n"
+    text = tomlkit.dumps({"format": 1} | data)
     if calibration is None:
         # a bundle of equal fitted muscles has their fitted length
         entries = [fitted_length.fit_info_entries(muscle) for muscle in muscles]
@@ -184,10 +184,7 @@ def read_text(path: Path) -> str:
 
 def parse_file(text: str, source: str) -> dict[str, Any]:
     """Tables of a file of format 1; `source` names it in errors."""
-    try:
-        data = parse_toml(text, source)
-    except ValueError as error:
-        raise ValueError(_duplicate_key_message(str(error), text)) from None
+    data = parse_toml(text, source)
     version = data.get("format")
     if version is not None and (version != 1 or isinstance(version, bool)):
         rule = "must be 1, the format that this version of fascicle reads."
@@ -224,18 +221,6 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
             f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
         )
     return next(iter(muscles.values()))
-
-
-def _duplicate_key_message(message: str, text: str) -> str:
-    """Message of an error of TOML, with the name and line of a repeated key."""
-    match = re.search(r"(not TOML: )Cannot overwrite a value \(at (?:line (\d+)|end)", message)
-    if match is None:
-        return message
-    # the parser reports the end of the value; at the end of the text, that is its last line
-    lines = text.rstrip().replace("\r\n", "\n").split("\n")
-    number = int(match[2] or len(lines))
-    key = lines[number - 1].partition("=")[0].strip()
-    return f"{message[: match.end(1)]}{key} is repeated on line {number}: keep one of them."
 
 
 def _are_named(sections: str | dict[str, Any]) -> bool:
@@ -377,47 +362,26 @@ def _bundle(
         return Bundle(units, **section.model_dump(exclude_none=True, exclude={"motor_unit"}))
 
 
-Tables = dict[str, dict[str, Any]]  # entries by key, by name of the inner table
-
-
-def _table_lines(name: str, tables: Tables) -> list[str]:
-    lines = []
-    for inner, entries in tables.items():
-        header = f"[{name}.{inner}]" if inner else f"[{name}]"
-        lines += ["", header, *(f"{key} = {_toml(value)}" for key, value in entries.items())]
-    return lines[1:]
-
-
-def _toml(value: Any) -> str:
-    """Text of a name, number, list or inline table: tomlkit writes no spaces inside the braces."""
-    if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{key} = {_toml(entry)}' for key, entry in value.items())} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
-
-
-def _muscle_tables(muscle: Muscle) -> Tables:
+def _muscle_table(muscle: Muscle) -> dict[str, Any]:
+    """Table `[muscle]`; those of its laws are nested in it."""
     material = muscle.material
     if type(material) is not MooneyRivlin:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     names = (name for name, named in MATERIALS.items() if material == named)
-    entries: dict[str, Any] = {
+    table: dict[str, Any] = {
         name: _quantity_text(getattr(muscle, name), dimension, name)
         for name, dimension in _SIZES.items()
     }
-    entries["material"] = next(names, None) or _constants(material)
+    table["material"] = next(names, None) or _constants(material)
     for kind in LAWS:
         law = getattr(muscle, kind)
         if kind != "collapse" and is_written_out(kind, law):
-            table = _law_entries(law, kind)
-            entries[kind] = table if len(table) > 1 else table["law"]
-    collapse = _law_entries(muscle.collapse, "collapse")
+            entries = _law_entries(law, kind)
+            table[kind] = entries if len(entries) > 1 else entries["law"]
     rate = _plain_number(muscle.transition_rate, "transition_rate")
-    name = collapse.pop("law")
-    tables = {"": entries, "collapse": {"law": name, "transition_rate": rate, **collapse}}
+    table["collapse"] = _law_entries(muscle.collapse, "collapse") | {"transition_rate": rate}
     tuning = _tuning_entries(muscle.tuning)
-    return tables | {"tuning": tuning} if tuning else tables
+    return table | {"tuning": tuning} if tuning else table
 
 
 def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
@@ -445,32 +409,29 @@ def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
     return entries
 
 
-def _bundle_lines(bundle: Bundle) -> list[str]:
-    tables: list[Tables] = []  # of each different muscle, in the order of their first unit
-    motor_units = []
+def _bundle_tables(bundle: Bundle) -> dict[str, Any]:
+    """Tables `[muscle]`, or one for each different muscle, and `[bundle]`."""
+    muscles: list[dict[str, Any]] = []  # in the order of their first unit
+    units: list[dict[str, Any]] = []
     for unit in bundle.motor_units:
-        table = _muscle_tables(unit.muscle)
-        if table not in tables:
-            tables.append(table)
-        name = f"unit_{tables.index(table) + 1}"
-        motor_units.append({"count": int(unit.count), "muscle": name})
-    lines = []
-    for index, table in enumerate(tables):
-        name = f"muscle.unit_{index + 1}" if len(tables) > 1 else "muscle"
-        lines += [*_table_lines(name, table), ""]
-    entries = {"scheme": serializable_name(bundle.scheme)}
-    if (supply := bundle.supply_pressure) is not None:
-        entries = {
-            "supply_pressure": _quantity_text(supply, "pressure", "supply_pressure")
-        } | entries
-    if bundle.plate_distance is not None:
-        entries["length"] = _quantity_text(bundle.plate_distance, "length", "length")
-    lines += _table_lines("bundle", {"": entries})
-    for entries in motor_units:
-        if len(tables) == 1:
-            del entries["muscle"]
-        lines += ["", *_table_lines("[bundle.motor_unit]", {"": entries})]
-    return lines
+        table = _muscle_table(unit.muscle)
+        if table not in muscles:
+            muscles.append(table)
+        units.append({"count": int(unit.count), "muscle": f"unit_{muscles.index(table) + 1}"})
+    if single := len(muscles) == 1:
+        units = [{"count": unit["count"]} for unit in units]
+    named = {f"unit_{index}": table for index, table in enumerate(muscles, 1)}
+    quantities = {
+        "supply_pressure": (bundle.supply_pressure, "pressure"),
+        "length": (bundle.plate_distance, "length"),
+    }
+    entries = {key: _quantity_text(value, dimension, key)
+               for key, (value, dimension) in quantities.items() if value is not None}  # fmt: skip
+    entries["scheme"] = serializable_name(bundle.scheme)
+    return {
+        "muscle": muscles[0] if single else named,
+        "bundle": entries | {"motor_unit": units},
+    }
 
 
 def _law_entries(law: Any, kind: str) -> dict[str, Any]:
