@@ -30,6 +30,12 @@ DISPLAY = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 INLINE = re.compile(r"\$([^$]+?)\$")
 CODE = re.compile(r"(?<![`:\w])`([^`\n]+)`(?![`_])")
 MISPRINT = re.compile(r"\[(R\d+)\]")
+REFERENCE = re.compile(r"\((?P<tag>[A-Z]{1,2}[1-9]\d*[a-z]?)\)")
+# what a reference can't stand in comes first: fenced and inline code, formulas, and links
+LITERAL_OR_REFERENCE = re.compile(
+    r"^```.*?^```|`[^`\n]+`|\$\$.*?\$\$|\$[^$]+?\$|\[[^\]\n]*\]\([^)\n]*\)|" + REFERENCE.pattern,
+    re.MULTILINE | re.DOTALL,
+)
 LINK = re.compile(r"\[([^\]\n]+)\]\[[^\]\n]*\]")
 
 
@@ -44,8 +50,28 @@ def equations(folder: Path) -> dict[str, list[tuple[str, str]]]:
     return dict(found)
 
 
-def to_rst(text: str) -> str:
-    """The docstrings' Markdown as reStructuredText."""
+def labels(folder: Path) -> dict[str, str]:
+    """Tag of each labelled equation of the theory pages → its label."""
+    found = {}
+    for page in sorted(folder.glob("*.md")):
+        for match in EQUATION.finditer(page.read_text(encoding="utf-8")):
+            for tag in TAG.findall(match["body"]):
+                found[tag] = match["label"]
+    return found
+
+
+def link_references(text: str, known: dict[str, str]) -> str:
+    """A page's Markdown with each reference to a tag, such as (F4), as a link to its equation."""
+
+    def link(match: re.Match[str]) -> str:
+        label = known.get(match["tag"] or "")
+        return f"[({match['tag']})](#{label})" if label else match[0]
+
+    return LITERAL_OR_REFERENCE.sub(link, text)
+
+
+def to_rst(text: str, known: dict[str, str] | None = None) -> str:
+    """The docstrings' Markdown as reStructuredText; `known`: labels of equations by tag."""
     blocks: list[str] = []
 
     def keep(rst: str) -> str:
@@ -60,6 +86,12 @@ def to_rst(text: str) -> str:
     text = DISPLAY.sub(display, text)
     text = CODE.sub(lambda m: keep(f"``{m[1]}``"), text)
     text = INLINE.sub(lambda m: keep(f"\\ :math:`{' '.join(m[1].split())}`\\ "), text)
+    text = REFERENCE.sub(
+        lambda m: (
+            keep(f":ref:`{m[0]} <{known[m['tag']]}>`") if known and m["tag"] in known else m[0]
+        ),
+        text,
+    )
     text = MISPRINT.sub(lambda m: keep(f"\\ :ref:`[{m[1]}] <{m[1].lower()}>`\\ "), text)
     text = LINK.sub(r"\1", text).replace("|", r"\|")
     return re.sub(r"\x00(\d+)\x00", lambda m: blocks[int(m[1])], text)
@@ -68,9 +100,13 @@ def to_rst(text: str) -> str:
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register with Sphinx."""
     known = equations(Path(app.srcdir) / "theory")
+    by_tag = labels(Path(app.srcdir) / "theory")
+
+    def read(_: Sphinx, __: str, source: list[str]) -> None:
+        source[0] = link_references(source[0], by_tag)
 
     def translate(_: Sphinx, __: str, name: str, ___: Any, ____: Any, lines: list[str]) -> None:
-        rst = to_rst("\n".join(lines))
+        rst = to_rst("\n".join(lines), by_tag)
         # one tagged equation may stand for a function on several pages
         links = [f":ref:`({tag}) <{label}>`" for tag, label in known.get(name, [])]
         if links:
@@ -78,4 +114,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
         lines[:] = rst.splitlines()
 
     app.connect("autodoc-process-docstring", translate)
+    app.connect("source-read", read)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

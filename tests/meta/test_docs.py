@@ -58,6 +58,50 @@ def test_the_papers_equations_are_all_there():
     assert numbers >= set(range(1, 36))
 
 
+PAGES = sorted(page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
+TAGS = [
+    tag.strip()
+    for page in PAGES
+    for tags in re.findall(r"\\tag\{([^}]*)\}", page.read_text(encoding="utf-8"))
+    for tag in tags.split(",")
+]
+SOURCES = sorted((DOCS.parent / "src").rglob("*.py"))
+
+
+def numbers(tags: str) -> list[str]:
+    """Single tags of a docstring's, which may be a list or a range of the paper's."""
+    if span := re.fullmatch(r"(\d+)-(\d+)", tags):
+        return [str(n) for n in range(int(span[1]), int(span[2]) + 1)]
+    return [tag.strip() for tag in tags.split(",")]
+
+
+def test_every_tag_stands_on_one_page_once():
+    twice = sorted({tag for tag in TAGS if TAGS.count(tag) > 1})
+    assert twice == []
+
+
+def test_tags_and_references_in_docstrings_lead_to_an_equation_of_a_page():
+    whole = {
+        n for tag in TAGS for n in ([tag] if "–" not in tag else numbers(tag.replace("–", "-")))
+    }
+    missing = {}
+    for source in SOURCES:
+        text = source.read_text(encoding="utf-8")
+        named = {n for tags in re.findall(r"\\tag\{([^}]*)\}", text) for n in numbers(tags)}
+        named |= set(re.findall(r"\(([A-Z]{1,2}[1-9]\d*[a-z]?)\)", text))
+        if named - whole:
+            missing[source.name] = named - whole
+    assert missing == {}
+
+
+def test_references_become_links_where_they_are_words():
+    known = {"F4": "eq-flow"}
+    links = extension("docstrings").link_references
+    assert links("by (F4), and `(F4)` of $x (F4)$, (Z9)", known) == (
+        "by [(F4)](#eq-flow), and `(F4)` of $x (F4)$, (Z9)"
+    )
+
+
 def test_every_misprint_has_its_section():
     sections = re.findall(r"^### R(\d+)$", PAPER.read_text(encoding="utf-8"), re.MULTILINE)
     assert sorted(map(int, sections)) == list(range(1, 22))

@@ -3,7 +3,7 @@ r"""Motor units and bundles: muscles in parallel between rigid plates.
 A motor unit is $n$ equal muscles at one pressure; a bundle is motor units that share one
 strain. Its force is the sum over them,
 
-$$F(P_1 \dots P_k, \varepsilon) = \sum_i n_i F_i(P_i, \varepsilon), \tag{B1}$$
+$$F(P_1 \dots P_k, \varepsilon) = \sum_i n_i F_i(P_i, \varepsilon), \tag{U1}$$
 
 with $\max(F_i, 0)$ instead of $F_i$ where resistance is neglected, as models before the
 paper did. With resistance the force can vanish at several strains. The free strain is the
@@ -168,7 +168,7 @@ class Bundle(Module):
         return tuple(stack_muscles([unit.muscle for unit in self.motor_units]))
 
     def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
-        """Pulling force of all units, equation (B1).
+        """Pulling force of all units, equation (U1).
 
         **Arguments:**
 

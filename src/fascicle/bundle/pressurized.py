@@ -72,7 +72,7 @@ class PressurizedBundle(Module):
         return self.counts * force, self.counts * slope
 
     def force(self, strain: Numbers) -> tuple[Numbers, Numbers]:
-        """Force of all units [N] at `strain` [-], (B1), and its slope in strain [N]."""
+        """Force of all units [N] at `strain` [-], (U1), and its slope in strain [N]."""
         forces, slopes = self.unit_forces(strain)
         total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)

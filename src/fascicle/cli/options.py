@@ -123,7 +123,7 @@ SPACE_STRAIN = option(
     metavar="LIST",
 )
 NO_RESISTANCE = flag(
-    "Ideal muscles, which don't push back past their free strain.", "--no-resistance"
+    "Without resistance: muscles don't push back past their free strain.", "--no-resistance"
 )
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(

@@ -7,7 +7,7 @@ virtual work gives
 $$F_{bladder} = V_b \frac{\mathrm{d}W}{\mathrm{d}L}
   = 2 A \lambda \Bigl(\frac{\partial W}{\partial \lambda_1^2}
     - \frac{1}{\tan^2\alpha_0} \frac{\partial W}{\partial \lambda_2^2}\Bigr), \qquad
-  A = \pi (r_0^2 - r_i^2), \qquad I = \tfrac{\pi}{4} (r_0^4 - r_i^4). \tag{4}$$
+  A = \pi (r_0^2 - r_i^2), \qquad I = \tfrac{\pi}{4} (r_0^4 - r_i^4). \tag{4b}$$
 
 **Sign:** tension is positive, so it is negative in contraction, zero at rest. The paper's
 (4) counts $\mathrm{d}L$ as shortening [R2]. **Assumes** an incompressible wall that keeps
@@ -55,7 +55,7 @@ class Bladder(Module):
         return self.volume * self.material.energy(lam**2, self.braid.squared_stretch(strain))
 
     def force(self, strain: BatchLike) -> Batch:
-        """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4)."""
+        """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4b)."""
         return self.pull(strain)[0]
 
     def pull(self, strain: BatchLike, slopes: Slopes | None = None) -> tuple[Batch, Batch]:

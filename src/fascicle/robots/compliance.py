@@ -4,13 +4,13 @@ A tendon that is shorter by $c$ than its rest length contracts the bundle by $x$
 and brackets, of the compliance $\kappa$, by $x - c$. Their forces are equal,
 
 $$\kappa F(P, x) = x - c, \qquad
-  F(P, x) = \sum_i n_i F_i(P_i, \varepsilon_i(x)),  \tag{R1}$$
+  F(P, x) = \sum_i n_i F_i(P_i, \varepsilon_i(x)),  \tag{J2}$$
 
 a scalar equation for each bundle, which is solved at each step: a force that follows from the
 tendon's length alone keeps energy, and is softer than the muscle's, so that it takes no shorter
 step. A cord that can go slack doesn't push; then the muscle has its free length, $F(P, x) = 0$.
 Both are the root of the lesser of $\kappa F - (x - c)$ and $F$. The pressures of closed chambers,
-which depend on $x$, are solved inside (R1).
+which depend on $x$, are solved inside (J2).
 
 **Assumes** that muscles, cords and brackets have no mass.
 """
@@ -55,7 +55,7 @@ class Series(Module):
         chambers: Numbers = None,
         start: Numbers = None,
     ) -> Numbers:
-        """Contraction of each bundle [m], the root of (R1).
+        """Contraction of each bundle [m], the root of (J2).
 
         **Arguments:**
 
@@ -86,7 +86,7 @@ def bundle_strains(plant: Plant, contractions: Numbers) -> Numbers:
 
 
 def _residual(theta: tuple[Any, ...], contractions: Numbers) -> tuple[Numbers, Numbers]:
-    """Residual of (R1) [m] and its slope [-], at `contractions` of the bundles [m]."""
+    """Residual of (J2) [m] and its slope [-], at `contractions` of the bundles [m]."""
     series, plant, contraction, P, chambers = theta
     eps = bundle_strains(plant, contractions)
     if chambers is None:

@@ -11,7 +11,7 @@ $$m \leftarrow m + \Delta t\, \dot m(P),$$
 
 and the next step's pressures are the roots of (F12) at its lengths, so that a closed chamber is a
 spring, which keeps its energy. Cords and brackets that stretch, and cords that go slack, are solved
-with them, (R1).
+with them, (J2).
 
 **Sign:** pull is positive. **Source:** derived here; on the order of a step: MuJoCo's
 documentation, "Simulation", on `mj_step1` and `mj_step2`.
