@@ -271,13 +271,13 @@ def remarks(claims: Sequence[Claim]) -> list[str]:
         if any(criterion.close for criterion in claim.criteria)
     ]
     sentences = [
-        f"{condition[:1].upper()}{condition[1:]}, the verdict is another on {_numbered(numbers)}."
+        f"{condition[:1].upper()}{condition[1:]}, the verdict changes on {_numbered(numbers)}."
         for condition, numbers in changed.items()
     ]
     all_conditions = {reading.condition: None for claim in claims for reading in claim.readings}
     unchanged = [condition for condition in all_conditions if condition not in changed]
     if unchanged:
-        sentences.append(f"No verdict is another {'; '.join(unchanged)}.")
+        sentences.append(f"No verdict changes {'; '.join(unchanged)}.")
     if close:
         sentences.append(
             "A limit that the paper does not give, and that is close to the number, decides"

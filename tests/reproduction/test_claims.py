@@ -106,8 +106,8 @@ def test_a_verdict_that_depends_on_a_reading_says_so():
     second = dataclasses.replace(claim(key="second"), readings=(same,))
     assert first.opposite_readings == (other,) and not second.opposite_readings
     assert remarks([second, first]) == [
-        "If it stands as in print, the verdict is another on claim 2.",
-        "No verdict is another if it has the cube.",
+        "If it stands as in print, the verdict changes on claim 2.",
+        "No verdict changes if it has the cube.",
     ]
     assert "if it stands as in print (what: 2, must be < 1)" in first.dependence
     assert claims_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
