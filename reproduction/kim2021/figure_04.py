@@ -61,8 +61,8 @@ def compute() -> PaperFigure:
             "The bars have the lengths of (14), (L_fs − 2l)/2 each, between the ends' real "
             "distance; l and y'max are the law's. The angle θ's of (14) is the bars' against the "
             "axis (the text says the vertical, which its formula is not).",
-            "The forces are projected, as in (13) to (16). A joint in equilibrium resolves them [R19]: "
-            "see other laws and readings, below.",
+            "The forces are projected, as in (13) to (16); a joint in equilibrium resolves them "
+            "[R19]: see other laws and readings, below.",
         ),
         data=_data(s),
         draw=lambda: draw(p, s),
