@@ -643,9 +643,9 @@ def _complete(
         weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
         if not weights and role == "force" and header_words & MASSES:
             weights = ["kgf", "gf", "N"]
-        best, *others = weights or [USUAL_UNITS[role]]
+        best, *alternatives = weights or [USUAL_UNITS[role]]
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
-        after = f", or {' or '.join(others)}" if others else ""
+        after = f", or {' or '.join(alternatives)}" if alternatives else ""
         raise MissingMetadataError(how, ("units", role, best, after))
     absolute = role == "pressure" and _is_absolute(unit, header_unit, header_words, atmosphere)
     if absolute and not atmosphere:
@@ -739,14 +739,16 @@ def _missing(table: TableHeader, role: str, group: Sequence[str], used: set[int]
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     _check_wide(table)
-    group = sorted(group, key=lambda each: each != role)
+    group = sorted(group, key=lambda candidate: candidate != role)
     dimensions = tuple(map(dimension_of, group))
     names, signals = [], []
     for i, name in enumerate(table.header):
         stated = table.stated_unit(i)
         if i in used or name.lower() in {"", "comment"}:  # the last column of LabVIEW
             continue
-        is_named = read_header(name)[0][0] in {term for each in group for term in TERMS[each]}
+        is_named = read_header(name)[0][0] in {
+            term for candidate in group for term in TERMS[candidate]
+        }
         if role == "length" and is_named and stated and not is_unit(stated):
             error = ValueError(f"{stated!r} is no unit of {role}")
             return _wrong_unit(f"{table.where}, column `{name}`", role, stated, error)
@@ -763,9 +765,11 @@ def _missing(table: TableHeader, role: str, group: Sequence[str], used: set[int]
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
     unit = table.stated_unit(table.header.index(names[0]))
-    fitting = [each for each in group if unit and is_unit(unit, (dimension_of(each),))]
+    fitting = [
+        candidate for candidate in group if unit and is_unit(unit, (dimension_of(candidate),))
+    ]
     if len(names) == 1 and role == "length" and fitting:
-        choices = [("columns", each, names[0], "") for each in fitting]
+        choices = [("columns", candidate, names[0], "") for candidate in fitting]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
     named = ("columns", role, names[0], f" if it is one of {_list_names(names)}")
     return MissingMetadataError(f"{before}name it with ", named, constant)

@@ -80,7 +80,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         raise InvalidInputError(
             "record", "has no runs at constant pressure or length to average", None
         )
-    pieces, widths, held, loops = [], [], list[bool](), 0
+    pieces, widths, isometric, loops = [], [], list[bool](), 0
     for level in group_by_level(record, segments):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
@@ -90,13 +90,13 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         is_wide = loop and level[0].kind != "force"
         pieces.append(piece)
         widths.append(loop[1] if loop and is_wide else np.full(len(piece), np.nan))
-        held += [level[0].kind == "strain"] * len(piece)
+        isometric += [level[0].kind == "strain"] * len(piece)
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
     half_way = replace(record, **columns, time=None, moment_arm=None, notes=(*record.notes, note))
-    width, is_held = np.concatenate(widths), np.array(held)
-    if np.nansum(width[is_held]) < 0:
-        width[is_held] *= -1
+    width, is_isometric = np.concatenate(widths), np.array(isometric)
+    if np.nansum(width[is_isometric]) < 0:
+        width[is_isometric] *= -1
     return Averaged(half_way, width)
 
 

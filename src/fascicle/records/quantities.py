@@ -296,8 +296,8 @@ def read_strain(
         strain = (rest_length - values) / rest_length
     if column.role != "length" and not has_direction:
         _check_direction(readings, strain, pressure, force)
-    reach, moved = (np.array([np.min(x), np.max(x)]) for x in (strain, strain - strain[0]))
-    far, row = not _is_strain(reach) and _is_strain(moved), 0
+    reach, shifted = (np.array([np.min(x), np.max(x)]) for x in (strain, strain - strain[0]))
+    far, row = not _is_strain(reach) and _is_strain(shifted), 0
     if reach[0] > _FAR and reach[1] > _FREE and _is_strain(reach):
         far, row = True, int(np.argmin(strain))
     if column.role == "displacement" and info.displacement_at_rest is None and far:

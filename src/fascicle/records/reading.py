@@ -356,12 +356,12 @@ def _read_record(
 
 def _zeroed_channels(info: Sidecar) -> tuple[str, ...]:
     """Channels whose reading at zero, or at rest, was given."""
-    given = {
+    zeros = {
         "force": (info.force_at_rest, info.torque_at_rest),
         "pressure": (info.pressure_at_rest,),
         "displacement": (info.displacement_at_rest,),
     }
-    return tuple(name for name, values in given.items() if any(x is not None for x in values))
+    return tuple(name for name, values in zeros.items() if any(x is not None for x in values))
 
 
 def _read_published(raw: bytes, source: str, info: Sidecar) -> Record:
@@ -451,8 +451,8 @@ def _check_clocks(table: Table, clocks: Sequence[int], rows: tuple[int, int] | N
     if len(clocks) < 2:
         return
     texts = table.read([], clocks, None, rows).texts
-    whole = [cells for cells in zip(*(texts[i] for i in clocks), strict=True) if all(cells)]
-    columns = zip(clocks, zip(*whole, strict=True), strict=False)
+    complete = [cells for cells in zip(*(texts[i] for i in clocks), strict=True) if all(cells)]
+    columns = zip(clocks, zip(*complete, strict=True), strict=False)
     times = {i: read_seconds(cells, table.numbers) for i, cells in columns}
     seconds = [values for values in times.values() if values is not None]
     if len(seconds) < 2:
@@ -460,10 +460,10 @@ def _check_clocks(table: Table, clocks: Sequence[int], rows: tuple[int, int] | N
     names = [table.header[i] for i, values in times.items() if values is not None]
     first = seconds[0]
     step = float(np.median(np.abs(np.diff(first)))) if first.size > 1 else 0.0
-    for name, other in zip(names[1:], seconds[1:], strict=True):
+    for name, times_of_name in zip(names[1:], seconds[1:], strict=True):
         # clocks of one name count from one time
-        shift = 0.0 if name == names[0] else other[0] - first[0]
-        difference = float(np.max(np.abs(other - first - shift)))
+        shift = 0.0 if name == names[0] else times_of_name[0] - first[0]
+        difference = float(np.max(np.abs(times_of_name - first - shift)))
         if difference > step / 2:
             before = (
                 f"{table.where}: the channels have clocks of their own, in one row up to"

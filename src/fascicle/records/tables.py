@@ -194,7 +194,7 @@ class Table(TableHeader):
         )
         finite = np.array([np.isfinite(x) for x in values.values()], dtype=bool)
         is_reading = finite.all(axis=0) & ~(has_extra | is_named | (frame["short"] == "1"))
-        words, holes = list[int](), list[int]()
+        word_lines, holes = list[int](), list[int]()
         for row in np.flatnonzero(~is_reading):
             line, cells = int(frame.index[row]), [str(cell) for cell in frame.iloc[row, :-1]]
             needed = {i: cells[i] for i in values}
@@ -204,7 +204,7 @@ class Table(TableHeader):
                 if _SPECIMEN.fullmatch(cells[0]) and not is_part:
                     before = f"{self.source}, line {line}: another specimen: read the first with "
                     raise MissingMetadataError(before, ("rows", "", f"1:{row}", ", or all with 1:"))
-                words.append(line)
+                word_lines.append(line)
             elif has_extra[row]:
                 raise self._width_error(line, _trim(cells))
             elif bad:
@@ -221,7 +221,7 @@ class Table(TableHeader):
         notes = [
             f"{len(lines)} {'row' if len(lines) == 1 else 'rows'} {kind} left out, the first in"
             f" line {lines[0]}"
-            for kind, lines in (("with holes", holes), ("of words", words))
+            for kind, lines in (("with holes", holes), ("of words", word_lines))
             if lines
         ]
         return is_reading, tuple(notes)
@@ -242,10 +242,10 @@ class Table(TableHeader):
         if delimiter.isspace() and delimiter != "\t":
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = [blanks.sub("\t", line.strip()) for line in lines], "\t"
-        most = 1 + max((line.count(delimiter) for line in lines), default=0)
-        if most > _MAX_COLUMNS:
+        cell_count = 1 + max((line.count(delimiter) for line in lines), default=0)
+        if cell_count > _MAX_COLUMNS:
             raise ValueError(f"{self.source}: more than {_MAX_COLUMNS} cells in a row.")
-        columns = range(max(most, width))
+        columns = range(max(cell_count, width))
         # numbers with signs that have two meanings are examined as text
         is_text = self.numbers.grouped or self.numbers.unclear
         kinds: dict[Hashable, type[str]] = dict.fromkeys(columns if is_text else texts, str)
@@ -305,8 +305,8 @@ class Table(TableHeader):
         """The error for a cell that holds no number."""
         if self.numbers.is_unclear(text):
             before = self.cell_error(line, column, f"{text!r} has decimals or thousands: give ")
-            sign, other = (".", ",") if "." in text else (",", ".")
-            choices = [("decimal", "", other, f" if it is {text.replace(sign, '')}")]
+            sign, opposite = (".", ",") if "." in text else (",", ".")
+            choices = [("decimal", "", opposite, f" if it is {text.replace(sign, '')}")]
             if self.numbers.decimal in self.numbers.unclear:  # else decimals have the other sign
                 choices.insert(0, ("decimal", "", sign, f" if it is {text.replace(sign, '.')}"))
             return MissingMetadataError(str(before), *choices)
@@ -462,12 +462,12 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
             header, units = _header_above(cells, start, width, delimiter, header_index)
             if blocks:
                 # odd lines, or a header that is printed again, part readings
-                above, last = blocks[-1]
+                former_size, last = blocks[-1]
                 names = None if header is None else cells[header]
                 is_again = last.header is not None and names in (None, cells[last.header])
-                is_again |= last.header is None and (names is None or above >= _MIN_BLOCK)
+                is_again |= last.header is None and (names is None or former_size >= _MIN_BLOCK)
                 if is_again and (width, counts[start]) == (last.width, counts[last.start]):
-                    blocks[-1] = above + size, last
+                    blocks[-1] = former_size + size, last
                     continue
             blocks.append((size, _Layout(delimiter, header, units, start, width)))
         if blocks:
@@ -476,8 +476,8 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
                 return layout
             rows = cells[layout.start : layout.start + size]
             written = [cell for row in rows for cell in row if cell]
-            share = sum(map(is_number, written)) / len(written)
-            headless.append((share, layout))
+            number_share = sum(map(is_number, written)) / len(written)
+            headless.append((number_share, layout))
     if headless:  # of several delimiters the one that leaves numbers
         return max(headless, key=lambda pair: pair[0])[1]
     first = header_index or 0
@@ -673,6 +673,6 @@ def read_seconds(cells: "Sequence[str] | pd.Series", numbers: NumberFormat) -> n
         except (ValueError, OverflowError):
             continue
         answers.append((dates - dates.iloc[0]).dt.total_seconds().to_numpy())
-    if not answers or any(not np.array_equal(answers[0], other) for other in answers):
+    if not answers or any(not np.array_equal(answers[0], seconds) for seconds in answers):
         return None
     return np.round(answers[0], 6)
