@@ -25,8 +25,10 @@ pressure includes the wall's work.
 
 **Source** of (T6): the first law, by parts.
 """
+# pyright: reportImportCycles=false
+# modules below import this one's class, or are imported by it, for their types alone
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from jax import lax
@@ -38,8 +40,10 @@ from ..fluid import AbstractChamber
 from ..fluid.chamber import StateResidual
 from ..muscle.table import MuscleState
 from .muscles import MuscleVolumes
-from .plant import Plant
 
+
+if TYPE_CHECKING:
+    from .plant import Plant
 
 _FLAT = 1e-2  # of the fluid's own slope: below it a residual says little about the pressure
 
@@ -110,7 +114,7 @@ class ChamberEvaluation(NamedTuple):
 
 
 def evaluate_chambers(
-    plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers
+    plant: "Plant", chambers: Numbers, strains: Numbers, pressures: Numbers
 ) -> ChamberEvaluation:
     """Volumes and residual (F12) of `chambers` [SI] of a `plant` at `strains` [-] and given
     `pressures` [Pa], which aren't solved for.
@@ -119,7 +123,7 @@ def evaluate_chambers(
 
 
 def muscle_volumes(
-    plant: Plant, strains: Numbers, pressures: Numbers
+    plant: "Plant", strains: Numbers, pressures: Numbers
 ) -> tuple[MuscleState, MuscleVolumes]:
     """State of one muscle of each unit of a `plant` at `strains` [-] and `pressures` [Pa], and
     the volume of all muscles of each unit [m³].
@@ -132,7 +136,7 @@ def muscle_volumes(
 
 
 def assemble_chambers(
-    plant: Plant,
+    plant: "Plant",
     chambers: Numbers,
     pressures: Numbers,
     muscles: MuscleState,
@@ -151,7 +155,7 @@ def assemble_chambers(
 
 
 def solve_pressures(
-    plant: Plant, chambers: Numbers, strains: Numbers, guess: Numbers, steps: int
+    plant: "Plant", chambers: Numbers, strains: Numbers, guess: Numbers, steps: int
 ) -> Numbers:
     """Pressures [Pa] of `chambers` [SI] of a `plant` at `strains` [-], by `steps` of Newton's
     method from a `guess` [Pa].
@@ -208,7 +212,7 @@ def conserved_rates(
 
 
 def project_chambers(
-    plant: Plant, conserved: Numbers, strains: Numbers, guess: Numbers, steps: int
+    plant: "Plant", conserved: Numbers, strains: Numbers, guess: Numbers, steps: int
 ) -> ProjectedChambers:
     """Chambers of a `plant` with the `conserved` states $k$ [SI] at `strains` [-], in `steps` of
     Newton's method from pressures `guess` [Pa].

@@ -14,8 +14,8 @@ from ..core.array_namespace import array_namespace, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Numbers
 from ..fluid.chamber import stack_last
-from .motion import Flows, FrictionMemory, PlantEvaluation, friction_step
-from .plant import Plant, State
+from .motion import Flows, FrictionMemory, PlantEvaluation, State, friction_step
+from .plant import Plant
 
 
 _FLUID = (  # entries of each unit's fluid, in the order of `ledger_rates`

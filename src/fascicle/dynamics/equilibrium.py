@@ -18,7 +18,8 @@ from ..core.errors import InvalidInputError
 from ..core.types import Numbers, PerUnit, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..fluid import validate_commands
-from .plant import Plant, State
+from .motion import State
+from .plant import Plant
 
 
 _POSITIONS = 801  # that bracket an equilibrium: four in each of a table's 200 cells

@@ -22,9 +22,9 @@ from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_positive
 from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
-from .motion import FrictionMemory, evaluate_plant, time_derivative
+from .motion import FrictionMemory, State, evaluate_plant, time_derivative
 from .outputs import PlantOutputs, observe
-from .plant import Plant, State
+from .plant import Plant
 from .schedule import Schedule
 from .simulate import Trajectory, project_pressures
 

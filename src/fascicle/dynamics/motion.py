@@ -1,6 +1,6 @@
 """Rates of change of a plant: flows through its valves, chambers, friction and its load."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -8,7 +8,26 @@ from ..core.array_namespace import array_namespace, where
 from ..core.types import Batch, Numbers
 from ..muscle.hysteresis import FrictionStep
 from .chamber_pressure import ChamberEvaluation, conserved_rates, evaluate_chambers
-from .plant import Plant, State
+
+
+if TYPE_CHECKING:
+    from .plant import Plant
+
+
+class State(NamedTuple):
+    """State of a plant: load, chambers, valves and supply.
+
+    `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
+    of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or a first guess of them;
+    `supply`: its state [SI].
+    """
+
+    position: Batch
+    velocity: Batch
+    spool: Numbers
+    chambers: Numbers
+    pressures: Numbers
+    supply: Numbers
 
 
 class Flows(NamedTuple):
@@ -32,7 +51,7 @@ class Flows(NamedTuple):
     vented: Numbers
 
 
-def evaluate_flows(plant: Plant, state: State, pressures: Numbers, command: Numbers) -> Flows:
+def evaluate_flows(plant: "Plant", state: State, pressures: Numbers, command: Numbers) -> Flows:
     """Flows of a `plant` in a `state` [SI] at units' `pressures` [Pa], under a `command` [-]."""
     chamber, supply, P = plant.chamber, plant.supply, pressures
     room, T_a = chamber.room_pressure, chamber.room_temperature
@@ -92,7 +111,7 @@ class PlantEvaluation(NamedTuple):
 
 
 def evaluate_plant(
-    plant: Plant, time: Batch, state: State, command: Numbers, friction_memory: FrictionMemory
+    plant: "Plant", time: Batch, state: State, command: Numbers, friction_memory: FrictionMemory
 ) -> PlantEvaluation:
     """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI].
 
@@ -125,7 +144,7 @@ def evaluate_plant(
 
 
 def time_derivative(
-    plant: Plant, state: State, evaluation: PlantEvaluation, command: Numbers
+    plant: "Plant", state: State, evaluation: PlantEvaluation, command: Numbers
 ) -> State:
     """Time derivative of a `state` [SI] of a `plant`, with its `evaluation` [SI], under a `command`
     [-].
@@ -144,7 +163,7 @@ def time_derivative(
 
 
 def friction_step(
-    plant: Plant,
+    plant: "Plant",
     friction_memory: FrictionMemory,
     position: Batch,
     pressures: Numbers,
@@ -166,7 +185,7 @@ def friction_step(
 
 
 def _friction_force(
-    plant: Plant, friction_memory: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
+    plant: "Plant", friction_memory: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
     """Friction against the load [N or N·m], and the power lost by laws that have no memory [W]."""
     if plant.hysteresis is None:
@@ -180,7 +199,7 @@ def _friction_force(
 
 
 def update_friction(
-    plant: Plant, friction_memory: FrictionMemory, position: Batch, pressures: Numbers
+    plant: "Plant", friction_memory: FrictionMemory, position: Batch, pressures: Numbers
 ) -> tuple[FrictionMemory, Batch]:
     """Advance `friction_memory` [SI] by a step to a `position` [SI] and `pressures` [Pa]: the new
     memory, and the energy that laws with a memory lost in the step [J].

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
 from .energy_ledger import stored_energies
-from .motion import FrictionMemory, PlantEvaluation
-from .plant import Plant, State
+from .motion import FrictionMemory, PlantEvaluation, State
+from .plant import Plant
 
 
 # events of a run, and reasons not to trust it from then on; an output's status has a bit for each

@@ -13,7 +13,7 @@ muscles of a unit are equal.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from ..fluid import (
 )
 from ..muscle.braid import Braid
 from ..muscle.hysteresis import AbstractHysteresis
+from .linearize import linearize
 from .loads import AbstractLoad
 from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTables
 
@@ -41,22 +42,6 @@ from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTabl
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")  # values of the argument `law`
 VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
-
-
-class State(NamedTuple):
-    """State of a plant: load, chambers, valves and supply.
-
-    `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
-    of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or a first guess of them;
-    `supply`: its state [SI].
-    """
-
-    position: Batch
-    velocity: Batch
-    spool: Numbers
-    chambers: Numbers
-    pressures: Numbers
-    supply: Numbers
 
 
 class Plant(Module):
@@ -215,6 +200,8 @@ class Plant(Module):
     def strains(self, position: Batch) -> Numbers:
         """Strain of each unit's muscles [-] at the load's `position` [SI], (T3)."""
         return self.offsets + self.gains * position
+
+    linearize = linearize
 
     @property
     def stroke(self) -> tuple[float, float]:

@@ -27,9 +27,9 @@ from ..fluid import validate_commands
 from .chamber_pressure import conserved_state, project_chambers, solve_pressures
 from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
-from .motion import FrictionMemory, evaluate_plant, time_derivative, update_friction
+from .motion import FrictionMemory, State, evaluate_plant, time_derivative, update_friction
 from .outputs import STATUS, PlantOutputs, observe
-from .plant import Plant, State
+from .plant import Plant
 from .schedule import Controller, Measurement, Schedule
 from .step_size import StepSizeEstimate, estimate_substeps
 

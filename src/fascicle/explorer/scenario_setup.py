@@ -120,11 +120,12 @@ class Setup:
             table[last] = exact(value, dimensions[path])
         if policy and self.has_control and document["control"].get("policy") != policy:
             document["control"]["policy"] = policy
-        is_other = bundle is not None and self.page_bundle and self.takes_bundle
-        if is_other:
+        if not (self.page_bundle and self.takes_bundle):
+            bundle = None
+        if bundle is not None:
             _set_bundle(document, bundle)
         loads = any(path.startswith("load.") for path, _ in self.values)
-        if self.has_control and self.takes_bundle and (is_other or loads):
+        if self.has_control and self.takes_bundle and (loads or bundle is not None):
             # another load is held by other pressures, those of the first demand
             document["run"].pop("pressures", None)
         return tomlkit.dumps(document)

@@ -1,0 +1,67 @@
+"""Linear models against differences of runs."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import expm
+
+import fascicle as fs
+from fascicle import dynamics, fluid
+from fascicle.dynamics.chamber_pressure import muscle_volumes
+
+
+NAMES = "position velocity spool_1 spool_2 pressure_1 pressure_2 mass_1 mass_2"
+STEPS = np.array([1e-7, 1e-5, 1e-5, 1e-5, 1.0, 1.0, 1e-10, 1e-10])  # small beside each state
+
+
+@pytest.fixture(scope="module")
+def servo(bundle, air):
+    load = dynamics.HangingMass(12.0, damping=300.0)
+    return dynamics.Plant(bundle, load, spool=fluid.Servovalve(0.01), **air)
+
+
+def test_a_model_agrees_with_differences_of_runs(servo):
+    start = dynamics.equilibrium_state(servo, [3e5, 1e5])
+    outputs = ("position", "velocity", "pressure", "strain", "force")
+    model = servo.linearize(start, ("command", "force"), outputs)
+    assert [name.replace(" ", "_") for name in model.states] == NAMES.split()
+    assert model.inputs == {"command 1": "-", "command 2": "-", "force": "N"}
+    assert model.outputs["pressure 2"] == "Pa" and model.states["mass 1"] == "kg"
+    assert_allclose(model.B[1], [0, 0, 1 / 12.0])
+    assert_allclose(model.rate, 0.0, atol=1e-6)
+    gas, duration = servo.chamber, 0.02
+
+    def run(x):
+        """Outputs at the end of a run from the states `x`, all valves commanded shut."""
+        q, v, spool, P, mass = x[0], x[1], x[2:4], x[4:6], x[6:8]
+        V = muscle_volumes(servo, servo.strains(q), P)[1].volume + gas.dead_volume
+        energy = (P + gas.room_pressure) * V / (gas.gas.heat_capacity_ratio - 1)
+        chambers = np.stack([mass, energy], axis=-1)
+        begin = dynamics.State(np.float64(q), np.float64(v), spool, chambers, P, start.supply)
+        commands = np.zeros((round(duration / 1e-3), 2))
+        out = dynamics.simulate(servo, commands, start=begin, substeps=8).outputs
+        rows = (out.position, out.velocity, out.pressures, out.strains, out.forces)
+        return np.concatenate([np.ravel(x[-1]) for x in rows])
+
+    x_0 = np.concatenate(
+        [[start.position, 0.0], start.spool, start.pressures, start.chambers[:, 0]]
+    )
+    expected = model.C @ expm(model.A * duration)
+    for k, step in enumerate(STEPS):
+        change = step * (np.arange(8) == k)
+        slope = (run(x_0 + change) - run(x_0 - change)) / (2 * step)
+        # over what the output changes by any state, each by its step
+        size = np.max(np.abs(expected) * STEPS, axis=1) / step
+        assert_allclose(slope / size, expected[:, k] / size, rtol=0, atol=1e-6)
+
+
+def test_a_prescribed_motion_has_no_state_and_a_spool_without_lag_none(bundle, air):
+    plant = dynamics.Plant(bundle, dynamics.PrescribedMotion(0.01), **air)
+    state = dynamics.equilibrium_state(plant, 1e5)
+    model = plant.linearize(state, outputs=["force"], command=0.5)
+    assert list(model.states) == ["pressure 1", "pressure 2", "mass 1", "mass 2"]
+    assert np.all(np.diag(model.B) > 0) and np.all(model.D == 0)
+    for inputs in (["comand"], "command", ["force"]):
+        with pytest.raises(fs.InvalidInputError) as error:
+            plant.linearize(state, inputs)
+        assert error.value.argument == "inputs"
