@@ -2,7 +2,8 @@
 
 Starting a kernel, and importing what nearly every page imports, takes longer than most pages do:
 each of the processes that read pages has one. A page may count on nothing of the one before it: its
-names are gone, its figures closed, its folder left.
+names are gone, its figures closed, its folder left. A page with cells needs no header: here it gets
+that of a notebook.
 """
 
 import functools
@@ -26,6 +27,13 @@ _LONG = {
     "how-to/mujoco": 5, "how-to/plc": 4, "how-to/train": 4, "cli": 4, "theory/crossing": 3,
 }  # fmt: skip
 
+HEADER = """---
+file_format: mystnb
+kernelspec:
+  name: python3
+---
+
+"""
 # one batch for each process: another one would begin with another kernel
 _chunks = functools.partial(make_chunks, maxbatch=1_000)
 
@@ -83,9 +91,16 @@ def put_in_order(app: Sphinx, _: Any, names: list[str]) -> None:
     names[:] = [name for batch in batches for name in batch]
 
 
+def add_header(_: Sphinx, __: str, source: list[str]) -> None:
+    """Make a page with cells a notebook."""
+    if "```{code-cell}" in source[0]:
+        source[0] = HEADER + source[0]
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register with Sphinx, and with it and myst-nb, which have no option for it."""
     direct.single_nb_execution = execute
     builders.make_chunks = _chunks
     app.connect("env-before-read-docs", put_in_order)
+    app.connect("source-read", add_header)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
