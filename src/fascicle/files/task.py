@@ -42,7 +42,7 @@ from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..table_model import validate
-from ..units import parse, pretty
+from ..units import dimension_of_unit, parse, pretty
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_named, parse_file, provenance, read_text
 from .schema import (
@@ -61,8 +61,6 @@ from .schema import (
 from .shipped_files import named_muscles, shipped_names, shipped_text
 
 
-# dimensions of objectives by their units
-_DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}  # keys of a limit, and their names in `Limit`
 _WARNING = "warn_below"  # key of a margin, in its table
 _SAFETY = "safety"  # key of [limits] that isn't an objective's
@@ -261,7 +259,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
             warns = is_margin and key == _WARNING
             if not warns and key not in _BOUNDS:
                 raise location.error(keys, "unknown key: write at_least or at_most.")
-            dimension = "number" if warns else _DIMENSIONS[OBJECTIVES[name].unit]
+            dimension = dimension_of_unit("-" if warns else OBJECTIVES[name].unit) or "number"
             rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
             rule += ' margin = { at_least = "50 N" }.'
             try:

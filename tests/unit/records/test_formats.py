@@ -421,6 +421,45 @@ def test_channels_at_two_rates_are_refused(tmp_path):
     check(load(tmp_path / "m.tdms", rest_length=REST, table=error.value.value))
 
 
+def test_channels_with_clocks_of_their_own_are_interpolated_on_one():
+    slow = [0.0, 0.2, 0.4, ""]  # s: its last row has no reading
+    pressure = [200.0, 202.0, 204.0, ""]
+    text = "time F [ms],F [N],time L [s],L [mm],time p [s],p [kPa]\n" + table(
+        ",", [[0, 100, 200, 300], FORCE, TIME, LENGTH, slow, pressure]
+    )
+    record = loads(text, rest_length=REST, resample="50 ms")
+    assert_allclose(record.time, 0.05 * np.arange(7), atol=1e-12)
+    assert_allclose(record.force, np.interp(record.time, TIME, FORCE))
+    assert_allclose(record.pressure, 200e3 + 10e3 * record.time)
+    for step in ("0 s", "1 s", "1 kPa", "1 ns"):
+        with pytest.raises(ValueError, match=r"`resample`|no unit of time"):
+            loads(text, rest_length=REST, resample=step)
+    without = "F [N],p [kPa],L [mm]\n" + table(",", [FORCE, PRESSURE, LENGTH])
+    with pytest.raises(ValueError, match="no column of time"):
+        loads(without, rest_length=REST, resample="50 ms")
+
+
+def test_signals_of_gauges_have_scales(tmp_path):
+    volts = [0.2 + x / 147.5 for x in PRESSURE]
+    text = "P_sens [V],F_sens [V],L [mm]\n" + table(",", [volts, [x / 12 for x in FORCE], LENGTH])
+    scales = {"pressure": "1.475bar/V", "force": "12N/V"}
+    given = {"rest_length": REST, "zeros": {"pressure": "0.2V"}}
+    check(loads(text, scales=scales, **given), time=False)
+    path = tmp_path / "m.csv"
+    path.write_text(text)
+    path.with_suffix(".toml").write_text(
+        'rest_length = "180 mm"\npressure_at_rest = "0.2 V"\n[scales]\n'
+        'pressure = "1.475 bar/V"\nforce = "12 N/V"\n'
+    )
+    check(load(path), time=False)
+    with pytest.raises(MissingMetadataError) as error:
+        loads(text, scales={"pressure": scales["pressure"]}, **given)
+    assert error.value.choices[0][:2] == ("scales", "force")
+    for wrong in ("1.475bar", "V", "1.475N/V", 3):
+        with pytest.raises(ValueError, match=r"scale.* of pressure|no unit of pressure"):
+            loads(text, scales={"pressure": wrong}, **given)
+
+
 def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
     from scipy.io import savemat
 
