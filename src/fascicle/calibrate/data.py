@@ -13,8 +13,9 @@ import numpy as np
 
 from ..core.types import AnyArray, Bool, Float
 from ..muscle import Muscle
-from ..records.record import UNKNOWN, Record
+from ..records.record import DOWN, UNKNOWN, Record
 from ..records.segmentation import runs
+from .friction import fit_friction
 from .gauges import PERFECT, ChannelFault, Gauge, channel_faults, read_vented
 
 
@@ -91,6 +92,8 @@ class FitData:
     - `gauge`: errors of the gauges that the readings were corrected for.
     - `gauge_deviations`: standard deviations of those that readings without pressure determine
       [SI unit of each], by name.
+    - `turning`: mask of the readings after a turn of their sweep, where friction still builds up;
+      `None`: no such.
     - `reads_contraction`: loads were set, as masses that hang or none, and contractions read: their
       error counts, not that of the force.
     """
@@ -109,6 +112,7 @@ class FitData:
     at_ceiling: np.ndarray | None = None
     gauge: Gauge = PERFECT
     gauge_deviations: Mapping[str, float] = field(default_factory=dict)
+    turning: np.ndarray | None = None
     reads_contraction: bool = False
 
     @property
@@ -133,6 +137,14 @@ class FitData:
         without load is where its pull ends.
         """
         return self.reads_contraction or (not self.pushes and not np.all(self.record.censored))
+
+    @property
+    def settled(self) -> np.ndarray:
+        """Mask of the table's entries without readings after a turn."""
+        mask = self.grid.used.copy()
+        if self.turning is not None:
+            mask[self.level[self.turning], self.column[self.turning]] = False
+        return mask
 
     @property
     def largest_strain(self) -> float:
@@ -222,7 +234,8 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     if muscle is None:
         return data
     vented = read_vented(data.record, muscle)
-    data = replace(data, gauge_deviations=vented.deviations)
+    turning = after_turns(data.record, float(muscle.length))
+    data = replace(data, gauge_deviations=vented.deviations, turning=turning)
     if vented.gauge.faults:
         return data.corrected(vented.gauge, float(muscle.length))
     return replace(data, gauge=vented.gauge)
@@ -235,6 +248,24 @@ def has_set_loads(record: Record) -> bool:
     return bool(few and strains > _REPEATS * loads and not np.any(record.censored))
 
 
+def after_turns(record: Record, length: float) -> np.ndarray | None:
+    """Mask of the readings so soon after a turn of their sweep that friction still builds up, by
+    the springs fitted to the loops; `length`: reference of strains without one [m].
+    """
+    length = record.rest_length or length
+    friction = fit_friction(record, length) if np.any(record.branch == DOWN) else None
+    if friction is None or friction.law is None:
+        return None
+    mask = np.zeros(len(record), dtype=bool)
+    # springs spread evenly over distances have the mean of one; the last slips at twice that
+    distance = 2 * float(np.max(friction.breakaway)) / length
+    for run in runs(record):
+        if run.kind == "pressure":
+            strain = record.strain[run.points]
+            mask[run.points] = np.abs(strain - strain[0]) < distance
+    return mask
+
+
 def thin(data: FitData) -> FitData:
     """Fewer readings for the comparison of candidates: those of evenly chosen levels, the first and
     the last among them, averaged where a level still holds many.
@@ -245,8 +276,11 @@ def thin(data: FitData) -> FitData:
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
     rows = np.isin(data.level, chosen)
-    at_ceiling = None if data.at_ceiling is None else data.at_ceiling[rows]
-    return fit_table(data.record.only(rows), limit, data, at_ceiling=at_ceiling)
+    masks = {
+        name: None if mask is None else mask[rows]
+        for name, mask in (("at_ceiling", data.at_ceiling), ("turning", data.turning))
+    }
+    return fit_table(data.record.only(rows), limit, data, **masks)
 
 
 def pulling_only(data: FitData) -> FitData:

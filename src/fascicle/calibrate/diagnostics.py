@@ -170,7 +170,7 @@ def residuals_of(fit: Calibration) -> Residuals:
     problem, data, linear = fit.problem, fit.fit_data, fit.minimum.linear
     # residuals and priors are relative to the noise that the problem was solved with
     grid, noise, k = problem.grid, fit.minimum.solved_noise, len(problem.parameters)
-    measured = grid.measured
+    measured = problem.tested
     weight = grid.precision[measured]
     residual = weight * (grid.force - linear.force)[measured]
     # outliers keep the reduced weight of the loss; a tuning gives some readings no weight at all
@@ -353,7 +353,7 @@ def pressure_covariance(fit: Calibration, residuals: Residuals) -> np.ndarray:
     readings don't average it out.
     """
     data, problem, k = fit.fit_data, fit.problem, len(fit.coordinates)
-    measured, P = problem.grid.measured, problem.grid.pressure
+    measured, P = problem.tested, problem.grid.pressure
     pressure, count = data.record.pressure, np.bincount(data.level)
     scatter = pressure - (np.bincount(data.level, pressure) / count)[data.level]
     square = np.bincount(data.level, scatter**2)
@@ -389,7 +389,7 @@ def _model_error(
     error on the grid [N]; `None` and no columns without a significant trend.
     """
     problem, k = fit.problem, len(fit.coordinates)
-    measured = problem.grid.measured
+    measured = problem.tested
     if not diagnosis.significant:
         return None, np.zeros((*measured.shape, 0))
     n = int(np.sum(measured))
@@ -425,7 +425,7 @@ def _effects_of_constants(fit: Calibration, residuals: Residuals) -> dict[Parame
     """Change of the force [N] with the coordinate of each constant that was not free."""
     problem = fit.problem
     constants = tuple(parameter for parameter in problem.held if parameter not in FACTORS)
-    slopes = force_slopes_of(problem, fit.coordinates, constants)[problem.grid.measured]
+    slopes = force_slopes_of(problem, fit.coordinates, constants)[problem.tested]
     priors = residuals.weight.size - len(slopes)
     return {
         constant: np.pad(column, (0, priors))
@@ -472,7 +472,7 @@ def _likely_causes(
     if diagnosis.resisting_law_in_doubt:
         share = sum(trend.share for trend in diagnosis.significant)
         return (Cause("resisting_law", min(share, 1.0)),)
-    problem, measured, strain = fit.problem, fit.grid.measured, residuals.strain
+    problem, measured, strain = fit.problem, fit.problem.tested, residuals.strain
     stretched = replace(problem.grid, strain=problem.grid.strain + _STRAIN_STEP)
     force = replace(problem, grid=stretched).force(fit.coordinates)[measured]
     force = np.pad(force, (0, strain.size - force.size))

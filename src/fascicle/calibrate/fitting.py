@@ -79,6 +79,7 @@ class FitOptions:
     - `held`: names of fixed constants that the data may determine.
     - `near`: coordinates by name [-], as one more start.
     - `thorough`: search a second time about the best end.
+    - `loop`: fit a hysteresis loop beside the constants, where there is one.
     """
 
     loss: str = "linear"
@@ -89,6 +90,7 @@ class FitOptions:
     held: tuple[str, ...] = ()
     near: Mapping[str, float] = field(default_factory=dict)
     thorough: bool = True
+    loop: bool = False
 
     def __post_init__(self) -> None:
         check_choice(self.loss, LOSSES, "loss")
@@ -173,10 +175,11 @@ def set_up_problem(
         fixed = select_parameters(options.held, start)
     elif pulls and not tuning:
         fixed = pulling_constants(start)
+    loop = fits_loop(data, names, options)
     problem = Problem(
         start,
         data.grid,
-        data.grid.used.astype(float),
+        (data.settled if loop else data.grid.used).astype(float),
         first_noise(data.grid),
         np.asarray(coordinates(free, start, gauge), float),
         np.array([_prior_deviation(p, start, gauge, priors.get(p.name)) for p in free]),
@@ -187,7 +190,7 @@ def set_up_problem(
         pulls=pulls,
         held=tuple(parameter for parameter in fixed if parameter.name not in names),
         gauge=data.gauge,
-        branch=data.branch if fits_loop(data, names) else None,
+        branch=data.branch if loop else None,
     )
     if data.reads_contraction:
         for _ in range(_STEPS):
@@ -205,13 +208,15 @@ def set_up_problem(
     return problem, readings
 
 
-def fits_loop(data: FitData, names: Collection[str]) -> bool:
-    """The hysteresis loop is fitted beside the constants `names`.
+def fits_loop(data: FitData, names: Collection[str], options: FitOptions) -> bool:
+    """The hysteresis loop is fitted beside the constants `names`, and readings after a turn, where
+    it is not as wide yet, are left out.
 
-    It is if they contain errors of gauges: these are smaller than a loop, which would hide them.
+    It is by the `options`, or if the names contain errors of gauges: these are smaller than a loop,
+    which would hide them.
     """
     both = {UP, DOWN} <= set(np.unique(data.branch).tolist())
-    return both and not set(names).isdisjoint(GAUGE_NAMES)
+    return both and (options.loop or not set(names).isdisjoint(GAUGE_NAMES))
 
 
 def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Prior]:

@@ -263,6 +263,14 @@ class Problem:
             self.weight * np.where(grid.censored, rises, -scaled),
         )
 
+    @property
+    def tested(self) -> np.ndarray:
+        """Mask of the measured entries whose residuals are to be noise: all but those after a turn
+        where a loop is fitted.
+        """
+        measured: np.ndarray = self.grid.measured
+        return measured if self.branch is None else measured & (self.weight > 0)
+
     def errors(self, force: Table, data: FitData) -> np.ndarray:
         """Measured less a model's `force` [N] of each reading of `data`, NaN where clipped."""
         if self.observed is None:

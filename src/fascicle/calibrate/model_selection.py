@@ -26,7 +26,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
-from ..records.record import Record
+from ..records.record import DOWN, UP, Record
 from .calibration import Calibration, largest_force
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
@@ -40,7 +40,7 @@ from .fitting import (
     set_up_problem,
     starts_of,
 )
-from .gauges import CLEAR
+from .gauges import CLEAR, reading_noise
 from .least_squares import KNOWN, NORMAL, ROUGH, Problem, loop_force, solve, solve_with_noise
 from .parameters import (
     FACTOR_NAMES,
@@ -286,11 +286,35 @@ def left_out_errors(calibration: Calibration) -> np.ndarray:
     return np.where(grid.measured, grid.force - left_out_force(calibration), np.nan)
 
 
+def possible_gauge_errors(data: FitData) -> list[str]:
+    """Zeros that a record's gauges may have beside those that it shows at rest, and a drift where
+    time runs on over several sweeps of each direction.
+    """
+    if data.reads_contraction:
+        return []
+    names = [
+        name
+        for name, channel in (("force_zero", "force"), ("pressure_zero", "pressure"))
+        if channel not in data.record.zeroed
+    ]
+    time = data.record.time
+    if time is None or "force" in data.record.zeroed or np.ptp(time) <= 0:
+        return names
+    # a drift is confounded with friction where each direction has its own time
+    times = [time[data.record.branch == side] for side in (UP, DOWN)]
+    apart = all(x.size for x in times) and abs(np.mean(times[0]) - np.mean(times[1])) > np.std(time)
+    return names if apart else [*names, "force_drift"]
+
+
 def candidate_sets(
-    muscle: Muscle, optional: Collection[str] = (), required: Collection[str] = ()
+    muscle: Muscle,
+    optional: Collection[str] = (),
+    required: Collection[str] = (),
+    gauges: Collection[str] = (),
 ) -> list[Names]:
-    """Sets of constants to compare: none, the sizes, the rubber, both, each with a dead band; both
-    with each `optional` constant, and with all of them. The `required` ones are in each.
+    """Sets of constants to compare: none, the sizes, the rubber, both, each with a dead band, sizes
+    and both with the errors of the `gauges`; both with each `optional` constant, and with all of
+    them. The `required` ones are in each.
     """
     usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
@@ -298,6 +322,7 @@ def candidate_sets(
     if len(sizes) < len(usual) and isinstance(muscle.material, MooneyRivlin):
         bases = [sizes, RUBBER, (*RUBBER, *sizes)]
     sets = [(), *bases, *((*base, _BAND) for base in bases)]
+    sets += [(*base, *gauges) for base in (bases[0], bases[-1])]
     sets += [(*bases[-1], name) for name in optional] + [(*bases[-1], *optional)]
     unique = {frozenset(union): union for union in (_union(names, required) for names in sets)}
     return list(unique.values())
@@ -334,10 +359,12 @@ def _pulling_trials(
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # errors that readings without pressure show are fitted with every candidate
     required = list(dict.fromkeys([*constants_with_priors, *data.gauge.faults]))
-    options = replace(options, starts=min(options.starts, _STARTS))
+    # friction is the same for all of them: without it the half-way curve decides
+    options = replace(options, starts=min(options.starts, _STARTS), loop=True)
     usual = {*muscle.tension.fit_parameters(), _WALL}
     constants = identifiable_constants(data, extended, options, usual)
-    sets = candidate_sets(muscle, [name for name in constants if name not in usual], required)
+    optional = [name for name in constants if name not in usual]
+    sets = candidate_sets(muscle, optional, required, possible_gauge_errors(data))
     sets = [names for names in sets if len(names) < np.sum(data.grid.measured)]
     trials: dict[frozenset[str], Candidate] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search
@@ -356,7 +383,8 @@ def _pulling_trials(
     if constants_with_priors or data.reads_contraction:
         return [first, *others], 0.0
     noise = read_curves(muscle, on_length(data, muscle)).noise
-    tuning = _try_tuning(data, muscle, options.loss, fits_loop(data, required))
+    noise = min(noise, reading_noise(data.record.force))
+    tuning = _try_tuning(data, muscle, options.loss, fits_loop(data, (), options))
     return [first, *tuning, *others], noise
 
 
@@ -389,8 +417,10 @@ def _try_constants(
 
 def _errors(data: FitData, problem: Problem, force: np.ndarray) -> np.ndarray:
     """Errors of a model's `force` [N]; of contractions [-] where these were read."""
-    errors = problem.contraction_errors if data.reads_contraction else problem.errors
-    return errors(force, data)
+    if data.reads_contraction:
+        return problem.contraction_errors(force, data)
+    errors = data.errors(force)
+    return errors if data.turning is None else np.where(data.turning, np.nan, errors)
 
 
 def _largest(data: FitData) -> float:
@@ -424,10 +454,12 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Ca
             left_out[fold] = refitted[0][fold]
     forces = [fitted[0], left_out]
     if loop:
-        weight = data.grid.used.astype(float)
+        weight = data.settled.astype(float)
         forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
-    sizes = data.errors(forces[0]), data.errors(forces[1]), loss, largest_force(data.record)
-    return [make_candidate((), "tuning", fitted[1], *sizes)]
+    errors = [data.errors(force) for force in forces]
+    if data.turning is not None:
+        errors = [np.where(data.turning, np.nan, row) for row in errors]
+    return [make_candidate((), "tuning", fitted[1], *errors, loss, largest_force(data.record))]
 
 
 def _full_trials(
