@@ -31,8 +31,8 @@ def test_what_isnt_noise_is_told(choice):
     trend = made.diagnosis.significant[0]
     assert trend.along == "strain" and trend.share > 0.7
     assert np.max(made.wider) > 1.5
-    near = next(one for one in made.diagnosis.signs if abs(one.strain - 0.06) < 1e-3)
-    assert (near.count, near.below) == (16, 16)
+    near = made.errors[np.isfinite(made.errors) & (np.abs(made.record.strain - 0.06) < 1e-3)]
+    assert (near.size, np.sum(near < 0)) == (16, 16)
     assert made.diagnosis.causes
     counts = made.fit_data.counts()
     assert (counts["read"], counts["clipped"], counts["averaged"]) == (126, 66, 0)

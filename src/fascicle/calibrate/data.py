@@ -254,7 +254,7 @@ def after_turns(record: Record, length: float) -> np.ndarray | None:
     """
     length = record.rest_length or length
     friction = fit_friction(record, length) if np.any(record.branch == DOWN) else None
-    if friction is None or friction.law is None:
+    if friction is None or not any(friction.resolved):  # the build-up is shorter than a step
         return None
     mask = np.zeros(len(record), dtype=bool)
     # springs spread evenly over distances have the mean of one; the last slips at twice that
