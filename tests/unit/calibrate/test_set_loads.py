@@ -13,8 +13,8 @@ from fascicle.records.record import Record
 
 
 L, WALL = 0.07, 2e-3
-TRUE = fs.Muscle.from_dimensions(L, 9e-3, WALL, np.radians(25), "latex")
-NOMINAL = fs.Muscle.from_dimensions(L, 9.5e-3, WALL, np.radians(27), "latex")
+TRUE = fs.Muscle(L, 9e-3, WALL, np.radians(25), "latex")
+NOMINAL = fs.Muscle(L, 9.5e-3, WALL, np.radians(27), "latex")
 SIZES = ["braid_angle", "outer_radius"]
 PRESSURES = np.arange(1e5, 6.1e5, 0.5e5)
 
@@ -33,7 +33,7 @@ def test_contractions_are_fitted_as_scipy_fits_them(loads):
 
     def errors(x):
         sizes = L, x[1] * 1e-3, WALL, np.radians(x[0])
-        muscle = fs.Muscle.from_dimensions(*sizes, "latex")
+        muscle = fs.Muscle(*sizes, "latex")
         return 1e3 * L * (invert_force(muscle, record.pressure, record.force) - record.strain)
 
     expected = least_squares(errors, [27.0, 9.5])
