@@ -8,12 +8,17 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
     import typer
 
+_FAMILIES = (
+    *("muscle", "bundle", "simulate", "commands.record", "commands.convert"),
+    *("commands.calibrate", "explore", "commands.export", "design"),
+)
 _INTERRUPTED = 128 + signal.SIGINT  # exit code of an interrupted process, as in shells
 _MAX_MESSAGE = 600  # characters: some eight lines of a terminal
 
@@ -47,8 +52,6 @@ def make_app() -> "typer.Typer":
     """
     import typer
 
-    from . import bundle, explore, muscle, simulate
-    from .commands import calibrate, convert, design, export, record, sweep
     from .options import Command
 
     app = typer.Typer(
@@ -74,27 +77,11 @@ def make_app() -> "typer.Typer":
     ) -> None:
         pass
 
-    for run, name in (
-        (muscle.force, None),
-        (muscle.free_strain, None),
-        (bundle.bundle, None),
-        (bundle.space, None),
-        (bundle.recruit, None),
-        (bundle.efficiency, None),
-        (simulate.simulate, None),
-        (record.run, "record"),
-        (convert.run, "convert"),
-        (calibrate.run, "calibrate"),
-        (explore.explore, None),
-        (export.run, "export"),
-        (design.run, "design"),
-        (sweep.run, "sweep"),
-        (explore.reproduce, None),
-        (muscle.muscles, None),
-        (muscle.laws, None),
-        (muscle.init, None),
-    ):
-        app.command(name, cls=calibrate.COMMAND if name == "calibrate" else Command)(run)
+    for family in _FAMILIES:
+        module = import_module(f".{family}", __name__)  # by name: families import this package
+        classes = getattr(module, "COMMAND_CLASSES", {})
+        for name, run in module.COMMANDS.items():
+            app.command(name, cls=classes.get(name, Command))(run)
     return app
 
 

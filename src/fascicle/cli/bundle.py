@@ -382,3 +382,6 @@ def _print_efficiency(variables: Any, points: bool) -> None:
         rows = [[label, *row] for label, row in zip(labels, cells, strict=True)]
         caption = "-: out of reach" if any("-" in row for row in cells) else ""
         print_table(f"Efficiency [-], {path}", heads, rows, caption)
+
+
+COMMANDS = {"bundle": bundle, "space": space, "recruit": recruit, "efficiency": efficiency}

@@ -148,3 +148,6 @@ def _write(
     with user_errors(), status("computing") as update:
         names = write_folder(folder, overwrite, lambda draft: results.extend(run(draft, update)))
     return results, names
+
+
+COMMANDS = {"explore": explore, "reproduce": reproduce}

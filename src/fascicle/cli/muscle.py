@@ -402,3 +402,12 @@ def template(kind: str) -> str:
             values[law] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(alternatives)
     text = (files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(encoding="utf-8")
     return Template(text).substitute(values, schemes=format_names('"', 1))
+
+
+COMMANDS = {
+    "force": force,
+    "free-strain": free_strain,
+    "muscles": muscles,
+    "laws": laws,
+    "init": init,
+}

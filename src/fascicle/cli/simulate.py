@@ -221,3 +221,6 @@ def _print_balances(balances: Any) -> None:
     print_table(
         "Balances", ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"], rows, caption
     )
+
+
+COMMANDS = {"simulate": simulate}

@@ -1,37 +1,38 @@
-r"""Valves and hoses that fill and vent the motor units of a design within a time.
+r"""Valves and hoses that lift and release a load within given times, and the run in time.
 
-A load case is run from rest and back: the units that it feeds are all filled at once, until their
-common pressure $p^*$ holds the demanded force at the demanded contraction; then they are vented,
-until a twentieth of the contraction is left. Between, the strain at a pressure is that at which the
-bundle's force equals the demanded one (the load), and there is none below the pressure that lifts
-it. Every unit takes $V_N$, its content in normal volume and that of its hose, (G3), through a valve
-(F4) and its hose (F5) in series:
+Each load case is lifted from rest and released: the units that it pressurizes are filled at once,
+each in proportion to its pressure $p_i^*$ that holds the demanded force at the demanded contraction
+(as `recruit` gives it), then vented until a twentieth of the contraction is left. On the way, the
+share of these pressures at a strain is that at which the bundle's force equals the demanded one
+(the load). Every unit takes $V_N$, its content in normal volume and that of its hose, (G3), through
+a valve (F4) and its hose (F5) in series:
 
-$$t = \int_0^{p^*} \frac{\mathrm{d} V_N}{q(P_s, p)} + \int_{p_{1/20}}^{p^*}
-      \frac{\mathrm{d} V_N}{q(p, p_a)}, \tag{G4}$$
+$$t_{lift} = \int_0^{p^*} \frac{\mathrm{d} V_N}{q(P_s, p)}, \qquad
+  t_{release} = \int_{p_{1/20}}^{p^*} \frac{\mathrm{d} V_N}{q(p, p_a)}, \tag{G4}$$
 
-with the flow $q$ in normal volume. The conductance $C$ that a unit's valve needs, both ways, is
-that with which $t$ is the time given; without a hose $t$ is inversely proportional to it.
+with the flow $q$ in normal volume. The conductance $C$ that a unit's valve needs, both ways, is the
+least with which both times are kept; without a hose they are inversely proportional to it.
 
 **Assumes** air at 20 °C throughout, a constant supply, no inertia, valves that open at once.
 
-`run_cycle` runs a cycle in time, as a check: the units that the load case feeds are joined to the
-supply until a mass that hangs on the bundle is lifted by the demanded stroke, then to the room. The
-mass weighs the demanded force and rests on a stop at no contraction. It swings beyond the stroke
-and comes to rest later than the sizing has it: `fit_valves` enlarges the valves until a run passes.
+`run_cycle` runs a cycle in time, as a check: proportional valves, each the one that is named, raise
+the units to the pressures that are printed, hold them, and vent them; a mass that weighs the
+demanded force hangs on the bundle and rests on a stop at no contraction. It swings; nothing but the
+valves slows it down.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..bundle import Bundle
-from ..core.array_namespace import maximum, where
+from ..bundle.states import resolve_supply_pressure
+from ..core.array_namespace import cos, maximum, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, with_fields
-from ..core.types import Batch, Bool, Float, Numbers
+from ..core.types import Batch, Float, Numbers
 from ..core.validation import check_interval, distinct_texts
 from ..fluid import ConstantSupply, Isothermal
 from ..fluid.data_sheets import CatalogValve, catalog_valves
@@ -56,34 +57,34 @@ _HOSE_SHARE = 2.0  # least conductance of a hose over its valve's: then it costs
 WIDEST_BORE = 20e-3  # m; wider hoses are pipes
 _BORES = np.arange(1e-3, WIDEST_BORE + 1e-4, 5e-4)  # m; a tube with the next larger bore is enough
 _HALVINGS = 40  # of an interval of a factor of four: leaves rounding
-_RUN_STEPS = 1000  # of the cycle's time
-_LONGER = 2  # times the cycle's time that is run: a slower design then has a number, too
+_RUN_STEPS = 400  # of the shorter of lift and release
 _SAG = 0.01  # of the stroke, by which the load at rest presses the stop in
 _DAMPER_DEPTH = 1e-3  # m, of (T2)
 _RELEASED = _LEFT / _STEPS  # of the stroke, when the load counts as released: as in the sizing
-_ENLARGEMENTS = 8  # of valves, before a run counts as failed: five do in 28 of 30 random tasks
-LARGEST_OVERSHOOT = 0.1  # of the stroke; a load that swings further isn't where it was to go
-_RESERVE = 0.02  # of the time, by which an enlargement aims lower: one that swings needs fewer
+_THROTTLING = 0.05  # of the supply's pressure: closer to its target a proportional valve throttles
+BAND = 0.1  # of the stroke on either side, in which a lifted load must stay
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """Cycle of contraction and release that a bundle must do in a time.
+    """Cycle of contraction and release that a bundle must do in given times.
 
-    - `time`: of one contraction and release [s].
+    - `lift`, `release`: times for each [s].
     - `per_minute`: their number in a minute [-].
     - `hose_length`: length of each unit's hose [m]; `None` for valves at the muscles.
     - `b`: critical pressure ratio of the valves [-].
     """
 
-    time: float
+    lift: float
+    release: float
     per_minute: float
     hose_length: float | None = None
     b: float = USUAL_RATIO
 
     def __post_init__(self):
         """**Raises:** `InvalidInputError` for values off their domains, and cycles that overlap."""
-        check_interval(self.time, 0.0, _LONGEST_TIME, "time", "s")
+        for name in ("lift", "release"):
+            check_interval(getattr(self, name), 0.0, _LONGEST_TIME, name, "s")
         check_interval(self.per_minute, 0.0, np.inf, "per_minute", "-")
         check_interval(self.b, 0.0, 1.0, "b", "-")
         if self.hose_length is not None:
@@ -94,6 +95,11 @@ class Cycle:
             remedy = "take fewer, or less time"
             raise InvalidInputError("per_minute", rule, self.per_minute, remedy, shown=given)
 
+    @property
+    def time(self) -> float:
+        """Time of one contraction and release [s]."""
+        return self.lift + self.release
+
 
 @dataclass(frozen=True, eq=False)
 class ValveSizing:
@@ -102,26 +108,25 @@ class ValveSizing:
     - `cycle`: what was demanded.
     - `case`: the load case that needs the largest conductance, counted from 0.
     - `run_case`: of those that do work, `None` without one.
-    - `filled`: mask of the units that `run_case` fills.
+    - `pressures`: of the units in `run_case` [Pa]; `start`: the share of them that balances the
+      load at rest [-].
     - `conductance`: that each unit's valve needs at the `cycle`'s b [m³/(s·Pa)]; 0 for a unit that
       is never filled; infinite where no valve is enough.
     - `fill`, `vent`: times of the unit with the largest conductance in that case [s].
     - `line`: hose of each unit, or `None` for none, or none wide enough.
     - `valves`: the smallest of the catalog that is enough for each unit, or `None`.
-    - `time`: in which valves do the cycle without the load's inertia [s]; less than the `cycle`'s
-      if they were enlarged.
     """
 
     cycle: Cycle
     case: int
     run_case: int | None
-    filled: Bool[np.ndarray, " unit"]
+    pressures: Float[np.ndarray, " unit"]
+    start: float
     conductance: Float[np.ndarray, " unit"]
     fill: float
     vent: float
     line: Line | None
     valves: tuple[CatalogValve | None, ...]
-    time: float
 
     @property
     def feasible(self) -> bool:
@@ -143,21 +148,22 @@ def _volume(line: Line | None) -> float:
     return 0.0 if line is None else float(np.pi / 4 * line.diameter**2 * line.length)
 
 
-class _Contraction:
-    """Contraction of a design from rest to each load case: pressure and volume of its units at
-    nodes, from which `times` to fill and to vent follow for any valve (G4).
-
-    `pressure` of all filled units [Pa], nodes first, then cases; `volume` of each unit [m³], nodes,
-    cases, units; `supply`: the supply's pressure [Pa].
+class _Contraction(NamedTuple):
+    """Contraction of a design from rest to each load case: `pressure` [Pa] and `volume` [m³] of its
+    units, nodes first, then cases, then units; `supply`: the supply's pressure [Pa]; `start`: the
+    share of the pressures that balances each load at rest [-].
     """
 
-    def __init__(self, pressure: np.ndarray, volume: np.ndarray, supply: float):
-        self.pressure, self.volume, self.supply = pressure[..., None], volume, supply
+    pressure: np.ndarray
+    volume: np.ndarray
+    supply: float
+    start: np.ndarray
 
     def times(self, supply: SonicValve, exhaust: SonicValve) -> tuple[np.ndarray, np.ndarray]:
         """Times to fill and to vent each unit in each case [s], with the hose of `supply`."""
         p = self.pressure
         content = ((p + ATMOSPHERE) * self.volume + p * _volume(supply.line)) / ATMOSPHERE
+        content = np.where(p[-1] > 0, content, 0.0)  # a vented unit breathes with the room
         rise, middle = np.diff(content, axis=0), (p[1:] + p[:-1]) / 2 + ATMOSPHERE
         T, released = ROOM_TEMPERATURE, len(p) - _STEPS + _LEFT - 1
         inflow = supply.flow(self.supply + ATMOSPHERE, middle, T, T) / REFERENCE_DENSITY
@@ -166,21 +172,19 @@ class _Contraction:
             fill, vent = (np.where(rise > 0, rise / q, 0.0) for q in (inflow, outflow))
         return fill.sum(axis=0), vent[released:].sum(axis=0)
 
+    def share_of_time(self, cycle: Cycle, supply: SonicValve, exhaust: SonicValve) -> np.ndarray:
+        """The larger share of its time that lift or release of each unit takes in each case [-]."""
+        fill, vent = self.times(supply, exhaust)
+        return np.maximum(fill / cycle.lift, vent / cycle.release)
+
 
 def first_level(
     force: Float[np.ndarray, "point level"],
     demanded: Float[np.ndarray, " point"],
     level: Float[np.ndarray, " level"],
 ) -> Float[np.ndarray, " point"]:
-    """The lowest level [-] at which a force is the demanded one, linear between two; else 1.
-
-    **Arguments:**
-
-    - `force`: at each level [N].
-    - `demanded`: force [N].
-    - `level`: shares of the supply pressure, from 0 to 1 [-].
-
-    **Returns:** the level [-].
+    """The lowest level [-] at which a force [N] over levels is the `demanded` one [N], linear
+    between two; else 1. `level`: rising, from 0 to 1 [-].
     """
     excess = force - demanded[:, None]
     # from below or from above: a state that resists may fall before it rises
@@ -199,41 +203,38 @@ def size_valves(
     index: int,
     task: Task,
     cycle: Cycle,
-    pressurized: Bool[np.ndarray, "case unit"],
+    pressures: Float[np.ndarray, "case unit"],
     fluid: Float[np.ndarray, " case"],
     margin: Float[np.ndarray, " case"],
-    time: float | None = None,
 ) -> ValveSizing | None:
-    """Valves and hoses with which a design does the load cases that it reaches within a time;
-    `None` if it reaches none.
+    """Valves and hoses with which a design does the load cases that it reaches within the times of
+    a cycle; `None` if it reaches none.
 
     **Arguments:**
 
     - `designs`: with the design among them.
     - `index`: of the design.
     - `task`: what is demanded.
-    - `cycle`: the time, and the hoses.
-    - `pressurized`: mask of the units that each load case feeds.
+    - `cycle`: the times, and the hoses.
+    - `pressures`: of the units in each load case [Pa].
     - `fluid`: that each takes [m³].
     - `margin`: relative margin of each [-]; negative for one that isn't reached.
-    - `time`: in which they do it without the load's inertia [s]; default: the cycle's.
 
-    **Returns:** the sizing, or `None`. Of more than 64 load cases, those
-    that take most fluid and those with the least margin are run.
+    **Returns:** the sizing, or `None`. Of more than 64 load cases, those that take most fluid and
+    those with the least margin are run.
     """
-    (successes,) = np.nonzero((margin >= 0) & pressurized.any(axis=1))
+    (successes,) = np.nonzero((margin >= 0) & (pressures > 0).any(axis=1))
     if not successes.size:
         return None
     hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
     cases = np.unique(np.concatenate(hardest))
-    filled = pressurized[cases]
-    contraction = _contraction(designs, index, task, cases, filled)
-    time = cycle.time if time is None else time
-    C, line = _conductances(contraction, replace(cycle, time=time), filled)
+    filled = pressures[cases] > 0
+    contraction = _contraction(designs, index, task, cases, pressures[cases])
+    C, line = _conductances(contraction, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
     needed = C.max(axis=0)
     works = (task.force * task.strain_of(float(designs.length[index])))[cases] > 0
-    run_case = int(np.argmax(np.where(works, C.max(axis=1), -1.0)))
+    run = int(np.argmax(np.where(works, C.max(axis=1), -1.0)))
     fill = vent = np.inf
     valves: list[CatalogValve | None] = [None] * len(needed)
     if np.isfinite(needed).all():
@@ -241,46 +242,43 @@ def size_valves(
         fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve))
         for candidate in reversed(catalog_valves()):
             supply, exhaust = (with_fields(valve, line=line) for valve in candidate[1:3])
-            enough = np.all(~filled | (sum(contraction.times(supply, exhaust)) <= time), axis=0)
+            share = contraction.share_of_time(cycle, supply, exhaust)
+            enough = np.all(~filled | (share <= 1), axis=0)
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
+    run_case = int(cases[run]) if works.any() else None
     return ValveSizing(
-        cycle, int(cases[case]), int(cases[run_case]) if works.any() else None, filled[run_case],
-        needed, fill, vent, line, tuple(valves), time,
-    )  # fmt: skip
+        *(cycle, int(cases[case]), run_case, pressures[cases[run]]),
+        *(float(contraction.start[run]), needed, fill, vent, line),
+        tuple(valves),
+    )
 
 
 def _contraction(
-    designs: Designs, index: int, task: Task, cases: np.ndarray, filled: np.ndarray
+    designs: Designs, index: int, task: Task, cases: np.ndarray, pressures: np.ndarray
 ) -> _Contraction:
-    """Contraction of a design up to some load `cases`, whose `filled` units have one pressure."""
+    """Contraction of a design up to some load `cases`, to whose `pressures` [Pa] units rise in
+    proportion.
+    """
     counts = designs.counts[index][designs.counts[index] > 0]
-    muscles = [designs.muscle(index, unit) for unit in range(len(counts))]
-    if designs.uniform[index]:
-        muscles = muscles[:1]
     length, F = float(designs.length[index]), task.force[cases]
     strain = np.linspace(0.0, 1.0, _STEPS + 1)[:, None] * task.strain_of(length)[cases]
     level = np.linspace(0.0, 1.0, _LEVELS)
-    P = level[:, None, None] * task.supply_pressure
-    forces = [np.asarray(muscle.force(P, strain)) for muscle in muscles]
-    volumes = [np.asarray(muscle.volume(strain)) for muscle in muscles]
-    total = sum(
-        n * np.where(filled[:, unit], force, force[:1])
-        for unit, n in enumerate(counts)
-        for force in [forces[unit % len(forces)]]
-    )
-    total = np.moveaxis(np.asarray(total), 0, -1).reshape(-1, _LEVELS)
+    total, volumes = np.zeros((_LEVELS, *strain.shape)), []
+    for unit, n in enumerate(counts):
+        muscle = designs.muscle(index, unit)
+        total += n * np.asarray(muscle.force(level[:, None, None] * pressures[:, unit], strain))
+        volumes.append(n * np.asarray(muscle.volume(strain)))
+    total = np.moveaxis(total, 0, -1).reshape(-1, _LEVELS)
     demanded = np.broadcast_to(F, strain.shape).ravel()
-    pressure = task.supply_pressure * first_level(total, demanded, level).reshape(strain.shape)
+    share = first_level(total, demanded, level).reshape(strain.shape)
     # a load that is held at less pressure further on is let go at the pressure before
-    pressure = np.maximum.accumulate(pressure, axis=0)
-    volume = np.stack([n * volumes[u % len(volumes)] for u, n in enumerate(counts)], axis=-1)
-    start = np.linspace(0.0, 1.0, _STEPS + 1)[:-1, None] * pressure[:1]  # before the load is lifted
+    share = np.maximum.accumulate(share, axis=0)
+    ramp = np.linspace(0.0, 1.0, _STEPS + 1)[:-1, None] * share[:1]  # before the load is lifted
+    volume = np.stack(volumes, axis=-1)
     volume_at_rest = np.broadcast_to(volume[:1], (_STEPS, *volume.shape[1:]))
-    return _Contraction(
-        np.concatenate([start, pressure]),
-        np.concatenate([volume_at_rest, volume]),
-        task.supply_pressure,
-    )
+    pressure = np.concatenate([ramp, share])[..., None] * pressures
+    volume = np.concatenate([volume_at_rest, volume])
+    return _Contraction(pressure, volume, float(task.supply_pressure), share[0])
 
 
 def _conductances(
@@ -291,9 +289,8 @@ def _conductances(
     """
     # times are inverse to the conductance, so any will do: 1 L/(s·bar)
     unit_valve = SonicValve(1e-8, cycle.b)
-    valve_conductance = np.where(
-        filled, 1e-8 * sum(contraction.times(unit_valve, unit_valve)) / cycle.time, 0.0
-    )
+    share = contraction.share_of_time(cycle, unit_valve, unit_valve)
+    valve_conductance = np.where(filled, 1e-8 * share, 0.0)
     if cycle.hose_length is None:
         return valve_conductance, None
     for bore in _BORES:
@@ -302,30 +299,31 @@ def _conductances(
         low = valve_conductance
         high = np.broadcast_to(line.conductance / _HOSE_SHARE, low.shape)
 
-        def time(C: np.ndarray, line: Line = line) -> np.ndarray:
+        def is_enough(C: np.ndarray, line: Line = line) -> np.ndarray:
             # a unit that stays empty has no time below, so any conductance will do
             valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
-            return np.where(filled, sum(contraction.times(valve, valve)), 0.0)
+            return ~filled | (contraction.share_of_time(cycle, valve, valve) <= 1)
 
-        if np.any(low > high) or np.any(time(high) > cycle.time):
+        if np.any(low > high) or not np.all(is_enough(high)):
             continue
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            enough = time(middle) <= cycle.time
+            enough = is_enough(middle)
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
         return np.where(filled, high, 0.0), line
     return np.where(filled, np.inf, 0.0), None
 
 
 class CycleRun(NamedTuple):
-    """Result of a run: times from the start at which the load is lifted by the demanded stroke, and
-    from which on it is released [s], NaN if it never is; the `highest` position [m], and the
-    demanded `stroke` [m].
+    """Result of a run: time after which the load is within the band about the `stroke` [m], as far
+    as its swing allows, `lifted` [s], and after the end of the hold `released` [s]; NaN if it never
+    is. `highest` position [m], and `lowest` one between its arrival and the end of the hold [m].
     """
 
     lifted: float
     released: float
     highest: float
+    lowest: float
     stroke: float
 
     @property
@@ -333,70 +331,51 @@ class CycleRun(NamedTuple):
         """Largest travel beyond the stroke, over the stroke [-]; negative if it isn't reached."""
         return self.highest / self.stroke - 1
 
-    def passes(self, time: float) -> bool:
-        """True if it was lifted and released within a `time` [s] and went no more than
-        `LARGEST_OVERSHOOT` too far.
-        """
-        return self.released <= time and self.overshoot <= LARGEST_OVERSHOOT  # NaN isn't
+    def passes(self, cycle: Cycle) -> bool:
+        """True if the load arrives and returns in time, and stays within the band between."""
+        stays = self.overshoot <= BAND and self.lowest >= (1 - BAND) * self.stroke
+        return self.lifted <= cycle.lift and self.released <= cycle.release and stays  # NaN isn't
 
 
-class _LiftAndRelease(Module):
-    """Controller: supply to the `filled` units until the stroke is reached, then the room."""
+class _RegulatedLift(Module):
+    """Controller: proportional valves that raise units to `pressures` [Pa], from the share of them
+    that balances the load at `start`, along half a wave over `rise` [s], hold them, and vent them
+    from `end` [s] on; they throttle within `band` [Pa].
+    """
 
-    stroke: Batch
-    filled: Numbers
+    pressures: Numbers
+    start: Batch
+    rise: Batch
+    end: Batch
+    band: Numbers
 
     @property
     def memory(self) -> Batch:
-        """0 before the stroke is reached, 1 from then on."""
+        """Nothing to remember."""
         return np.float64(0.0)
 
     def __call__(
         self, memory: Batch, measurement: "Measurement", reference: Any
     ) -> tuple[Batch, Numbers]:
-        """Next memory, and a valve command for each unit [-]."""
+        """Memory, and a valve command for each unit [-]."""
         del reference
-        memory = maximum(memory, where(measurement.position >= self.stroke, 1.0, 0.0))
-        return memory, where(memory > 0, -1.0, self.filled)
-
-
-def fit_valves(
-    sizing: ValveSizing,
-    resize: Callable[[float], ValveSizing | None],
-    run: Callable[[ValveSizing], CycleRun],
-) -> tuple[ValveSizing, CycleRun]:
-    """Enlarge valves until a run in time ends within the cycle's time.
-
-    **Arguments:**
-
-    - `sizing`: without the load's inertia.
-    - `resize`: sizing for a time in which valves do the cycle without it [s].
-    - `run`: run with a sizing.
-
-    **Returns:** the enlarged sizing and its run; the given sizing and its run if none is in time.
-    """
-    first, demanded, larger = run(sizing), sizing.cycle.time, sizing
-    result = first
-    for _ in range(_ENLARGEMENTS):
-        if result.released <= demanded:  # larger valves only swing more
-            break
-        released = _LONGER * demanded if np.isnan(result.released) else result.released
-        candidate = resize(larger.time * (1 - _RESERVE) * demanded / released)
-        if candidate is None or not candidate.feasible:
-            break
-        larger, result = candidate, run(candidate)
-    return (larger, result) if result.released <= demanded else (sizing, first)
+        time = measurement.time
+        wave = (1 - cos(np.pi * minimum(time / self.rise, 1.0))) / 2
+        share = self.start + (1 - self.start) * wave
+        target = where(time < self.end, share, 0.0) * self.pressures
+        command = (target - measurement.pressures) / self.band
+        return memory, maximum(minimum(command, 1.0), -1.0)
 
 
 def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:
-    """Times at which a bundle has lifted and released a hanging mass [s], and its highest position
-    [m], from a simulation of one contraction and release.
+    """Times in which a bundle lifts and releases a hanging mass, and how far it swings, from a
+    simulation with the named valves and the printed pressures.
 
     **Arguments:**
 
     - `bundle`: with its supply pressure.
     - `force`: weight of the mass [N], positive.
-    - `stroke`: contraction at which the release begins [m], positive.
+    - `stroke`: contraction that the pressures hold [m], positive.
     - `sizing`: valves and hoses, which must be feasible.
 
     **Returns:** the times and positions; NaN for a time that isn't reached.
@@ -406,27 +385,47 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     from ..dynamics import HangingMass, Plant, Stop, simulate  # needs JAX
     from ..dynamics.loads import GRAVITY
 
-    C = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
+    cycle = sizing.cycle
+    needed = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
+
+    def together(valves: Iterable[SonicValve]) -> SonicValve:
+        C, b = zip(*((float(valve.C), float(valve.b)) for valve in valves), strict=True)
+        return SonicValve(np.array(C), np.array(b), line=sizing.line)
+
+    pairs = [
+        (SonicValve(C, cycle.b),) * 2 if valve is None else (valve.supply, valve.exhaust)
+        for C, valve in zip(needed, sizing.valves, strict=True)
+    ]
+    supply_valve, exhaust_valve = map(together, zip(*pairs, strict=True))
+    supply = resolve_supply_pressure(bundle, None)
     mass, stiffness = force / GRAVITY, force / (_SAG * stroke)
     # critical where the load sags to, so that it doesn't bounce: the damper acts by depth, (T2)
     damping = 2 * np.sqrt(stiffness * mass) * (1 + _DAMPER_DEPTH / (_SAG * stroke))
-    stop = Stop(low=0.0, stiffness=stiffness, damping=damping)
     plant = Plant(
         bundle,
-        HangingMass(mass, stop=stop),
-        ConstantSupply(bundle.supply_pressure, room_pressure=ATMOSPHERE),
+        HangingMass(mass, stop=Stop(low=0.0, stiffness=stiffness, damping=damping)),
+        ConstantSupply(supply, room_pressure=ATMOSPHERE),
         Isothermal(dead_volume=sizing.hose_volume, room_pressure=ATMOSPHERE),
-        SonicValve(C, sizing.cycle.b, line=sizing.line),
+        supply_valve,
+        exhaust_valve,
     )
-    controller = _LiftAndRelease(np.float64(stroke), np.where(sizing.filled, 1.0, -1.0))
-    reference = np.zeros((_LONGER * _RUN_STEPS, 1))
-    run = simulate(plant, controller, reference, dt=sizing.cycle.time / _RUN_STEPS)
-    position = np.asarray(run.outputs.position)
-    arrivals = np.flatnonzero(position >= stroke)
-    if not arrivals.size:
-        return CycleRun(np.nan, np.nan, float(position.max()), stroke)
-    first = int(arrivals[0])
-    # a load that swings up again isn't released yet
-    down = int(np.flatnonzero(position > _RELEASED * stroke)[-1]) + 1
-    released = float(run.time[down]) if down < len(position) else np.nan
-    return CycleRun(float(run.time[first]), released, float(position.max()), stroke)
+    end = 2 * cycle.lift  # held as long as it was lifted
+    dt = min(cycle.lift, cycle.release) / _RUN_STEPS
+    volume = np.array([unit.count * float(unit.muscle.volume(0.0)) for unit in bundle.motor_units])
+    # of an open valve [Pa/s]: it throttles from so far on that a step doesn't overshoot the target
+    rate = np.asarray(supply_valve.C) * (supply + ATMOSPHERE) * ATMOSPHERE
+    band = np.maximum(_THROTTLING * supply, 2 * dt * rate / (volume + sizing.hose_volume))
+    share, lift = np.float64(sizing.start), np.float64(cycle.lift)
+    controller = _RegulatedLift(sizing.pressures, share, lift, np.float64(end), band)
+    steps = round((end + 2 * cycle.release) / dt)
+    run = simulate(plant, controller, np.zeros((steps, 1)), dt=dt)
+    position, time = np.asarray(run.outputs.position), np.asarray(run.time)
+    held = time <= end
+    highest = float(position.max())
+    (near,) = np.nonzero(held & (position >= (1 - BAND) * stroke))
+    if not near.size:
+        return CycleRun(np.nan, np.nan, highest, np.nan, stroke)
+    lowest = float(position[near[0] : int(held.sum())].min())
+    down = int(np.flatnonzero(position > _RELEASED * stroke)[-1]) + 1  # it may swing up again
+    released = float(time[down] - end) if down < len(position) else np.nan
+    return CycleRun(float(time[near[0]]), released, highest, lowest, stroke)

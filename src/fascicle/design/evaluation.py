@@ -29,8 +29,17 @@ from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise, PressurizedMuscle
 from .designs import Designs, Sizes
 from .objectives import check_objectives, needs, objective_values
-from .outcome import Demand, ForceTable, Outcome, existing_states, outcome, recruitment_states
-from .reversal import largest_overlap, reversal_depth, uniform_reversal_depths
+from .outcome import (
+    Demand,
+    ForceTable,
+    Outcome,
+    existing_states,
+    largest_overlap,
+    outcome,
+    recruitment_states,
+    reversal_depth,
+    uniform_reversal_depths,
+)
 from .task import Task
 
 
@@ -53,7 +62,7 @@ class Resolution:
         return np.linspace(0.0, 1.0, self.levels) ** 1.5
 
 
-UNIFORM = Resolution(257, 513)  # one muscle serves thousands of designs
+UNIFORM = Resolution(129, 513)  # one muscle serves thousands of designs
 MIXED = Resolution(33, 129)  # every design has muscles of its own
 
 

@@ -1,20 +1,24 @@
-"""Exhaustive search of a space: every design's objectives, the Pareto front, and the best design.
+"""Exhaustive search of a space: every design's objectives, the Pareto front, and what to offer.
 
-A design dominates another if it is at least as good in every objective and better in one. The front
-is the set that none dominates; its *hypervolume* is that of the points which it dominates, up to a
-reference point that is worse than all. Both are moocore's (López-Ibáñez and others).
+A design dominates another if it is at least as good in every objective and better in one; where all
+prices are known, the price of muscles and valves is an objective, too. The front is the set that
+none dominates; its *hypervolume* is that of the points which it dominates, up to a reference point
+that is worse than all. Both are moocore's (López-Ibáñez and others).
 
 Designs that break a limit are left out of the front, not out of the record; to reach the whole
-task is a limit that every search has. Recommended is the cheapest design that keeps all limits,
-on the front or not. The front's *compromise* is the design whose worst objective, counted from
-the front's best (0) to its worst (1), is least bad; on a tie, the least sum. Where no design
-reaches the task, none is recommended; the *nearest* misses its worst point by the smallest share of
-what is demanded there.
+task is a limit that every search has. Where no design reaches the task, none is recommended; the
+*nearest* misses its worst point by the smallest share of what is demanded there.
 
-**Safety.** Designs are judged from the cheapest on: first in a few draws, in which those that fail
-too often are dropped, then in all of them. The first that meets the task and all limits in the
-demanded share is recommended. If none does, none is: the surest of those that were judged is the
-nearest.
+**Offers**, each from the front: the *cheapest*, if prices are known; the *simplest*, with the
+fewest valves; the *most efficient*; and the *compromise*, whose worst objective, counted from the
+front's best (0) to its worst (1), is least bad, on a tie the least sum. Of equal designs the one
+with the least volume of muscles is offered: margin beyond what safety needs is no merit.
+Recommended is the cheapest, without prices the compromise.
+
+**Safety.** Designs are judged front by front, without those found unsafe, until all designs of a
+front hold the task and all limits in the demanded share of random draws: first in a few draws, in
+which those that fail too often are dropped, then in all of them. If none holds, none is
+recommended: the surest of those that were judged is the nearest.
 
 Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
@@ -27,7 +31,6 @@ from math import sqrt
 import numpy as np
 
 from ..core.types import Bool, Float, Int
-from .catalog import Catalog, cheapest
 from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
@@ -47,20 +50,14 @@ from .objectives import (
     within_limits,
 )
 from .scatter import Safety, Spread, Uncertainty, spread
-from .space import Space
+from .space import Catalog, Space
 from .task import Task
 
 
-# usual objectives; depth and resolution tell how well the bundle can be controlled
-USUAL = {
-    "mean_efficiency": "max",
-    "margin": "max",
-    "envelope": "min",
-    "valves": "min",
-}
+USUAL = {"mean_efficiency": "max", "envelope": "min", "valves": "min"}  # usual objectives
 LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
-_DIGITS = 9  # of shares that are compared: equal ones differ by rounding
+_DIGITS = 9  # of shares and sizes that are compared: equal ones differ by rounding
 _DRAWS = (64, 512)  # are enough for designs that fail in a third, and in a tenth of the draws
 _DEVIATIONS = 4.0  # of the share in few draws, by which it may be off: 3 of 100 000 more
 _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
@@ -83,44 +80,17 @@ def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> floa
     return float(moocore.hypervolume(points, ref=np.asarray(reference, float)))
 
 
-def pareto_front(
-    values: Values, senses: Mapping[str, str], candidates: Int[np.ndarray, " candidate"]
-) -> Int[np.ndarray, " front"]:
-    """Indices of the `candidates` that no other dominates, best first in the first objective.
-
-    `values`: objectives of all designs, by name [SI]; `senses`: "min" or "max" by objective.
-    """
-    points = as_minimization(values, senses)
-    front = candidates[non_dominated(points[candidates])]
-    return front[np.lexsort((front, *points[front].T[::-1]))]
-
-
-def nearest(
-    values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
-) -> int:
-    """Index of the design nearest to the task: with the least `relative_shortfall`, of those that
-    keep all other limits if any does; on a tie, of that with the fewest valves.
-
-    `values`: objectives of at least one design [SI]; `permitted`: mask of designs of products that
-    may be used.
-    """
-    keeps_limits = within_limits(values, other_limits(limits)) & permitted
-    # of those that miss as much, up to rounding, the one with fewer valves
-    keys = (values["valves"], np.round(values["relative_shortfall"], _DIGITS), ~keeps_limits)
-    return int(np.lexsort(keys)[0])
-
-
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """Result of a search: evaluated designs, their front, and the recommended one.
+    """Result of a search: evaluated designs, their front, and what is offered of it.
 
     - `values`: an array for each objective [SI], over all recorded designs.
     - `index`: of these in the space, -1 if sizes lie between those it lists.
     - `allowed`: mask of those that reach the task and keep all limits.
     - `front`: indices, among the recorded designs, of those that none dominates, best first in the
-      first objective.
-    - `cheapest`: index of the recommended one, `None` if there is none.
-    - `nearest`: index of the one that comes nearest to the task, if none reaches it.
+      first objective; if none is safe, of nominal sizes.
+    - `nearest`: index of the one that comes nearest to the task, or that is surest, if none is
+      recommended.
     - `all_designs`: gives designs by these indices.
     - `judged`: number of evaluated designs.
     - `extra`: further objectives to report.
@@ -138,7 +108,6 @@ class SearchResult:
     values: Values
     allowed: Bool[np.ndarray, " design"]
     front: Int[np.ndarray, " front"]
-    cheapest: int | None
     nearest: int | None
     all_designs: Callable[[Int[np.ndarray, " index"]], Designs]
     judged: int
@@ -153,27 +122,78 @@ class SearchResult:
         """The designs on the front."""
         return self.all_designs(self.front)
 
+    def points_of(self, rows: Int[np.ndarray, " design"]) -> Matrix:
+        """Objectives [SI] of recorded designs, by their indices, turned so that smaller is better;
+        with the price [-], if it is known.
+        """
+        points = as_minimization(self.values, self.senses)[rows]
+        if not self.catalog.is_priced(self.space.drawings):
+            return points
+        return np.column_stack([points, self.catalog.price(self.all_designs(rows))])
+
     @property
-    def points(self) -> Float[np.ndarray, "front objective"]:
+    def points(self) -> Matrix:
         """The front's objectives, turned so that smaller is better [SI]."""
-        return as_minimization(self.values, self.senses)[self.front]
+        return self.points_of(self.front)
+
+    def pareto_front(self, candidates: Int[np.ndarray, " candidate"]) -> Int[np.ndarray, " front"]:
+        """Indices of the `candidates` that no other dominates, best first in the first objective;
+        of those that are equal in all objectives, the smallest ones alone.
+        """
+        points = self.points_of(candidates)
+        mask = non_dominated(points)
+        front, points, size = candidates[mask], points[mask], self._sizes(candidates[mask])
+        _, group = np.unique(np.round(points, 12), axis=0, return_inverse=True)
+        least = np.full(len(front), np.inf)
+        np.minimum.at(least, group.ravel(), size)
+        smallest = size <= least[group.ravel()] * (1 + 10.0**-_DIGITS)
+        return front[smallest][np.lexsort((front[smallest], *points[smallest].T[::-1]))]
+
+    def _sizes(self, rows: Int[np.ndarray, " design"]) -> Float[np.ndarray, " design"]:
+        """Volume of all muscles at rest, over π [m³]."""
+        designs = self.all_designs(rows)
+        return designs.length * np.sum(designs.counts * designs.radius**2, axis=1)
+
+    @cached_property
+    def offers(self) -> dict[str, int]:
+        """Indices on the front of what is offered, by name, the recommended one first; empty if
+        none is recommended.
+        """
+        if self.nearest is not None or not self.front.size:
+            return {}
+        points = self.points
+        low, high = points.min(axis=0), points.max(axis=0)
+        loss = (points - low) / np.where(high > low, high - low, 1.0)
+        size = self._sizes(self.front)
+        # the last key counts first; all end with size: of equal ones the smallest
+        keys = {
+            "compromise": (size, loss.sum(axis=1), loss.max(axis=1)),
+            "simplest": (size, self.values["valves"][self.front]),
+            "most efficient": (size, -self.values["mean_efficiency"][self.front]),
+        }
+        if self.catalog.is_priced(self.space.drawings):
+            price = self.catalog.price(self.designs)
+            keys = {"cheapest": (loss.sum(axis=1), size, price)} | keys
+
+        def rounded(key: np.ndarray) -> np.ndarray:
+            return np.round(key / (np.abs(key).max() or 1.0), _DIGITS)
+
+        return {name: int(np.lexsort([*map(rounded, key)])[0]) for name, key in keys.items()}
 
     @property
     def recommended(self) -> int | None:
         """Index of the recommended design on the front; `None` if there is none."""
-        if self.cheapest is None:
-            return None
-        return int(np.flatnonzero(self.front == self.cheapest)[0])
+        return next(iter(self.offers.values()), None)
+
+    @property
+    def best(self) -> int | None:
+        """Index of the recommended design among the recorded ones; `None` if there is none."""
+        return None if self.recommended is None else int(self.front[self.recommended])
 
     @property
     def compromise(self) -> int | None:
-        """Index of the best compromise in the front; `None` if none there is recommendable."""
-        if self.cheapest is None:
-            return None
-        points = self.points
-        low, high = points.min(axis=0), points.max(axis=0)
-        loss = (points - low) / np.where(high > low, high - low, 1.0)
-        return int(np.lexsort((loss.sum(axis=1), np.round(loss.max(axis=1), _DIGITS)))[0])
+        """Index of the best compromise on the front; `None` if none is recommended."""
+        return self.offers.get("compromise")
 
     @property
     def reaches_task(self) -> Bool[np.ndarray, " design"]:
@@ -187,17 +207,9 @@ class SearchResult:
 
     @property
     def reported_objectives(self) -> tuple[str, ...]:
-        """Objectives with a sense or a limit, the extra ones, and the margins."""
+        """Objectives with a sense or a limit, the extra ones, and the relative margin."""
         limited = (name for name in self.limits if name not in SHARES)
-        names = (*self.senses, *limited, *self.extra, "margin", "relative_margin")
-        return tuple(dict.fromkeys(names))
-
-    @cached_property
-    def cheapest_with_margin(self) -> int | None:
-        """Index of the cheapest design that has the `least_margin` too [-]; `None` if none has."""
-        margin = Limit(least=self.least_margin).holds(self.values["relative_margin"])
-        front = pareto_front(self.values, self.senses, np.flatnonzero(self.allowed & margin))
-        return cheapest(front, self.values, self.all_designs, self.catalog)
+        return tuple(dict.fromkeys((*self.senses, *limited, *self.extra, "relative_margin")))
 
 
 def search(
@@ -241,9 +253,9 @@ def search(
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
     return conclude(
-        space, task, senses, limits, np.arange(size), values, extra, catalog,
+        *(space, task, senses, limits, np.arange(size), values, extra, catalog),
         least_margin=least_margin,
-    )  # fmt: skip
+    )
 
 
 def conclude(
@@ -259,7 +271,7 @@ def conclude(
     judged: int | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
-    """Find the front and the recommended design among evaluated designs: the result of a search.
+    """Find the front among evaluated designs: the result of a search.
 
     `index`: of the designs in the space; `values`: their objectives, by name [SI], with those of
     `recorded_objectives`; `designs`: in the order of `values`, if the space doesn't list them;
@@ -273,20 +285,22 @@ def conclude(
     excluded = catalog.excluded(space.drawings, task)
     kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
     permitted = ~np.isin(space.kind(index), kinds)
-    allowed = within_limits(values, limits) & permitted
-    front = pareto_front(values, senses, np.flatnonzero(allowed))
-    best = cheapest(front, values, all_designs, catalog)
-    return SearchResult(
-        space, task, dict(senses), limits, index, dict(values), allowed,
-        front, best,
-        nearest(values, limits, permitted) if best is None and len(index) else None,
-        all_designs, len(index) if judged is None else judged, tuple(extra), catalog,
-        least_margin,
-    )  # fmt: skip
+    allowed, nearest = within_limits(values, limits) & permitted, None
+    if not allowed.any() and len(index):
+        keeps_limits = within_limits(values, other_limits(limits)) & permitted
+        # of those that miss as much, up to rounding, the one with fewer valves
+        misses = np.round(values["relative_shortfall"], _DIGITS)
+        nearest = int(np.lexsort((values["valves"], misses, ~keeps_limits))[0])
+    count = len(index) if judged is None else judged
+    result = SearchResult(
+        *(space, task, dict(senses), limits, index, dict(values), allowed, np.arange(0), nearest),
+        *(all_designs, count, tuple(extra), catalog, least_margin),
+    )
+    return replace(result, front=result.pareto_front(np.flatnonzero(allowed)))
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
-    """Keep the designs on the front that hold the task in most draws, and recommend one of them.
+    """Keep the designs on the front that hold the task in most draws.
 
     A design that is dominated by unsafe ones alone is on the front of the safe ones, so designs are
     judged front by front, without those found unsafe, until all of a front hold.
@@ -301,12 +315,13 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
 
     **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
     """
-    if result.cheapest is None:
+    if not result.front.size:
         return result
-    candidates, budget, complete = result.allowed.copy(), _budget(uncertainty, _MOST_DRAWN), False
+    slower = 1 if uncertainty.muscles is None else _SLOWER
+    candidates, budget, complete = result.allowed.copy(), _MOST_DRAWN // slower, False
     probability = np.full(len(candidates), np.nan)
     while budget > 0:
-        front = pareto_front(result.values, result.senses, np.flatnonzero(candidates))
+        front = result.pareto_front(np.flatnonzero(candidates))
         new = front[np.isnan(probability[front])]
         if complete := not new.size:
             break
@@ -315,21 +330,24 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
         candidates[new[probability[new] < uncertainty.share]] = False
         budget -= drawn
     safe = np.flatnonzero(probability >= uncertainty.share)
+    unsafe = np.where(probability < uncertainty.share, probability, np.nan)
+    surest = None if np.all(np.isnan(unsafe)) else int(np.nanargmax(unsafe))
     if safe.size:
-        front = pareto_front(result.values, result.senses, safe)
-        row = cheapest(front, result.values, result.all_designs, result.catalog)
-        assert row is not None
-        result = replace(result, cheapest=row, front=front)
+        result = replace(result, front=result.pareto_front(safe))
     else:
-        row = int(np.nanargmax(probability))
-        result = replace(result, cheapest=None, nearest=row)
+        result = replace(result, nearest=surest)
+    row = result.nearest if result.best is None else result.best
     alone = _spread_of_rows(result, np.array([row]), uncertainty, uncertainty.draws, ())
-    draws = _budget(uncertainty, _MOST_REPORTED) // max(1, len(result.front))
+    draws = _MOST_REPORTED // slower // max(1, len(result.front))
     draws = max(_DRAWS[0], min(uncertainty.draws, draws))
-    return replace(result, safety=Safety(
-        uncertainty, float(alone.probability[0]), int(np.sum(~np.isnan(probability))), safe.size,
-        complete, _spread_of_rows(result, result.front, uncertainty, draws),
-    ))  # fmt: skip
+    reported = _spread_of_rows(result, result.front, uncertainty, draws)
+    number = int(np.sum(~np.isnan(probability)))
+    safety = Safety(
+        *(uncertainty, float(alone.probability[0]), number, safe.size, complete, reported),
+        nearest_unsafe=surest,
+        nearest_share=np.nan if surest is None else float(probability[surest]),
+    )
+    return replace(result, safety=safety)
 
 
 def _probabilities(
@@ -341,18 +359,13 @@ def _probabilities(
     share, probability, drawn = uncertainty.share, np.empty(len(rows)), 0
     unclear = np.arange(len(rows))
     for draws in (*(n for n in _DRAWS if n < uncertainty.draws), uncertainty.draws):
-        spread = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
-        probability[unclear], drawn = spread.probability, drawn + draws * len(unclear)
+        held = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
+        probability[unclear], drawn = held.probability, drawn + draws * len(unclear)
         deviation = sqrt(share * (1 - share) / draws)
         unclear = unclear[np.abs(probability[unclear] - share) < _DEVIATIONS * deviation]
         if not unclear.size:
             break
     return probability, drawn
-
-
-def _budget(uncertainty: Uncertainty, count: int) -> int:
-    """Number of designs in a draw to evaluate; `count`: if all draws share their muscles."""
-    return count // (1 if uncertainty.muscles is None else _SLOWER)
 
 
 def _spread_of_rows(
@@ -367,6 +380,6 @@ def _spread_of_rows(
     drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
     limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
     return spread(
-        result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter,
-        uncertainty.muscles, draws,
-    )  # fmt: skip
+        *(result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter),
+        *(uncertainty.muscles, draws),
+    )

@@ -19,24 +19,19 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float
-from .catalog import Catalog
 from .designs import Designs, scaled_designs
 from .evaluation import MIXED, Values, evaluate
-from .exhaustive_search import (
-    LEAST_MARGIN,
-    SearchResult,
-    as_minimization,
-    conclude,
-)
+from .exhaustive_search import LEAST_MARGIN, SearchResult, conclude
 from .objectives import (
     Limits,
+    as_minimization,
     check_search,
     other_limits,
     reaches_task,
     recorded_objectives,
     with_reach_limits,
 )
-from .space import Space, drawing_sizes
+from .space import Catalog, Space, drawing_sizes
 from .task import Task
 
 
@@ -140,59 +135,52 @@ def evolve(
     - `catalog`: products and prices [-]; default: no price is known.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
 
-    **Returns:** the result, with those of all evaluated designs that are on the front and the
-    cheapest, or where none keeps the limits the one that comes nearest to the task.
+    **Returns:** the result, with the designs of the last generation.
 
     **Raises:** `ValueError` for a space it can't search; `ModuleNotFoundError` without pymoo.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.callback import Callback
     from pymoo.core.problem import Problem
-    from pymoo.termination import get_termination
+    from pymoo.optimize import minimize
 
-    limits, senses, catalog = with_reach_limits(limits), dict(senses), catalog or Catalog()
+    limits, senses = with_reach_limits(limits), dict(senses)
     names = recorded_objectives(senses, limits)
-    reported = recorded_objectives(senses, limits, extra)
     check_search(senses, limits)
     decoder = GenomeDecoder(space, continuous)
-    algorithm: Any = NSGA2(pop_size=population)
-    algorithm.setup(
-        Problem(
-            n_var=decoder.genes, n_obj=len(senses), n_ieq_constr=1 + len(other_limits(limits)),
-            xl=np.zeros(decoder.genes), xu=np.ones(decoder.genes),
-        ),
-        termination=get_termination("n_gen", generations), seed=seed, verbose=False,
-    )  # fmt: skip
-    genomes, values = np.zeros((0, decoder.genes)), {name: np.zeros(0) for name in names}
-    evaluated = 0
-    for generation in range(generations):
-        infills = algorithm.ask()
-        new = np.asarray(infills.get("X"), float)
-        new_values = evaluate(decoder.designs(new), task, names, MIXED)
-        infills.set("F", as_minimization(new_values, senses))
-        infills.set("G", _violations(new_values, limits))
-        algorithm.tell(infills=infills)
-        evaluated += len(new)
-        genomes = np.concatenate([genomes, new])
-        values = {name: np.concatenate([values[name], new_values[name]]) for name in names}
-        result = conclude(
-            space, task, senses, limits, np.full(len(genomes), -1), values, catalog=catalog,
-            designs=decoder.designs(genomes),
-        )  # fmt: skip
-        # of equal points the first is enough
-        _, first = np.unique(result.points, axis=0, return_index=True)
-        extra_rows = [row for row in (result.cheapest, result.nearest) if row is not None]
-        best = np.union1d(result.front[first], extra_rows).astype(int)
-        genomes, values = genomes[best], {name: row[best] for name, row in values.items()}
-        if watch is not None:
-            watch(generation + 1)
-    designs = decoder.designs(genomes)
+
+    class Search(Problem):
+        """Objectives and broken limits of a generation."""
+
+        def _evaluate(self, x: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            values = evaluate(decoder.designs(x), task, names, MIXED)
+            out["F"], out["G"] = as_minimization(values, senses), _violations(values, limits)
+
+    class Progress(Callback):
+        """Number of finished generations, for the caller."""
+
+        def notify(self, algorithm: Any) -> None:
+            """Called at the end of each generation."""
+            if watch is not None:
+                watch(algorithm.n_iter)
+
+    problem = Search(
+        n_var=decoder.genes,
+        n_obj=len(senses),
+        n_ieq_constr=1 + len(other_limits(limits)),
+        xl=0.0,
+        xu=1.0,
+    )
+    algorithm = NSGA2(pop_size=population)
+    end: Any = minimize(problem, algorithm, ("n_gen", generations), callback=Progress(), seed=seed)
+    designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
-    values = evaluate(designs, task, reported)
+    values = evaluate(designs, task, recorded_objectives(senses, limits, extra))
     index = np.full(len(designs), -1)
     return conclude(
-        space, task, senses, limits, index, values, extra, catalog, designs, evaluated,
-        least_margin,
-    )  # fmt: skip
+        *(space, task, senses, limits, index, values, extra, catalog, designs),
+        *(population * generations, least_margin),
+    )
 
 
 def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:

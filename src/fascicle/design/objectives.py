@@ -25,10 +25,11 @@ from .outcome import FORCE_TOLERANCE, Outcome
 
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
 SHARES = (BY_WEIGHT, BY_POINTS)
-# objectives of every search: how far a design is from the task, and which of two is cheaper
+# objectives of every search: how far a design is from the task, and those of the offers
 ALWAYS = (
-    *SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy",
-)  # fmt: skip
+    *(*SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy"),
+    "mean_efficiency",
+)
 _ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
 
 PerDesign = Numbers

@@ -172,6 +172,8 @@ class Safety:
     - `judged`: number of designs that were judged, `safe`: of those of them that hold; `complete`:
       true if no other design can be on the front of the safe ones.
     - `spread`: of the designs on the front.
+    - `nearest_unsafe`: index of the surest recorded design that fails too often, or `None`, with
+      its share of the draws in `nearest_share` [-].
     """
 
     uncertainty: Uncertainty
@@ -180,6 +182,8 @@ class Safety:
     safe: int
     complete: bool
     spread: Spread
+    nearest_unsafe: int | None = None
+    nearest_share: float = np.nan
 
     @cached_property
     def margin_quantiles(self) -> Float[np.ndarray, " design"]:

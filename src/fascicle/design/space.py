@@ -1,4 +1,5 @@
-r"""The designs to choose among: numbers of muscles, their splits, their sizes, on grids.
+r"""The designs to choose among: numbers of muscles, their splits, their sizes, on grids; products
+on sale, and prices. A missing price is never guessed.
 
 A design is determined by its index alone: a search can be cut into blocks, and a block repeated on
 another machine. Splits run fastest, so that neighbors share a muscle.
@@ -17,23 +18,33 @@ Henneman's size principle has it.
 
 import math
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
 from functools import cache, cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy
 from ..core.types import Float, Int
-from ..core.validation import NEUTRAL_ANGLE, RANGES, check_choice, check_interval, check_plausible
+from ..core.validation import (
+    NEUTRAL_ANGLE,
+    RANGES,
+    check_choice,
+    check_interval,
+    check_plausible,
+    distinct_texts,
+)
 from ..muscle import Muscle
 from .designs import Designs, packed_radius, pad_rows, scaled_designs
+from .task import Task
 
 
 MAX_MUSCLES = 100  # of a bundle whose splits are enumerated: columns of their table
 MAX_SPLITS = 2_000_000  # rows of that table: some hundred megabytes
+_ROUNDING = 1e-9  # relative, of a product's limits: 150 mm of 600 mm are a quarter
 _LARGEST_FACTOR = 10.0  # of a unit's radius; more is a slip
 SPLITS = ("all", "partitions")
 RADIUS_RULES = ("each", "cross_section", "packing")
@@ -213,7 +224,7 @@ class Space:
     def __getstate__(self) -> dict:
         # without cached properties, which can be a thousand times larger. Drawings as NumPy's:
         # a process that is sent JAX's arrays with each block keeps them all
-        state = {field.name: getattr(self, field.name) for field in fields(self)}
+        state = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return state | {"drawings": to_numpy(self.drawings)}
 
     def __len__(self) -> int:
@@ -320,3 +331,76 @@ def _combine_factors(
     ]
     rows, factor = zip(*choices, strict=True) if choices else (counts, counts)
     return np.array(rows), np.array(factor, float)
+
+
+class Product(NamedTuple):
+    """Product: a muscle on sale, of one length: its `name`, `price` for one in the catalog's
+    currency, `mass` of one [kg], and the largest pressure [Pa] and contraction [-] that its maker
+    allows; each is `None` if unknown. `source` of the figures.
+    """
+
+    name: str
+    price: float | None = None
+    mass: float | None = None
+    largest_pressure: float | None = None
+    largest_strain: float | None = None
+    source: str = ""
+
+    def exclusion_reason(self, task: Task, length: float) -> str:
+        """Reason why this product must not be used for a `task` at its `length` [m]; empty if it
+        may.
+        """
+        limit, strain = self.largest_pressure, float(task.strain_of(length).max())
+        if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
+            given, most = distinct_texts(task.supply_pressure / 1e3, limit / 1e3)
+            return f"the supply has {given} kPa, its maker allows {most} kPa"
+        limit = self.largest_strain
+        if limit is not None and strain > limit * (1 + _ROUNDING):
+            given, most = distinct_texts(100 * strain, 100 * limit)
+            return f"the task demands a contraction of {given} %, its maker allows {most} %"
+        return ""
+
+
+@dataclass(frozen=True)
+class Catalog:
+    """Catalog of products and prices. `products`, by the name of their drawing; prices in a
+    `currency`: of a `valve` and of a `muscle` of products without a price [-], of `air` for each
+    normal m³ and of `energy` for each J; `density` of the bladder [kg/m³].
+    """
+
+    products: Mapping[str, Product] = field(default_factory=dict)
+    currency: str = ""
+    valve: float | None = None
+    muscle: float | None = None
+    air: float | None = None
+    energy: float | None = None
+    density: float | None = None
+
+    def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
+        """Price of the muscles of each of the `designs` [-]; NaN if unknown."""
+        prices = np.array([self._price_of_one(name) for name in designs.drawings])
+        return designs.counts.sum(axis=1) * prices[designs.kind]
+
+    def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
+        """Price of muscles and valves of each of the `designs` [-]; NaN if unknown."""
+        valve = np.nan if self.valve is None else self.valve
+        return self.muscle_price(designs) + valve * designs.units
+
+    def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
+        """Reasons why products must not be used for a `task`, by the names of their `drawings`."""
+        reasons = {
+            name: product.exclusion_reason(task, float(drawings[name].length))
+            for name, product in self.products.items()
+        }
+        return {name: reason for name, reason in reasons.items() if reason}
+
+    def is_priced(self, drawings: Mapping[str, Muscle]) -> bool:
+        """True if the prices of a valve and of the muscles of all `drawings` are known."""
+        prices = [self._price_of_one(name) for name in drawings]
+        return self.valve is not None and not np.any(np.isnan(prices))
+
+    def _price_of_one(self, name: str) -> float:
+        """Price of one muscle of the drawing with a `name` [-]; NaN if unknown."""
+        product = self.products.get(name)
+        price = self.muscle if product is None or product.price is None else product.price
+        return np.nan if price is None else price

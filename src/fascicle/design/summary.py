@@ -26,26 +26,20 @@ from functools import cached_property
 
 import numpy as np
 
-from ..bundle.states import states_of
-from ..core.module import with_fields
+from ..bundle import Bundle
 from ..core.types import Bool, Float, Int
-from ..muscle import Muscle
-from .catalog import Catalog, Product
-from .cycle import ATMOSPHERE, Cycle, ValveSizing, first_level, size_valves
-from .designs import Designs, Sizes, packed_radius
-from .evaluation import MIXED, UNIFORM, Resolution, evaluate, every_level_table
+from ..core.validation import LARGEST_STRAIN
+from .cycle import ATMOSPHERE, Cycle, ValveSizing, size_valves
+from .designs import Designs, packed_radius
+from .evaluation import evaluate, outcomes
 from .exhaustive_search import SearchResult
-from .outcome import (
-    FORCE_TOLERANCE,
-    MAX_FED_SETS,
-    Demand,
-    choose_states,
-)
+from .outcome import FORCE_TOLERANCE
+from .space import Catalog, Product, compositions, number_of_splits
 from .task import Task
 
 
 STANDARD_GRAVITY = 9.80665  # m/s², of ISO 80000-3
-_BATCH = 1024  # points computed together: some ten megabytes of forces at all levels
+_MOST_SPLITS = 5000  # of the same muscles: some seconds
 
 Points = Float[np.ndarray, " point"]
 
@@ -57,8 +51,8 @@ class Cases:
     - `length`: of the bundle at rest [m].
     - `largest`: force that it gives at each [N].
     - `spare`: that force less the demanded one [N]; negative where it isn't reached.
-    - `state`: that meets it, counted from 0.
-    - `pressure`: throttled in that state [Pa]; of independent units, that of the last pressurized.
+    - `state`: that meets it, counted from 1; 0 if it isn't reached.
+    - `pressures`: of the units in it, as `recruit` gives them [Pa].
     - `content`: of each unit [m³]: of air in normal volume, of liquid what flows in.
     """
 
@@ -67,7 +61,7 @@ class Cases:
     largest: Points
     spare: Points
     state: Int[np.ndarray, " point"]
-    pressure: Points
+    pressures: Float[np.ndarray, "point unit"]
     content: Float[np.ndarray, "point unit"]
 
     @property
@@ -117,76 +111,24 @@ def cases(designs: Designs, index: int, task: Task) -> Cases:
 
     **Returns:** the load cases.
     """
-    drawing, uniform = designs.drawing(index), bool(designs.uniform[index])
-    drawing.tuning.warn_extrapolation(task.supply_pressure)
-    counts = designs.counts[index][designs.counts[index] > 0]
-    sizes = designs.sizes(index).take(slice(0, 1 if uniform else len(counts)))
-    resolution, demand = UNIFORM if uniform else MIXED, Demand.from_task(task)
-    batches = []
-    for start in range(0, len(task), _BATCH):
-        cut = slice(start, start + _BATCH)
-        portion = with_fields(
-            demand, force=demand.force[cut], travel=demand.travel[cut], weight=demand.weight[cut]
-        )
-        batches.append(_case_fields(drawing, sizes, counts, portion, resolution, task.fluid))
-    return Cases(task, float(sizes.length[0]), *map(np.concatenate, zip(*batches, strict=True)))
-
-
-def _case_fields(
-    drawing: Muscle,
-    sizes: Sizes,
-    counts: Int[np.ndarray, " unit"],
-    demand: Demand,
-    resolution: Resolution,
-    fluid: str,
-) -> tuple[np.ndarray, ...]:
-    """Fields of `Cases` after the length: largest, spare, state, pressure and content."""
-    length, F = sizes.length[0], demand.force
-    table, _ = every_level_table(drawing, sizes, demand, (), resolution)
-    table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
-    sets, state_of = states_of(demand.scheme, len(counts)).sets(max_sets=MAX_FED_SETS)
-    choice = choose_states(counts, table, length, demand, sets, np.ones(sets.size, bool), True)
-    full, throttled = sets.full[choice.state], sets.throttled[choice.state]
-    pressurized, forces = full | throttled, counts * table.levels
-    if sets.independent:
-        last, levels = _independent_levels(forces, full, throttled, F, resolution.level)
-    else:
-        force = sets.sums(forces, forces[0], forces[-1])[choice.state, :, np.arange(len(F))]
-        last = first_level(force, F, resolution.level)
-        levels = np.where(throttled, last[:, None], full)
-    # a case that isn't reached is as near as can be with all fed units at full supply
-    levels = np.where(choice.reached[:, None], levels, pressurized)
-    pressure = np.where(choice.reached, last, 1.0) * demand.supply
-    content = table.volume
-    if fluid == "air":
-        filling = levels * demand.supply / ATMOSPHERE
-        content = (1 + filling) * content + filling * sizes.muscle(drawing).volume(0 * sizes.length)
-    content = np.where(pressurized, counts * content, 0.0)
-    return choice.largest, choice.spare, state_of[choice.state], pressure, content
-
-
-def _independent_levels(
-    forces: Float[np.ndarray, "level point unit"],
-    full: Bool[np.ndarray, "point unit"],
-    throttled: Bool[np.ndarray, "point unit"],
-    demanded: Points,
-    level: Float[np.ndarray, " level"],
-) -> tuple[Points, Float[np.ndarray, "point unit"]]:
-    """Levels of the last throttled unit and of all units [-], if several are throttled
-    independently: all of them but the last have the level of most force, or that of least force
-    if the demand is below the force of the others.
-    """
-    vented, supplied = forces[0], forces[-1]
-    base = np.where(full, supplied, vented).sum(axis=1)
-    extreme = np.where((demanded >= base)[:, None], forces.argmax(axis=0), forces.argmin(axis=0))
-    force = np.take_along_axis(forces, extreme[None], axis=0)[0]
-    force = np.where(full, supplied, np.where(throttled, force, vented))
-    last = throttled.shape[1] - 1 - np.argmax(throttled[:, ::-1], axis=1)
-    is_last = np.arange(throttled.shape[1]) == last[:, None]
-    remainder = demanded - np.where(is_last, 0.0, force).sum(axis=1)
-    last_level = first_level(forces[:, np.arange(len(last)), last].T, remainder, level)
-    levels = np.where(full, 1.0, np.where(throttled, level[extreme], 0.0))
-    return last_level, np.where(is_last, last_level[:, None], levels)
+    designs.drawing(index).tuning.warn_extrapolation(task.supply_pressure)
+    design, bundle = designs.take(np.array([index])), designs.bundle(index, task)
+    length = float(design.length[0])
+    ((_, outcome),) = outcomes(design, task)
+    spare = np.reshape(outcome.spare, -1)
+    strain = np.minimum(task.strain_of(length), LARGEST_STRAIN)
+    solved = bundle.recruit(task.force, strain)
+    pressures = np.asarray(solved.pressures)
+    content = np.zeros(pressures.shape)
+    for unit, (motor_unit, P) in enumerate(zip(bundle.motor_units, pressures.T, strict=True)):
+        muscle = motor_unit.muscle
+        rest, volume = float(muscle.volume(0.0)), np.asarray(muscle.volume(strain))
+        content[:, unit] = motor_unit.count * (volume - rest)
+        if task.fluid == "air":
+            content[:, unit] += motor_unit.count * P / ATMOSPHERE * volume
+    content = np.where(pressures > 0, content, 0.0)
+    state = np.where(spare >= -FORCE_TOLERANCE, np.asarray(solved.state), 0)
+    return Cases(task, length, spare + task.force, spare, state, pressures, content)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,8 +145,9 @@ class Summary:
     - `price`, `price_of_muscles`, `cost_of_a_cycle`: of muscles and valves, of muscles alone, and
       of the fluid, in the catalog's currency [-].
     - `sizing`: of valves and hoses for a cycle, if one is demanded.
-    - `run`, `run_failure`: words on the run over time with these valves, and on its failure, if
-      any.
+    - `held_open`: contraction to which each load case goes if its units stay joined to the supply,
+      as by a 3/2 valve [m]; NaN without a rest there.
+    - `stretch`: by which the largest load stretches the vented bundle [m]; NaN if it can't.
     """
 
     label: str
@@ -219,9 +162,9 @@ class Summary:
     price: float | None
     price_of_muscles: float | None
     cost_of_a_cycle: float | None
-    sizing: ValveSizing | None = None
-    run: str = ""
-    run_failure: str = ""
+    sizing: ValveSizing | None
+    held_open: Points
+    stretch: float
 
     @property
     def margin(self) -> float:
@@ -250,7 +193,8 @@ class Summary:
         """
         assert self.sizing is not None
         task, hoses = self.cases.task, self.sizing.hose_volume
-        pressurized_units = np.average(np.sum(self.cases.content != 0, axis=1), weights=task.weight)
+        fed = np.sum(self.cases.pressures > 0, axis=1)
+        pressurized_units = np.average(fed, weights=task.weight)
         hose_air = pressurized_units * hoses * task.supply_pressure / ATMOSPHERE
         return (self.cases.fluid_of_a_cycle + hose_air) * self.sizing.cycle.per_minute / 60
 
@@ -308,23 +252,64 @@ def summarize(
     elif catalog.energy is not None:
         work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
         cost = float(catalog.energy * work * fluid)
-    sizing = None if cycle is None else size_for_cases(design, load_cases, cycle)
+    sizing, bundle = None, design.bundle(0, task)
+    if cycle is not None:
+        margin = np.where(load_cases.reached, np.maximum(load_cases.relative, 0.0), -1.0)
+        pressures, taken = load_cases.pressures, load_cases.fluid
+        sizing = size_valves(design, 0, task, cycle, pressures, taken, margin)
+    open_pressures = np.where(load_cases.pressures > 0, supply, 0.0)
+    length = load_cases.length
+    vented = _rest(bundle, task.force.max(keepdims=True), np.zeros((1, len(bundle.motor_units))))
     return Summary(
-        design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter,
-        2 * float(packed_radius(radius, counts)), product, bladders, mass,
-        None if np.isnan(price) else price, None if np.isnan(muscle_price) else muscle_price,
-        cost, sizing,
-    )  # fmt: skip
-
-
-def size_for_cases(
-    design: Designs, load_cases: Cases, cycle: Cycle, time: float | None = None
-) -> ValveSizing | None:
-    """Valves of a single `design` for its load cases and a `cycle`, as of `size_valves`; `time`: in
-    which they do it without the load's inertia [s].
-    """
-    pressurized, margin = load_cases.content != 0, load_cases.relative
-    margin = np.where(load_cases.reached, np.maximum(margin, 0.0), -1.0)
-    return size_valves(
-        design, 0, load_cases.task, cycle, pressurized, load_cases.fluid, margin, time
+        *(design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter),
+        *(2 * float(packed_radius(radius, counts)), product, bladders, mass),
+        None if np.isnan(price) else price,
+        None if np.isnan(muscle_price) else muscle_price,
+        *(cost, sizing, length * _rest(bundle, task.force, open_pressures)),
+        -length * float(vented[0]),
     )
+
+
+def _rest(bundle: Bundle, force: Points, pressures: Float[np.ndarray, "point unit"]) -> Points:
+    """Strain at which a bundle holds loads [N] at rest, the largest stable one [-]; NaN if none."""
+    found = bundle.strain_at(force, pressures)
+    strain = np.where(found.stable, found.strain, -np.inf).max(axis=-1)
+    return np.where(np.isfinite(strain), strain, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Splits:
+    """The muscles of one design in 1, 2, 3 … motor units, each in the split that takes least fluid
+    energy: `designs`, and their `values` [SI] by objective.
+    """
+
+    designs: Designs
+    values: dict[str, Float[np.ndarray, " design"]]
+
+
+def best_splits(result: SearchResult, index: int) -> Splits | None:
+    """What more motor units buy and cost at the task: the muscles of the recorded design with an
+    `index`, split otherwise; `None` for unlike muscles, and for too many of them.
+    """
+    design, most = result.all_designs(np.array([index])), result.space.most_units
+    number = int(design.counts.sum())
+    units = min(number, max(most or 5, int(design.units[0])))
+    if not design.uniform[0] or number_of_splits(number, "all", units) > _MOST_SPLITS:
+        return None
+    counts = compositions(number, units)
+    same = Designs.of(design.muscle(0), counts, list(design.drawings)[int(design.kind[0])])
+    names = ["mean_energy", "mean_efficiency", "force_resolution", "relative_margin"]
+    if not result.task.scheme.independent:
+        names.append("reversal_depth")
+    values = evaluate(same, result.task, names)
+    reached = values["relative_margin"] >= result.values["relative_margin"][index] * (1 - 1e-6)
+    energy = np.where(reached, values["mean_energy"], np.inf)
+    if not np.isfinite(energy).any():
+        return None
+    rows = [
+        members[np.argmin(energy[members])]
+        for members in (np.flatnonzero(same.units == m) for m in range(1, units + 1))
+        if np.isfinite(energy[members]).any()
+    ]
+    best = np.array(rows)
+    return Splits(same.take(best), {name: row[best] for name, row in values.items()})

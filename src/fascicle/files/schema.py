@@ -515,11 +515,13 @@ class ScatterSection(TableModel):
 
 
 class CycleSection(TableModel):
-    """`[cycle]`: time of one contraction and release, their number in a minute, each unit's hose,
-    and b of the valves.
+    """`[cycle]`: times to lift and to release, or one time for both, their number in a minute, each
+    unit's hose, and b of the valves.
     """
 
-    time: Annotated[float, Quantity("time")] = Field(examples=['"0.5 s"'])
+    time: Annotated[float | None, Quantity("time")] = Field(None, examples=['"0.5 s"'])
+    lift: Annotated[float | None, Quantity("time")] = Field(None, examples=['"0.3 s"'])
+    release: Annotated[float | None, Quantity("time")] = Field(None, examples=['"0.2 s"'])
     per_minute: Number = Field(examples=["20"])
     hose_length: Length | None = None
     b: Number | None = None

@@ -19,7 +19,6 @@ from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
-from ..design.catalog import Catalog, Product
 from ..design.cycle import Cycle
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
 from ..design.objectives import (
@@ -37,7 +36,7 @@ from ..design.scatter import (
     DesignScatter,
     Uncertainty,
 )
-from ..design.space import SPLITS, Space, read_split
+from ..design.space import SPLITS, Catalog, Product, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
@@ -179,8 +178,13 @@ def _cycle(section: CycleSection | None, task: Task, location: FileLocation) -> 
         return None
     if task.fluid != "air":
         raise location.error((), 'sizes valves for air: drop it, or write fluid = "air".')
+    values = section.model_dump(exclude_none=True)
+    if ("time" in values) == ("lift" in values or "release" in values):
+        raise location.error((), "needs time, or lift and release.")
+    if "time" in values:
+        values["lift"] = values["release"] = 0.5 * values.pop("time")
     with location.error_context():
-        return Cycle(**section.model_dump(exclude_none=True))
+        return Cycle(**values)
 
 
 def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:

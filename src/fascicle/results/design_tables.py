@@ -22,7 +22,7 @@ def front_variables(result: SearchResult) -> dict[str, Variable]:
     recommended = np.zeros(len(indices), bool)
     if result.recommended is not None:
         recommended[result.recommended] = True
-    about = "cheapest of the designs on the front"
+    about = "cheapest, without prices the best compromise, of the front"
     rows: list[tuple] = [
         ("design", "design", result.index[indices], "-", _INDEX),
         *_objectives({name: values[indices] for name, values in result.values.items()}),
@@ -57,7 +57,7 @@ def case_variables(summary: Summary) -> Table:
         ("case_largest_force", "case", cases.largest, "N", "largest force at this strain"),
         ("case_spare", "case", cases.spare, "N", spare),
         ("case_reached", "case", cases.reached, "-", "true if the case is reached"),
-        ("case_state", "case", cases.state + 1, "-", "recruitment state that meets it"),
+        ("case_state", "case", cases.state, "-", "recruitment state that meets it, 0 for none"),
         ("case_fluid", "case", cases.fluid, "m³", f"{fluid} from rest to it and back, {kind}"),
         ("fluid_of_a_cycle", "", cases.fluid_of_a_cycle, "m³", f"{fluid}, {kind}"),
         ("mass", "", mass, "kg", "as in the report, NaN if unknown"),

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from fascicle.design import Catalog, Product, Space, Task, search
-from fascicle.design.catalog import cheapest
 
 
 TASK = Task.of([40.0, 150.0], [0.2, 0.1], 413.7e3)
@@ -19,73 +18,48 @@ def space(muscle):
     return Space({"small": muscle, "large": muscle}, (2, 3))
 
 
-@pytest.fixture(scope="module")
-def result(space):
-    return search(space, TASK, ONE_VALVE)
-
-
-def cheapest_index(result, catalog):
-    return cheapest(np.flatnonzero(result.allowed), result.values, result.all_designs, catalog)
-
-
-def cheapest_label(result, catalog):
-    design = result.all_designs(np.array([cheapest_index(result, catalog)]))
+def recommended(result):
+    design = result.all_designs(np.array([result.best]))
     return list(design.drawings)[design.kind[0]], design.labels[0]
 
 
-def test_without_prices_valves_count_first_then_muscles(result):
-    assert cheapest_label(result, Catalog()) == ("small", "2")
-
-
-def test_known_prices_decide(result):
+def test_known_prices_decide(space):
     dear = Catalog(
         {"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR", 5.0
     )
-    assert cheapest_label(result, dear) == ("large", "2")
+    result = search(space, TASK, ONE_VALVE, catalog=dear)
+    assert next(iter(result.offers)) == "cheapest" and recommended(result) == ("large", "2")
     prices = dear.price(result.all_designs(np.arange(12)))
     assert prices.min() == 2 * 9.0 + 5.0 and prices.max() == 3 * 50.0 + 3 * 5.0
+    assert prices[result.allowed].min() == prices[result.best]
 
 
-def test_missing_price_is_nan(result):
-    """Of one product alone, or of muscles without a valve's: valves count first again."""
+def test_a_missing_price_is_not_guessed(space):
+    """Of one product alone, or of muscles without a valve's."""
     half = Catalog({"large": Product("l", price=0.01)}, "EUR", 5.0)
-    assert half.known_prices(result.space.drawings) == (False, False)
-    assert cheapest_label(result, half) == ("small", "2")
-    assert np.all(np.isnan(half.price(result.all_designs(np.arange(6)))))
     muscles = Catalog({"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR")
-    assert muscles.known_prices(result.space.drawings) == (True, False)
-    assert cheapest_label(result, muscles) == ("large", "2")
+    for catalog in (half, muscles):
+        assert not catalog.is_priced(space.drawings)
+        result = search(space, TASK, ONE_VALVE, catalog=catalog)
+        assert "cheapest" not in result.offers and recommended(result)[1] == "2"
+    assert np.all(np.isnan(half.price(result.all_designs(np.arange(6)))))
 
 
 def test_cheap_valves_do_not_make_muscles_free(muscle):
     """With its own price a third muscle is worth a valve less."""
-    space = Space({"m": muscle}, (2, 3))
-    result = search(space, TASK, ONE_VALVE)
     catalog = Catalog({}, "EUR", valve=0.0, muscle=1.0)
-    label = result.all_designs(np.array([cheapest_index(result, catalog)])).labels[0]
-    assert label == "2"
+    result = search(Space({"m": muscle}, (2, 3)), TASK, ONE_VALVE, catalog=catalog)
+    assert recommended(result)[1] == "2"
 
 
-def test_equal_price_is_decided_by_size(muscle):
+def test_equal_designs_are_decided_by_size(muscle):
     """The smaller one, whatever is known of prices."""
     space = Space({"m": muscle}, splits=((2,),), radius=(7e-3, 9e-3, 8e-3))
-    result = search(space, TASK, ONE_VALVE)
-    assert np.argmax(result.values["relative_margin"]) == 1
     alike = Catalog({"m": Product("m", price=9.0)}, "EUR", 5.0)
     for catalog in (Catalog(), replace(alike, valve=None), alike):
-        assert cheapest_index(result, catalog) == 0
-
-
-def test_equal_size_is_decided_by_fluid(muscle):
-    space = Space({"m": muscle}, splits=((3,),), braid_angle=(0.5, 0.6, 0.55))
-    result = search(space, TASK, ONE_VALVE)
-    energy = result.values["mean_energy"]
-    assert result.allowed.all() and cheapest_index(result, Catalog()) == np.argmin(energy)
-
-
-def test_no_candidates_give_none(result):
-    nothing = replace(result, allowed=np.zeros(len(result.index), bool))
-    assert cheapest_index(nothing, Catalog()) is None
+        result = search(space, TASK, ONE_VALVE, catalog=catalog)
+        assert np.argmax(result.values["relative_margin"]) == 1
+        assert result.best == 0 and set(result.offers.values()) == {0}
 
 
 def test_excluded_products(space):

@@ -38,8 +38,15 @@ def test_compromise_has_the_least_worst_objective(result):
     assert share.max(axis=1)[result.compromise] == share.max(axis=1).min()
 
 
-def test_recommended_design_is_the_cheapest(result):
-    assert result.designs.labels[result.recommended] == "5"
+def test_offers_are_on_the_front_and_best_in_their_way(result):
+    assert list(result.offers) == ["compromise", "simplest", "most efficient"]
+    assert (
+        result.recommended == result.compromise and result.best == result.front[result.compromise]
+    )
+    values = {name: result.values[name][result.front] for name in SENSES}
+    assert values["valves"][result.offers["simplest"]] == values["valves"].min()
+    efficient = result.offers["most efficient"]
+    assert values["mean_efficiency"][efficient] == values["mean_efficiency"].max()
 
 
 def test_a_cheaper_design_that_is_dominated_is_not_recommended(muscle):

@@ -47,8 +47,6 @@ class CalibrateCommand(Command):
             formatter.write_dl(list(parameter_descriptions().items()))
 
 
-COMMAND = CalibrateCommand
-
 _LABEL_WIDTH = 35  # characters: a table fits next to it
 _DOUBTS = 3  # in a line that is still read
 _LINES = 10  # of a verdict with the constants: more are not read
@@ -420,3 +418,6 @@ def _print_choice(choice: "Selection") -> None:
             print_table(f"Candidates, fitted to {title}", heads, rows, _SHARE)
     for line in selection_reasons(choice):
         print_line(line)
+
+
+COMMANDS, COMMAND_CLASSES = {"calibrate": run}, {"calibrate": CalibrateCommand}

@@ -58,3 +58,6 @@ def run(
     print_line(f"wrote {out}: {len(record)} readings")
     for note in record.notes:
         print_line(f"  {note}")
+
+
+COMMANDS = {"convert": run}

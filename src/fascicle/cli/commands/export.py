@@ -217,3 +217,6 @@ def _page_text(target: Any, file: str, pressures: list[float] | None) -> str:
 
     with user_errors("--page: "):
         return page_text(target, Path(file).stem, pressures or CURVES)
+
+
+COMMANDS = {"export": run}

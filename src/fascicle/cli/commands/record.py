@@ -112,3 +112,6 @@ def _read_share(text: str, name: str) -> float:
     if unit is None:
         return read_quantity(text, "number", name)
     raise UserError(f"{name} must be a share, got {text!r}: write {unit[1]} %.")
+
+
+COMMANDS = {"record": run}

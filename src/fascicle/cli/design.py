@@ -1,0 +1,327 @@
+"""Commands that look for a bundle for a task: `design`, and `sweep` on many workers."""
+
+import contextlib
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core.errors import require
+from ..io.sanitize import dump_json
+from . import options
+from .errors import INCOMPLETE, StoppedError, UserError, user_errors
+from .inputs import load_laws
+from .options import argument, flag, option
+from .outputs import (
+    SOURCE,
+    check_file,
+    print_line,
+    print_table,
+    replace_output,
+    result_folder,
+    status,
+    today,
+    write_folder,
+)
+
+
+if TYPE_CHECKING:
+    from ..design import Answer, SearchResult
+    from ..files.task import TaskFile
+
+_PRINTED = 8  # designs of the front in the table; the report has more
+_SAVED = 30  # designs of the front as files: more would be hard to choose from
+_CASES = 10  # load cases in the table, those with the least to spare; the report has more
+
+
+def design(
+    task: str = argument(
+        "TASK.toml",
+        "Task file: demands, buildable sizes, objectives; `fascicle init --task` writes one.",
+    ),
+    out: str | None = option(
+        "Folder of report, data and bundles; default: designed-TASK, none with --json.",
+        "--out -o",
+        metavar="FOLDER",
+    ),
+    also: str | None = option(
+        "Objectives to record as well, such as reversal_depth,largest_force.",
+        metavar="LIST",
+    ),
+    generations: int | None = option(
+        "Generations of an NSGA-II search with continuous sizes, in place of an evaluation of every"
+        " design (needs pymoo).",
+        min=1,
+        max=100_000,
+    ),
+    population: int = option("Number of designs in a generation.", default=100, min=4, max=10_000),
+    seed: int = options.SEED,
+    overwrite: bool = options.OVERWRITE,
+    as_json: bool = options.JSON,
+) -> int:
+    """Recommend a safe bundle for a task, and alternatives.
+
+    Exit code 3 if no design is safe at every load case: then you get the nearest design, its
+    misses and the changes that would make it safe.
+    """
+    folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
+    if generations is not None:
+        require("pymoo")
+    load_laws()
+    from ..design import evolve, search
+    from ..files.task import load_task
+
+    with user_errors():
+        file = load_task(task)
+    problem = (file.space, file.task, file.senses, file.limits)
+    extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
+    common: dict[str, Any] = {
+        "extra": extra,
+        "catalog": file.catalog,
+        "least_margin": file.least_margin,
+    }
+    begin = time.perf_counter()
+    with status(f"evaluating {len(file.space)} designs") as update, user_errors():
+        if generations is None:
+
+            def show_designs(done: int, count: int) -> None:
+                update(f"{done} of {count} designs")
+
+            result = search(*problem, progress=show_designs, **common)
+        else:
+
+            def show_generation(done: int) -> None:
+                update(f"{done} of {generations} generations")
+
+            sizes = (population, generations, seed)
+            result = evolve(*problem, *sizes, watch=show_generation, **common)
+        answer = _judge(result, file, update)
+    seconds = time.perf_counter() - begin
+    names: list[str] = []
+    if folder is not None:
+        with status("drawing the report"):
+            names = _write(answer, file.notes, seconds, folder, overwrite)
+    if as_json:
+        print(_json(answer, file.notes))
+        return 0 if answer.is_recommended else INCOMPLETE
+    code = _print_answer(answer, file.notes)
+    if folder is not None:
+        print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")
+    return code
+
+
+def _judge(result: "SearchResult", file: "TaskFile", update: Callable[[str], None]) -> "Answer":
+    """Answer to a search, judged in draws; `update`: is told what is being done."""
+    from ..design import answer_search, judge_safety
+
+    if file.uncertainty is not None:
+        update("judging designs in draws of scatter")
+        result = judge_safety(result, file.uncertainty)
+    update("looking at the recommended design")
+    return answer_search(replace(result, cycle=file.cycle))
+
+
+def _print_answer(answer: "Answer", notes: tuple[str, ...]) -> int:
+    """Print what is recommended, or what is missing; returns the exit code."""
+    from ..report import design_summary as text
+
+    for line in text.headline(answer):
+        print_line(line)
+    for finding in answer.findings[0 if answer.is_recommended else 1 :]:
+        print_line(f"{finding.severity.name.lower()}: {text.words(finding, answer)}")
+    if answer.changes:
+        print_line("Changes that would make it safe, each by itself:")
+    for line in text.remedy_lines(answer):
+        print_line(f"- {line}")
+    if answer.is_recommended:
+        for name, fact in text.facts(answer).items():
+            print_line(f"{name}: {fact}")
+    for note in notes:
+        print_line(f"note: {note}")
+    tables = [text.cases_table(answer.summary, _CASES)]
+    if answer.is_recommended:
+        tables = [text.offers_table(answer), *tables]
+        if (splits := text.splits_table(answer)) is not None:
+            tables.append(splits)
+    if answer.result.front.size:
+        tables.append(text.front_table(answer, _PRINTED))
+    for table in tables:
+        print_table(*table)
+    return 0 if answer.is_recommended else INCOMPLETE
+
+
+def _write(
+    answer: "Answer", notes: tuple[str, ...], seconds: float, folder: Path, overwrite: bool
+) -> list[str]:
+    """Write report, data and bundles; returns their names, the report's first."""
+    from ..files import dumps
+    from ..report.design import report
+    from ..results import design_tables
+    from ..results.labelled import dataset, write_netcdf
+
+    result = answer.result
+    count = min(len(result.front), _SAVED)
+    bundles = {f"bundle_{i + 1}.toml": result.designs.bundle(i, result.task) for i in range(count)}
+    data: dict[str, Any] = {"designs.nc": design_tables.all_design_variables(result)}
+    if result.recommended is not None:
+        bundle = result.designs.bundle(result.recommended, result.task)
+        bundles = {"recommended.toml": bundle, **bundles}
+        cases = design_tables.case_variables(answer.summary)
+        data["front.nc"] = design_tables.front_variables(result) | cases
+    page = report(answer, today(), [*data, *bundles], seconds, notes)
+    texts = {"report.html": page, **{name: dumps(bundle) for name, bundle in bundles.items()}}
+    attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
+    attributes |= {"notes": " ".join(notes)} if notes else {}
+
+    def fill(draft: Path) -> None:
+        for name, text in texts.items():
+            (draft / name).write_text(text, encoding="utf-8")
+        for name, variables in data.items():
+            write_netcdf(dataset(variables, **attributes), draft / name)
+
+    write_folder(folder, overwrite, fill)
+    return ["report.html", *data, *bundles]
+
+
+def _json(answer: "Answer", notes: tuple[str, ...]) -> str:
+    """JSON of the front and the recommended design, or of the nearest design."""
+    import numpy as np
+
+    from ..core.findings import Severity
+    from ..report.design_summary import words
+    from ..results.design_tables import case_variables, design_variables, front_variables
+    from ..results.labelled import to_json
+
+    result, summary, is_recommended = answer.result, answer.summary, answer.is_recommended
+    warnings = [f for f in answer.findings if f.severity is Severity.WARNING]
+    keeps = all(finding.code != "design.limits_broken" for finding in answer.findings)
+    first = [] if is_recommended else [words(answer.findings[0], answer)]
+    data: dict[str, Any] = {
+        "reached": bool(summary.cases.reached.all()),
+        "limits_kept": is_recommended or keeps,
+        "notes": [*notes, *first],
+        "least_margin": result.least_margin,
+        "warnings": [words(finding, answer) for finding in warnings],
+        "findings": [finding.to_json() for finding in answer.findings],
+        "robustness": answer.robustness,
+        "pressures": summary.cases.pressures.tolist(),
+        "offers": result.offers,
+    }
+    if (safety := result.safety) is not None:
+        data["safety"] = {
+            "holds": safety.holds,
+            "probability": safety.probability,
+            "least_probability": safety.uncertainty.share,
+            "draws": safety.uncertainty.draws,
+            "judged": safety.judged,
+            "assumptions": safety.uncertainty.assumptions,
+        }
+    if (sizing := summary.sizing) is not None:
+        run = answer.run
+        data["cycle"] = {
+            "case": sizing.case + 1,
+            "conductance": sizing.conductance.tolist(),
+            "b": sizing.cycle.b,
+            "hose_bore": sizing.bore,
+            "fill": sizing.fill,
+            "vent": sizing.vent,
+            "valves": [valve and valve.name for valve in sizing.valves],
+            "normal_flow": summary.flow,
+            "supply_power": summary.supply_power,
+            "run": run and run._asdict() | {"passes": run.passes(sizing.cycle)},
+        }
+    if is_recommended:
+        variables = front_variables(result) | case_variables(summary)
+        return dump_json(data | json.loads(to_json(variables)))
+    nearest = design_variables(result.all_designs(np.array([answer.index]))) | case_variables(
+        summary
+    )
+    data |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
+    data["would_reach"] = [
+        {"change": x.what, "now": x.now, "value": x.value, "looked_up_to": x.most}
+        for x in answer.changes
+    ]
+    return dump_json(data)
+
+
+def sweep(
+    study: str = argument(
+        "STUDY.toml", "Task file as for `fascicle design`; its [sweep] sets the designs per block."
+    ),
+    out: str | None = option(
+        "Folder of results; default: swept-STUDY.", "--out -o", metavar="FOLDER"
+    ),
+    resume: bool = flag("Continuation of the interrupted study in FOLDER.", "--resume"),
+    scheduler: str | None = option(
+        "Address (tcp://…) of a Dask scheduler whose workers see FOLDER under the same path;"
+        " default: workers on this machine.",
+        metavar="ADDRESS",
+    ),
+    workers: int | None = option(
+        "Worker processes on this machine, 0 for none; default: one per core.", min=0, max=4096
+    ),
+    overwrite: bool = options.OVERWRITE,
+) -> int:
+    """Evaluate every design of a task on many workers; can resume."""
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler and --workers: a scheduler has its own workers, drop one.")
+    for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:
+        require(library)
+    load_laws()
+    import numpy as np
+
+    from ..design.exhaustive_search import conclude
+    from ..design.objectives import check_search, recorded_objectives, with_reach_limits
+    from ..design.sweep import Study, open_client, open_folder
+    from ..design.sweep import sweep as evaluate
+    from ..files.task import load_task
+    from ..results.design_tables import case_variables, front_variables
+    from ..results.labelled import write
+
+    folder = Path(f"swept-{Path(study).stem}" if out is None else out)
+    with user_errors(), status("reading the task"):  # before a cluster is started
+        task = load_task(study)
+        check_search(task.senses, task.limits)
+        names = recorded_objectives(task.senses, with_reach_limits(task.limits))
+        designs = Study(task.space, task.task, names, task.block)
+        path, front = open_folder(folder, designs, resume), folder / "front.nc"
+        check_file("--out", front, overwrite or resume)
+    hint = f"the finished blocks are in {folder}: continue with --resume."
+    with status("starting the workers") as update, contextlib.ExitStack() as stack:
+
+        def watch(done: int, blocks: int) -> None:
+            update(f"blocks: {done} of {blocks}")
+            is_tenth = 10 * done // blocks > 10 * (done - 1) // blocks
+            if is_tenth and not sys.stderr.isatty():
+                sys.stderr.write(f"{done} of {blocks} blocks\n")
+
+        try:
+            client = None if workers == 0 else stack.enter_context(open_client(scheduler, workers))
+            values = evaluate(designs, path, client, watch)
+        except KeyboardInterrupt:
+            print_line(f"interrupted; {hint}", error=True)
+            raise
+        except ConnectionError as error:
+            raise StoppedError(f"no workers: {error}; {hint}") from None
+        except OSError as error:
+            name, reason = error.filename or folder, error.strerror or error
+            raise UserError(f"{name}: {reason}; remove the cause; {hint}") from None
+    with status("looking for the front") as update, user_errors():
+        index = np.arange(len(task.space))
+        result = conclude(
+            *(task.space, task.task, task.senses, task.limits, index, values),
+            catalog=task.catalog,
+            least_margin=task.least_margin,
+        )
+        answer = _judge(result, task, update)
+        variables = front_variables(answer.result) | case_variables(answer.summary)
+        with replace_output("", front, overwrite or resume) as draft:
+            write(variables, draft, title=f"Front of designs for {task.task.name}", source=SOURCE)
+    print_line(f"wrote {len(task.space)} designs in {designs.blocks} blocks: {path}")
+    return _print_answer(answer, task.notes)
+
+
+COMMANDS = {"design": design, "sweep": sweep}

@@ -1,0 +1,285 @@
+"""Answer to a search: the recommended design in detail, or what keeps every design from the task.
+
+**Levers.** If no design holds the task, one quantity of the nearest is changed at a time: the
+supply's pressure, the number of muscles in the last motor unit, the radius of all muscles with
+their walls in proportion, the braid angle and, where the task asks for a stroke, the muscles'
+length. A design *holds* if it reaches the task and keeps all limits in the demanded share of random
+draws; without scatter, as drawn. The smallest change that holds is searched on a grid from the
+present value to the end of the range, then between the last value that doesn't hold and the first
+that does. So a change that would break a limit isn't among them.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.findings import Finding, Severity
+from ..core.validation import HIGHEST_PRESSURE
+from .cycle import CycleRun, run_cycle
+from .designs import Designs
+from .evaluation import evaluate
+from .exhaustive_search import SearchResult
+from .objectives import SHARES, Limit, Limits, other_limits, within_limits
+from .scatter import Uncertainty, spread
+from .space import Product
+from .summary import Splits, Summary, best_splits, summarize_result
+from .task import Task
+
+
+_LONGEST, _WIDEST = 10.0, 0.25  # m; some three times what has been built
+_MOST_MUSCLES = 1000  # of a bundle, some ten times what has been built
+_STEEPEST = np.radians(15.0)  # of a braid; a smaller angle isn't woven
+_GRID = 33  # values from the present one to the end of the range
+_PRECISION = 1e-6  # of a pressure or a size: finer than any gauge
+_LESS_PRESSURE = 50e3  # Pa, by which a supply may sag
+_FAR = 0.005  # of the length: a load that goes so far beyond its place is worth a word
+_COARSE = 1e-3  # the same in random draws, whose share is known within 0.5 %
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Change of one quantity for a design to hold its task.
+
+    - `what`: the changed quantity: "supply_pressure" [Pa], "muscles", "radius" [m], "braid_angle"
+      [rad] or "length" [m].
+    - `now`: its present value; `value`: the sufficient one, `None` if there is none.
+    - `most`: the end of the range that was tried.
+    - `reaches`: true if a value in the range reaches the task at least as drawn.
+    - `measured`: the pressure that the muscles' tuning was measured up to [Pa].
+    """
+
+    what: str
+    now: float
+    value: float | None
+    most: float
+    reaches: bool = True
+    measured: float = np.inf
+
+
+def remedies(
+    designs: Designs,
+    index: int,
+    task: Task,
+    limits: Limits,
+    product: Product | None = None,
+    uncertainty: Uncertainty | None = None,
+) -> list[Remedy]:
+    """Changes by which a design would hold its task, one for each quantity, enough or not.
+
+    **Arguments:**
+
+    - `designs`: with the design among them.
+    - `index`: of the design.
+    - `task`: what is demanded.
+    - `limits`: on objectives, by name [SI], as of `with_reach_limits`.
+    - `product`: that its muscles are sold as, if they are: only number, pressure and length can be
+      changed then.
+    - `uncertainty`: by which it is judged; `None`: as drawn.
+
+    **Returns:** the changes, each by itself.
+    """
+    design = designs.take(np.array([index]))
+    design = design.take(np.array([0]), int(design.units[0]))
+    highest = HIGHEST_PRESSURE
+    if product is not None and product.largest_pressure is not None:
+        highest = min(highest, product.largest_pressure)
+    ends = {"supply_pressure": highest, "muscles": float(_MOST_MUSCLES)}
+    if product is None:
+        ends |= {"radius": _WIDEST, "braid_angle": float(_STEEPEST)}
+    if task.stroke is not None:
+        ends["length"] = _LONGEST
+    pressures = np.asarray(design.drawing(0).tuning.pressures)
+    measured = float(pressures.max()) if pressures.size > 1 else np.inf
+    found = [_smallest_change(design, task, *end, limits, uncertainty) for end in ends.items()]
+    return [replace(remedy, measured=measured) for remedy in found]
+
+
+def _present_values(design: Designs, task: Task) -> dict[str, float]:
+    """Present values that a remedy may change [SI]: all muscles' number and largest radius."""
+    return {
+        "supply_pressure": task.supply_pressure,
+        "muscles": float(design.counts.sum()),
+        "radius": float(design.radius.max()),
+        "braid_angle": float(design.angle.max()),
+        "length": float(design.length[0]),
+    }
+
+
+def _apply_change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
+    """The design and its task with a `value` [SI] of `what`; more muscles join the last unit, radii
+    and walls are scaled by the ratio to the largest.
+    """
+    if what == "supply_pressure":
+        return design, replace(task, supply_pressure=value)
+    present = _present_values(design, task)[what]
+    ratio = value / present
+    if what == "length":
+        return replace(design, length=design.length * ratio), task
+    if what == "radius":
+        return replace(design, radius=design.radius * ratio, wall=design.wall * ratio), task
+    if what == "braid_angle":
+        return replace(design, angle=design.angle * ratio), task
+    counts = design.counts.copy()
+    counts[0, -1] += round(value - present)
+    return replace(design, counts=counts), task
+
+
+def _smallest_change(
+    design: Designs,
+    task: Task,
+    what: str,
+    end: float,
+    limits: Limits,
+    uncertainty: Uncertainty | None,
+) -> Remedy:
+    """Remedy with the smallest change that holds, on a grid from the present value or between."""
+    present, whole = _present_values(design, task)[what], what == "muscles"
+    limits = {name: limit for name, limit in limits.items() if not (whole and name == "valves")}
+
+    def is_reached(value: float) -> bool:
+        values = evaluate(*_apply_change(design, task, what, value), list(limits))
+        return bool(within_limits(values, limits)[0])
+
+    def holds(value: float) -> bool:
+        if not is_reached(value) or uncertainty is None:
+            return uncertainty is None and is_reached(value)
+        draws = spread(
+            *(*_apply_change(design, task, what, value), (), limits, uncertainty.scatter),
+            *(uncertainty.muscles, uncertainty.draws),
+        )
+        return bool(draws.probability[0] >= uncertainty.share)
+
+    spaced = np.linspace if what in ("supply_pressure", "braid_angle") else np.geomspace
+    # a braid gets steeper, all else larger: a present value past the end is no way out
+    outward = end <= present if what == "braid_angle" else end >= present
+    grid = spaced(present, end, _GRID) if outward else np.array([present])
+    grid = np.unique(grid.round()) if whole else grid
+    first = next((i for i, value in enumerate(grid) if holds(float(value))), None)
+    if first is None:
+        shares = {name: limits[name] for name in SHARES}
+        reached = False
+        for value in grid:
+            values = evaluate(*_apply_change(design, task, what, float(value)), SHARES)
+            reached = reached or bool(within_limits(values, shares)[0])
+        return Remedy(what, present, None, float(grid[-1]), reached)
+    low, high = float(grid[max(first - 1, 0)]), float(grid[first])
+    precision = 1.0 if whole else high * (_PRECISION if uncertainty is None else _COARSE)
+    while abs(high - low) > precision:
+        middle = 0.5 * (low + high)
+        middle = float(np.floor(middle)) if whole else middle
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return Remedy(what, present, high, float(grid[-1]))
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """Answer to a search.
+
+    - `result`: of the search; `index`: of the recommended recorded design, or the nearest.
+    - `summary`: of that design; `splits`: its muscles in other numbers of motor units.
+    - `changes`: with which the nearest design would hold the task.
+    - `run`: over time of the recommended one, if valves are sized and JAX is installed.
+    - `robustness`: least relative margin [-] where something is worse: "weaker" muscles by 10 %,
+      "supply" pressure 0.5 bar lower, "failure" of one muscle.
+    - `findings`: what keeps designs from being recommended, or should be known of this one.
+    """
+
+    result: SearchResult
+    index: int
+    summary: Summary
+    splits: Splits | None
+    changes: list[Remedy]
+    run: CycleRun | None
+    robustness: dict[str, float]
+    findings: list[Finding]
+
+    @property
+    def is_recommended(self) -> bool:
+        """True if there is a recommended design."""
+        return self.result.best is not None
+
+
+def answer_search(result: SearchResult) -> Answer:
+    """Answer to a search that evaluated at least one design."""
+    index = result.nearest if result.best is None else result.best
+    assert index is not None
+    summary = summarize_result(result, index)
+    design, run = result.all_designs(np.array([index])), None
+    changes: list[Remedy] = []
+    if result.best is None:
+        if result.safety is not None or not result.reaches_task[index]:
+            judged = result.safety and result.safety.uncertainty
+            limits, product = result.limits, summary.product
+            changes = remedies(design, 0, result.task, limits, product, judged)
+    elif (sizing := summary.sizing) and sizing.feasible and sizing.run_case is not None:
+        case, task = sizing.run_case, result.task
+        stroke = float(task.stroke_of(summary.cases.length)[case])
+        try:
+            run = run_cycle(design.bundle(0, task), float(task.force[case]), stroke, sizing)
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] not in ("jax", "equinox", "diffrax"):
+                raise
+    return Answer(
+        *(result, index, summary, best_splits(result, index), changes, run),
+        _robustness(design, result.task),
+        _findings(result, summary, run),
+    )
+
+
+def _robustness(design: Designs, task: Task) -> dict[str, float]:
+    """Least relative margin [-] of a design where something is worse, by name."""
+    name = "relative_margin"
+    variants = {"weaker": (design, task, 0.9)}
+    if task.supply_pressure > _LESS_PRESSURE:
+        lower = replace(task, supply_pressure=task.supply_pressure - _LESS_PRESSURE)
+        variants["supply"] = (design, lower, 1.0)
+    if design.counts.sum() > 1:
+        counts = design.counts.copy()
+        counts[0, np.argmax(counts[0])] -= 1  # of the largest unit
+        order = np.argsort(counts[0] == 0, kind="stable")  # zeros last
+        sizes = {n: getattr(design, n)[:, order] for n in ("radius", "wall", "angle")}
+        variants["failure"] = (replace(design, counts=counts[:, order], **sizes), task, 1.0)
+    return {
+        key: float(evaluate(variant, changed, [name], force_factor=factor)[name][0])
+        for key, (variant, changed, factor) in variants.items()
+    }
+
+
+def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> list[Finding]:
+    """Findings on a search and its recommended, or nearest, recorded design."""
+    findings, safety = [], result.safety
+
+    def add(code: str, severity: Severity, **data: object) -> None:
+        findings.append(Finding(f"design.{code}", severity, data))
+
+    error, warning, note = Severity.ERROR, Severity.WARNING, Severity.NOTE
+    if result.best is None and safety is not None:
+        share, demanded = safety.probability, safety.uncertainty.share
+        add("unsafe", error, share=share, demanded=demanded, allowed=int(result.allowed.sum()))
+    elif result.best is None:
+        reaching = int(result.reaches_task.sum())
+        add("limits_broken" if reaching else "out_of_reach", error, reaching=reaching)
+    for name, limit in other_limits(result.limits).items():
+        values = result.values[name]
+        keeping = int(np.sum(limit.holds(values)))
+        if result.best is None and keeping < len(values) and result.judged <= len(values):
+            ends = {"least": float(values.min()), "most": float(values.max())}
+            add("limit_costs", note, objective=name, keeping=keeping, **ends)
+    for name, reason in result.excluded_products.items():
+        add("product_excluded", note, product=name, reason=reason)
+    if result.best is None:
+        return findings
+    margin = summary.relative_margin
+    if not Limit(least=result.least_margin).holds(margin):
+        add("small_margin", warning, margin=margin, least=result.least_margin)
+    if (sizing := summary.sizing) is not None and not sizing.feasible:
+        add("no_valve", warning, hose_length=sizing.cycle.hose_length)
+    if run is not None and sizing is not None and not run.passes(sizing.cycle):
+        add("cycle_failed", warning, lifted=run.lifted, released=run.released)
+    if safety is not None and not safety.complete:
+        add("judged_in_part", note, judged=safety.judged)
+    travel = summary.held_open - summary.cases.task.stroke_of(summary.cases.length)
+    if np.nanmax(travel, initial=0.0) > _FAR * summary.cases.length:
+        case = int(np.nanargmax(travel))
+        add("held_open", note, case=case, position=float(summary.held_open[case]))
+    return findings
