@@ -473,7 +473,7 @@ def choose_columns(
         column = Column(role, index, header)
         try:
             if role in scales:
-                columns[role] = replace(column, unit=scales[role].unit, factor=scales[role].factor)
+                columns[role] = _scaled(table, column, scales[role])
             else:
                 columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
         except ValueError:
@@ -483,6 +483,15 @@ def choose_columns(
     # a nameless last column is a trailing delimiter
     unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in used]
     return columns, (f"columns not read: {', '.join(unread)}",) if unread else ()
+
+
+def _scaled(table: TableHeader, column: Column, scale: Scale) -> Column:
+    """The column of a signal, with the `scale` of its gauge."""
+    stated = table.stated_unit(column.index)
+    if stated and stated.lower() != scale.unit.lower():
+        rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
+        raise ValueError(f"{table.where}, column `{column.header}`: {rule}.")
+    return replace(column, unit=scale.unit, factor=scale.factor)
 
 
 def _infer(

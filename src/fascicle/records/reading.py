@@ -227,10 +227,7 @@ def _overrule(info: Sidecar, **options: Any) -> Sidecar:
     elif arm is not None:
         quantities["moment_arm"] = "moment_arm", arm
     for name, (role, value) in quantities.items():
-        # a constant's name alone would be that of the muscle's size
-        label = f"constant {name}" if name == role != "moment_arm" else name
-        number = parse(value, dimension_of(role), label) if isinstance(value, str) else value
-        number = float(to_si(number, role, si_unit(role)))
+        number = float(to_si(value, name, si_unit(role)))
         is_size = name in ("rest_length", "moment_arm", "resample")
         if not np.isfinite(number) or (is_size and number <= 0):
             rule = f"must be {'positive and ' if is_size else ''}finite"
@@ -341,7 +338,7 @@ def _read_record(
     joint_notes = joint.notes if joint else ()
     doubts = (*column_doubts, *joint_notes, *strain_notes, *clip_notes, *warnings, *time_doubts)
     notes = (
-        *_title_note(table), *column_notes, *rest_notes, *time_notes, *doubts,
+        *column_notes, *rest_notes, *time_notes, *doubts,
         *(" ".join(text.split()) for text in [*texts, *info.notes]),
         *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
@@ -522,15 +519,6 @@ def _row_range(text: str | None) -> tuple[int, int] | None:
         rule = "must be the first and the last row, from 1, with a colon"
         raise InvalidInputError("rows", rule, text, 'write such as "40:" or "40:200"')
     return first, last
-
-
-def _title_note(table: Table) -> tuple[str, ...]:
-    """A note of the lines above the header, if there are any."""
-    if not table.titles:
-        return ()
-    lines = "; ".join(line if len(line) <= 60 else f"{line[:57]}…" for line in table.titles[:3])
-    count = f" and {len(table.titles) - 3} more" if len(table.titles) > 3 else ""
-    return (f"lines above the header not read as data: {lines}{count}",)
 
 
 def _is_synthetic(remarks: Sequence[str]) -> bool:

@@ -2,40 +2,15 @@
 
 ```toml
 rest_length = "300 mm"
-clipped_at_zero = true                # readings of exactly zero are clipped
 pressure = "200 kPa"                  # of all readings; length, strain, displacement, force too
 displacement_at_rest = "12.5 mm"      # the displacement's reading at the rest length
-pressure_at_rest = "1.5 kPa"          # the gauges' readings at zero; force_at_rest, torque_… too
-angle_at_rest = "10 deg"              # the joint's angle at the rest length
-moment_arm = "25 mm"                  # of the muscle about the joint; or a table, see below
-atmosphere = "1.013 bar"              # subtracted from absolute pressures
-columns = ["force [N]", "-", "pressure [kPa]"]   # in their order, of a table without header
-rows = "40:200"                       # the first and the last row to read, from 1
-resample = "0.1 s"                    # one clock for channels with clocks of their own
-header = 12                           # line of the columns' names
-decimal = ","                         # the sign before decimals; 1.250 is then 1250
-table = "Sheet2"                      # of a file with several
-source = "who measured it, and when"
-notes = ["what was measured, and how"]
-synthetic = false
+clipped_at_zero = true                # readings of exactly zero are clipped
 
 [columns]                             # a header that isn't recognized
 force = "Load cell 2"
-
-[units]                               # a unit that no header has
-force = "N"
-
-[scales]
-pressure = "1.475bar/V"               # of a column in volts; pressure_at_rest may be "0.2V" then
-
-[signs]
-force = "pushing positive"            # or "pulling positive"
-strain = "extension positive"         # or "contraction positive"; displacement, angle likewise
-
-[moment_arm]                          # between these angles it is linear
-angle = "0deg:90deg:45deg"            # or a list
-arm = ["20 mm", "26 mm", "22 mm"]
 ```
+
+The page *records* of the docs has all keys.
 """
 
 import contextlib
