@@ -456,7 +456,7 @@ def test_signals_of_gauges_have_scales(tmp_path):
         loads(text, scales={"pressure": scales["pressure"]}, **given)
     assert error.value.choices[0][:2] == ("scales", "force")
     with pytest.raises(ValueError, match=r"unit is mm, not V"):
-        loads(text, scales={"force": "1N/V"}, columns={"force": "L"}, **given)
+        loads(text, scales=scales, columns={"force": "L"}, **given)
     for wrong in ("1.475bar", "V", "1.475N/V", 3):
         with pytest.raises(ValueError, match=r"scale.* of pressure|no unit of pressure"):
             loads(text, scales={"pressure": wrong}, **given)
