@@ -455,8 +455,10 @@ def test_signals_of_gauges_have_scales(tmp_path):
     with pytest.raises(MissingMetadataError) as error:
         loads(text, scales={"pressure": scales["pressure"]}, **given)
     assert error.value.choices[0][:2] == ("scales", "force")
-    with pytest.raises(ValueError, match=r"unit is mm, not V"):
-        loads(text, scales=scales, columns={"force": "L"}, **given)
+    with pytest.raises(ValueError, match="unit is kPa, not V"):
+        loads(
+            text.replace("P_sens [V]", "P [kPa]"), columns={"pressure": "P"}, scales=scales, **given
+        )
     for wrong in ("1.475bar", "V", "1.475N/V", 3):
         with pytest.raises(ValueError, match=r"scale.* of pressure|no unit of pressure"):
             loads(text, scales={"pressure": wrong}, **given)
