@@ -117,6 +117,17 @@ def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
     assert "Synthetic" in (folder / "calibrated-d/report.html").read_text(encoding="utf-8")
 
 
+def test_the_fitted_muscle_makes_bundles(ran, fascicle, folder):
+    path = str(folder / "calibrated-d/muscle.toml")
+    code, out, _ = fascicle("bundle", path, "--units", "1,4", "-p", "200kPa,200kPa", "-s", "0.02",
+                            "--json")  # fmt: skip
+    assert code == 0
+    five = 5 * float(fs.load(path).force(200e3, 0.02))
+    assert json.loads(out)["force"][0][0] == pytest.approx(five, rel=1e-9)
+    for units in ("1,x", "0"):
+        assert fascicle("bundle", path, "--units", units, "-p", "200kPa")[0] == 2
+
+
 def test_json_has_the_keys_of_its_contract_in_their_order(ran):
     found = json.loads(ran[1][1])
     contract = ["rmse", "relative_rmse", "points", "censored", "status", "parameters"]

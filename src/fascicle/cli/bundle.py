@@ -27,6 +27,7 @@ _PATHS = ("isobaric", "isotonic")
 def bundle(
     outputs: Outputs,
     file: str = options.TARGET,
+    units: str | None = options.UNITS,
     pressure: list[str] | None = options.PRESSURES,
     strain: str = options.STRAIN,
     no_resistance: bool = options.NO_RESISTANCE,
@@ -36,10 +37,10 @@ def bundle(
     An equilibrium is a strain at which the bundle without load can rest.
     """
     strains = read_list(strain, "strain", "--strain")
-    target = read_bundle(file)
+    target = read_bundle(file, units=units)
     states = read_states(pressure, target)
-    units = len(states[0])
-    check_grid(len(states), units, max(units, len(strains)))
+    unit_count = len(states[0])
+    check_grid(len(states), unit_count, max(unit_count, len(strains)))
     from ..results.tables import bundle_equilibria, bundle_force
 
     resistance = not no_resistance
@@ -119,6 +120,7 @@ def _print_forces(variables: Any) -> None:
 def space(
     outputs: Outputs,
     file: str = options.TARGET,
+    units: str | None = options.UNITS,
     supply: str | None = options.SUPPLY,
     levels: str | None = option(
         "Pressures of the throttled motor unit; default: seven from zero to the supply pressure.",
@@ -135,9 +137,9 @@ def space(
     """
     pressure, strains = read_supply(supply), read_rising_strains(strain)
     throttled = None if levels is None else read_list(levels, "pressure", "--levels")
-    target = read_bundle(file, pressure)
-    units = len(target.motor_units)
-    check_grid(max(units, len(throttled or ())), units, len(strains or range(201)))
+    target = read_bundle(file, pressure, units)
+    unit_count = len(target.motor_units)
+    check_grid(max(unit_count, len(throttled or ())), unit_count, len(strains or range(201)))
     from ..bundle import recruitment
     from ..results import tables
 
@@ -153,7 +155,7 @@ def space(
         return draw(workspace, recruitment.overlap(workspace))
 
     outputs.write(
-        variables, lambda: _print_space(variables, units), figure, title=f"Space of {file}"
+        variables, lambda: _print_space(variables, unit_count), figure, title=f"Space of {file}"
     )
 
 
@@ -200,6 +202,7 @@ def _print_space(variables: Any, units: int) -> None:
 
 def recruit(
     file: str = options.TARGET,
+    units: str | None = options.UNITS,
     force: str = option(
         "Demanded forces: one (40N), a list (20N,40N) or a range (0N:100N:10N).",
         "--force -f",
@@ -228,9 +231,9 @@ def recruit(
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
     pressure = read_supply(supply)
     outputs = Outputs(as_json, as_csv, out, None, overwrite)
-    target = read_bundle(file, pressure)
-    units = len(target.motor_units)
-    check_grid(len(forces), len(strains), units, units)
+    target = read_bundle(file, pressure, units)
+    unit_count = len(target.motor_units)
+    check_grid(len(forces), len(strains), unit_count, unit_count)
     import numpy as np
 
     from ..bundle import recruitment
@@ -307,6 +310,7 @@ def _print_pressures(variables: Any, is_free: bool) -> None:
 def efficiency(
     outputs: Outputs,
     file: str = options.TARGET,
+    units: str | None = options.UNITS,
     supply: str | None = options.SUPPLY,
     path: str | None = option(
         "Path of the work: isobaric or isotonic; default: both.",
@@ -329,7 +333,7 @@ def efficiency(
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
     pressure, strains = read_supply(supply), read_rising_strains(strain)
     forces = None if force is None else read_list(force, "force", "--force")
-    target = read_bundle(file, pressure)
+    target = read_bundle(file, pressure, units)
     paths = _PATHS if path is None else (path,)
     check_grid(len(target.motor_units), len(forces or range(80)), len(strains or range(225)))
     from ..bundle.energetics import efficiency_map

@@ -125,19 +125,32 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
     return muscle
 
 
-def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
-    """Read a bundle, or a muscle as a bundle of one; refuse a muscle where `supply` is `None`."""
+def read_bundle(target: str, supply: float | None = 0.0, units: str | None = None) -> "Bundle":
+    """Read a bundle, or a muscle as a bundle of one; refuse a muscle where `supply` is `None`.
+
+    `units`: numbers of the muscle in each motor unit, such as "1,4".
+    """
     muscle_or_bundle = read_target(target)
-    if is_bundle(muscle_or_bundle):
-        return muscle_or_bundle
-    if supply is None:
+    if not is_bundle(muscle_or_bundle) and supply is None:
         raise UserError(
             "--supply is required: a single muscle has no supply pressure; give one, such as"
             " --supply 400kPa."
         )
+    return bundle_of(muscle_or_bundle, units)
+
+
+def bundle_of(target: Any, units: str | None) -> "Bundle":
+    """The bundle `target`, or one of the muscle with its numbers in each of the motor `units`."""
     from ..bundle import Bundle, MotorUnit
 
-    return Bundle([MotorUnit(muscle_or_bundle)])
+    if is_bundle(target):
+        if units is not None:
+            raise UserError(f"--units {units}: FILE is a bundle, which has its motor units.")
+        return target
+    counts = [text.strip() for text in (units or "1").split(",")]
+    if not all(text.isdecimal() and int(text) > 0 for text in counts):
+        raise UserError(f"--units {units}: give whole numbers of muscles between commas: 1,4.")
+    return Bundle([MotorUnit(target, int(text)) for text in counts])
 
 
 def is_bundle(target: Any) -> bool:

@@ -125,6 +125,9 @@ SPACE_STRAIN = option(
 NO_RESISTANCE = flag(
     "Without resistance: muscles don't push back past their free strain.", "--no-resistance"
 )
+UNITS = option(
+    "Numbers of muscles of the motor units that FILE's muscle makes: 1,4.", metavar="LIST"
+)
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
     f"Recruitment scheme: {format_names()}; default: the bundle's.",

@@ -5,13 +5,14 @@ from typing import Any
 
 from .. import options
 from ..errors import UserError, user_errors
-from ..inputs import is_scenario, read_list, read_scenario, read_target
+from ..inputs import bundle_of, is_scenario, read_list, read_scenario, read_target
 from ..options import option
 from ..outputs import Outputs, check_file, print_line, replace_output, status, write_text
 
 
 def run(
     file: str = options.TARGET,
+    units: str | None = options.UNITS,
     table: str | None = option(
         "Folder for a table of force, volume and inverse in C: tens of nanoseconds per force.",
         metavar="FOLDER",
@@ -71,6 +72,8 @@ def run(
         overwrite,
     )
     target = _read_exported(file, page is not None)
+    if units is not None:
+        target = bundle_of(target, units)
     from ... import export
     from ...export.c_files import check_c_name
 
