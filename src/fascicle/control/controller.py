@@ -143,13 +143,17 @@ class Cascade(Module):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of gains that are likely to be unstable, one sentence each."""
-        pressure_time, late = float(self.gains.pressure_time), self.lateness
+        pressure_time, dead_time = float(self.gains.pressure_time), self.plant.spool.dead_time
+        undeclared = max(dead_time - float(self.delay), 0.0)
+        late = self.lateness + undeclared
         if pressure_time >= late:
             return ()
+        remedy = f"take {DAMPED * late:g} s, or leave it out"
+        if undeclared:
+            remedy = f"declare the valves' dead time: `delay` of {dead_time:g} s"
         return (
             f"`pressure_time` of {pressure_time:g} s is too fast: valves, measurements"
-            f" and samples are {late:g} s late, and pressures will swing; take"
-            f" {DAMPED * late:g} s, or leave it out",
+            f" and samples are {late:g} s late, and pressures will swing; {remedy}",
         )
 
     @property
@@ -272,7 +276,7 @@ class Cascade(Module):
             # and its refill needn't come from the supply
             opening = where(P_r > 0, opening, -1.0)
             commands.append(minimum(maximum(opening, -self.flow_limit), self.flow_limit))
-        return jnp.concatenate(commands)
+        return self.plant.spool.command_at(jnp.concatenate(commands))
 
     def _estimate_disturbance(
         self, memory: CascadeMemory, measurement: Measurement, strains: Numbers

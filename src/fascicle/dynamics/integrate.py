@@ -73,7 +73,8 @@ def integrate(
     row = _pack_row(begin, np.zeros(len(LEDGER)))
     row_blocks = [row[None]]
     # a leg for each command: no stage sees the next one
-    edges = [*schedule.times[schedule.times < t[-1]], t[-1]]
+    acting = schedule.delayed(plant.spool.dead_time)
+    edges = [*acting.times[acting.times < t[-1]], t[-1]]
     time_blocks = [np.zeros(1)]
     legs = [(low, high, t[(t > low) & (t <= high)]) for low, high in pairwise(edges)]
     max_points = 1 + max(len(inside) for _, _, inside in legs)
@@ -82,7 +83,7 @@ def integrate(
         # as many times in each leg, so that one compilation serves all
         extra = np.linspace(low, output_times[0], max_points - len(output_times) + 2)[1:-1]
         output_times = np.append(extra, output_times)
-        command = schedule.at(low)
+        command = acting.at(low)
         arrays = (jnp.asarray(x) for x in (row, command, output_times, size))
         success, rows = _integrate_command(plant, low, tolerance, *arrays)
         if not bool(success):
@@ -101,7 +102,7 @@ def integrate(
         time_blocks.append(inside)
     solution_rows, times = np.concatenate(row_blocks), np.concatenate(time_blocks)
     commands = schedule.at(times)
-    arrays = (jnp.asarray(x) for x in (times, solution_rows, commands))
+    arrays = (jnp.asarray(x) for x in (times, solution_rows, acting.at(times)))
     outputs, ledger, states = to_numpy(_observe_rows(plant, *arrays))
     end = State(*(x[-1] for x in states))
     return Trajectory(times, outputs, commands, ledger, 0, None, end)

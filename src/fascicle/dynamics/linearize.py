@@ -8,7 +8,7 @@ chamber's state, mass or internal energy, which follows from it by (F12). A pres
 held, so that its load has no state.
 
 **Valid near** the state: kinks of muscles, stops and Coulomb's friction have no slope. At a shut
-valve the slope by its command is the mean of filling and venting.
+valve the slope by its command is the mean of filling and venting. A dead time is left out.
 """
 # pyright: reportImportCycles=false
 # modules below import this one's class, or are imported by it, for their types alone
@@ -24,7 +24,7 @@ from jax.flatten_util import ravel_pytree
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import check_choice
-from ..fluid import validate_commands
+from ..fluid import Solenoid, validate_commands
 from .chamber_pressure import muscle_volumes
 from .motion import FrictionMemory, State, evaluate_plant, time_derivative
 
@@ -84,6 +84,9 @@ def linearize(
 
     **Raises:** `ValueError` for other names, and for commands off [-1, 1].
     """
+    if isinstance(plant.spool, Solenoid):
+        remedy = "linearize a plant with a Direct spool, which has the pulses' mean"
+        raise InvalidInputError("spool", "must not pulse", plant.spool, remedy, shown="a Solenoid")
     for key, names, choices in (("inputs", inputs, INPUTS), ("outputs", outputs, OUTPUTS)):
         if isinstance(names, str) or not names:
             raise InvalidInputError(key, "must be a list of names", names)

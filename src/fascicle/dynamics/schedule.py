@@ -80,6 +80,13 @@ class Schedule:
                 "commands", "must have one row for each time", len(self.commands)
             )
 
+    def delayed(self, dead_time: float) -> "Schedule":
+        """Schedule whose commands come a `dead_time` [s] later, with all valves shut before."""
+        if dead_time == 0:
+            return self
+        times = np.concatenate([[0.0], self.times + dead_time])
+        return Schedule(times, np.concatenate([0.0 * self.commands[:1], self.commands]))
+
     def at(self, time: Values) -> Numbers:
         """Commands [-] in force at each `time` [s]; a column for each command on the last axis."""
         # 1e-9 s: a step that misses a time by rounding has its command

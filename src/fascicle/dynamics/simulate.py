@@ -179,7 +179,8 @@ def simulate(
         name = "reference" if callable(controller) else "commands"
         raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
     leaves, kind = jax.tree.flatten(act)
-    fixed = kind, tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
+    others = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
+    fixed = kind, others, round(plant.spool.dead_time / dt)
     numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
     # a run needs tables, not bundles, whose schemes and lengths of fits would be compiled anew
     arguments = with_fields(plant, bundles=()), numbers, memory, inputs, begin, np.float64(dt)
@@ -240,14 +241,14 @@ def _run(
     begin: State,
     dt: Batch,
     substeps: Any,
-    fixed: tuple[Any, tuple[Any, ...]],
+    fixed: tuple[Any, tuple[Any, ...], int],
 ) -> _Rows:
     """Rows of a run of a plant from the state `begin` [SI] by a step for each row of `inputs`.
 
     `numbers` and `fixed` are the controller's parts: arrays, and what doesn't change, such as its
-    structure.
+    structure; and the steps by which the valves' dead time delays a command.
     """
-    kind, others = fixed
+    kind, others, late = fixed
     act = jax.tree.unflatten(
         kind, [x if y is None else y for x, y in zip(numbers, others, strict=True)]
     )
@@ -259,12 +260,13 @@ def _run(
     friction_memory = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
     closed = jnp.zeros(plant.units)  # commands that shut all valves
+    pending = jnp.zeros((late, plant.units))  # commands that haven't reached the valves
 
     # a derivative computes a step again, which takes less memory than storing it
     @partial(jax.checkpoint, prevent_cse=False)
     def step(carry: tuple, row: tuple) -> tuple[tuple, _Rows]:
         """One step: the state after it, and the row of its beginning."""
-        progress, memory, command = carry
+        progress, memory, command, pending = carry
         time, reference, is_last = row
         state, friction_memory = progress.state, progress.friction_memory
         evaluation = evaluate_plant(plant, time, state, closed, friction_memory)
@@ -278,7 +280,9 @@ def _run(
         )
         memory, action = act(memory, measurement, reference)
         command = jnp.where(is_last, command, action)  # the last command holds at the end, too
-        evaluation = evaluate_plant(plant, time, state, command, friction_memory)
+        pending = jnp.concatenate([pending, command[None]])
+        acting, pending = pending[0], pending[1:]
+        evaluation = evaluate_plant(plant, time, state, acting, friction_memory)
         outputs = observe(plant, state, friction_memory, evaluation)
         folded = progress.folded * (1 << STATUS.index("folded"))
         outputs = outputs._replace(status=outputs.status | folded)
@@ -286,10 +290,11 @@ def _run(
         beginning = _Rows(outputs, command, ledger, state)
 
         def advance(i: Any, progress: IntegratorState) -> IntegratorState:
-            return substep(plant, time + i * h, progress, command, h)
+            return substep(plant, time + i * h, progress, acting, h)
 
         progress = progress._replace(folded=jnp.zeros_like(progress.folded))
-        return (lax.fori_loop(0, substeps, advance, progress), memory, command), beginning
+        progress = lax.fori_loop(0, substeps, advance, progress)
+        return (progress, memory, command, pending), beginning
 
     progress = IntegratorState(state, friction_memory, jnp.zeros(len(LEDGER)), jnp.zeros((), bool))
     # one row more for the end, whose step is dropped
@@ -297,7 +302,7 @@ def _run(
     times, is_last = dt * jnp.arange(steps + 1), jnp.arange(steps + 1) == steps
     inputs = jnp.concatenate([inputs, inputs[-1:]])
     rows: _Rows
-    _, rows = lax.scan(step, (progress, memory, closed), (times, inputs, is_last))
+    _, rows = lax.scan(step, (progress, memory, closed, pending), (times, inputs, is_last))
     return rows._replace(ledger=rows.ledger - rows.ledger[0])
 
 

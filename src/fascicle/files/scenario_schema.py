@@ -33,6 +33,7 @@ from ..fluid import (
     Orifice,
     PumpedAccumulator,
     Servovalve,
+    Solenoid,
     SonicValve,
     Tank,
 )
@@ -91,7 +92,7 @@ PARTS = {
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, optional=True),
     "spool": Part("kind", {
-        "direct": Direct, "servovalve": Servovalve,
+        "direct": Direct, "servovalve": Servovalve, "solenoid": Solenoid,
     }, "direct", optional=True),
     "hysteresis": Part("kind", {
         "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,

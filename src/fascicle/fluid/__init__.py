@@ -30,6 +30,7 @@ from .spools import AbstractSpool as AbstractSpool
 from .spools import Direct as Direct
 from .spools import Openings as Openings
 from .spools import Servovalve as Servovalve
+from .spools import Solenoid as Solenoid
 from .spools import validate_commands as validate_commands
 from .supply import AbstractSupply as AbstractSupply
 from .supply import ConstantSupply as ConstantSupply

@@ -11,14 +11,24 @@ follows it,
 
 $$\dot x = \frac{u - x}{\tau}. \tag{F10}$$
 
+On/off valves (`Solenoid`), one to the supply and one to the exhaust, are energized for a share
+$|u|$ of each pulse of a period $T$. With delays $t_o$ and $t_c$ to half open and to half closed,
+the one that $u$ asks for is open at a time $t$ of the pulse by
+
+$$z = \min\left(\frac{t}{2 t_o},\ 1 - \frac{t - |u| T}{2 t_c}\right), \qquad 0 \le z \le 1,
+  \tag{F11}$$
+
+also in the next pulse, if it hasn't closed. In the mean that is $|u| + (t_c - t_o)/T$, if the pulse
+is long enough to open the valve and the pause to close it.
+
 **Source:** Merritt (1967), Hydraulic Control Systems.
 """
 
 import abc
 from typing import ClassVar, NamedTuple
 
-from ..core.array_namespace import maximum, minimum
-from ..core.module import Module
+from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
+from ..core.module import Module, record
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
 from .fields import interval_field, positive_field
@@ -36,10 +46,16 @@ class Openings(NamedTuple):
 
 class AbstractSpool(Module):
     """Spools of valves: their motion by commands, and the ports they open; `overlap`: closed share
-    of the travel [-], in [0, 1).
+    of the travel [-], in [0, 1). `dead_time`: from a command to its effect [s], by keyword; a run
+    takes it in whole steps, and begins with shut valves.
     """
 
     overlap: ClassVar[Batch]
+    dead_time: float = record(
+        default=0.0, converter=lambda x: float(check_interval(x, 0.0, 10.0, "dead_time", "s",
+                                                              closed=(True, True))),
+        kw_only=True, static=True, unit="s",
+    )  # fmt: skip
 
     @abc.abstractmethod
     def state_count(self, units: int) -> int:
@@ -52,6 +68,10 @@ class AbstractSpool(Module):
     @abc.abstractmethod
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-] at a `command` [-] and a position of the `spool` [-]."""
+
+    def command_at(self, opening: Numbers) -> Numbers:
+        """Command [-] for a mean `opening` [-]: positive to the supply, negative to the exhaust."""
+        return opening
 
     def _port_openings(self, position: Numbers) -> Openings:
         """Openings [-], (F9), at a `position` of the spool [-]: to the supply if positive, else to
@@ -107,6 +127,45 @@ class Servovalve(AbstractSpool):
         """Openings [-], (F9), at the `spool` [-]; the `command` [-] doesn't count."""
         del command
         return self._port_openings(spool)
+
+
+class Solenoid(AbstractSpool):
+    """Two on/off valves for each unit, driven by the width of pulses, equation (F11).
+
+    `period`: $T$ of the pulses [s]. `opening_delay`, `closing_delay`: $t_o$, $t_c$ [s].
+    """
+
+    source: ClassVar[str] = "derived here"
+    overlap: ClassVar[Batch] = 0.0
+    period: Batch = positive_field("period", _TIME)
+    opening_delay: Batch = positive_field("opening_delay", _TIME)
+    closing_delay: Batch = positive_field("closing_delay", _TIME)
+
+    def state_count(self, units: int) -> int:
+        """A clock, in periods, for each of the `units`."""
+        return units
+
+    def rate(self, command: Numbers, spool: Numbers) -> Numbers:
+        """Rate of the clocks `spool` [1/s], at any `command` [-]."""
+        return 1 / self.period + 0.0 * (command + spool)
+
+    def openings(self, command: Numbers, spool: Numbers) -> Openings:
+        """Openings [-], (F11), at a `command` [-] and clocks `spool` [-]."""
+        share, T = absolute(command), self.period
+        time = (spool - array_namespace(spool).floor(spool)) * T
+
+        def opening(time: Numbers) -> Numbers:
+            rise, fall = time / (2 * self.opening_delay), (time - share * T)
+            return maximum(minimum(minimum(rise, 1 - fall / (2 * self.closing_delay)), 1.0), 0.0)
+
+        z = where(share >= 1, 1.0, maximum(opening(time), opening(time + T)))
+        return Openings(where(command > 0, z, 0.0), where(command < 0, z, 0.0))
+
+    def command_at(self, opening: Numbers) -> Numbers:
+        """Command [-] for a mean `opening` [-], by (F11), zero where it is nearly shut."""
+        lost = (self.opening_delay - self.closing_delay) / self.period
+        share = minimum(maximum(absolute(opening) + lost, 0.0), 1.0)
+        return where(opening > 0, share, where(opening < 0, -share, 0.0))
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:

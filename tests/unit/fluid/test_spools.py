@@ -35,6 +35,18 @@ def test_servovalve_follows_in_first_order():
     assert of.state_count(3) == 3
 
 
+@pytest.mark.parametrize("command", [-0.9, -0.3, 0.0, 0.25, 0.6, 1.0])
+def test_pulses_open_a_valve_in_the_mean(command):
+    of = fluid.Solenoid(0.02, 0.002, 0.001)
+    clock = (np.arange(4000) + 0.5) / 1000  # four periods
+    supply, exhaust = (z.mean() for z in of.openings(command + 0 * clock, clock))
+    mean = supply - exhaust
+    assert_allclose(of.command_at(mean), command, atol=1e-3)
+    expected = {0.0: 0.0, 1.0: 1.0}.get(command, np.sign(command) * (abs(command) - 0.05))
+    assert_allclose(mean, expected, atol=1e-3)
+    assert_allclose(of.rate(np.zeros(2), np.zeros(2)), 50.0)
+
+
 @pytest.mark.parametrize("overlap", [0.0, 0.2])
 @pytest.mark.parametrize("at", [-1.0, -0.2, 0.0, 0.1, 0.2, 1.0])
 def test_slopes_are_those_of_differences_at_the_edges_too(at, overlap):
