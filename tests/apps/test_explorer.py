@@ -408,7 +408,7 @@ def tabs_one_by_one(page):
     shown = {
         "Muscle": "solid", "Bundle": "bundle", "More: efficiency": "bundle",
         "Compare": None, "Try two braid angles": "compared",
-        "Data": "untuned", "Try an example record (synthetic)": "readings",
+        "Data": None, "Try an example record (synthetic)": "readings",
         "Time": None, "Run": "time_frames",
     }  # fmt: skip
     for label, name in shown.items():
@@ -416,7 +416,7 @@ def tabs_one_by_one(page):
         named.locator("visible=true").first.click()
         if name is None:  # a tab without a figure as yet
             page.locator(".bk-Figure:visible").first.wait_for(state="hidden")
-            page.get_by_role("button", name=re.compile("^(Try two braid angles|Run)$")).wait_for()
+            page.get_by_role("button", name=re.compile("^(Try|Run)")).first.wait_for()
         else:
             source(page, name)
         wait_for_layout(page)

@@ -36,7 +36,6 @@ from .measured import (
     example_record,
     fit_record,
     mismatch_reason,
-    preview_curves,
     read_record,
 )
 from .state import Session, View, view_of
@@ -48,7 +47,6 @@ from .widgets import (
     dropdown,
     file_input,
     fold,
-    height_css,
     html_table,
     pane,
     parse_field,
@@ -61,7 +59,7 @@ from .widgets import (
 
 
 _SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels of pressures
-_MARGIN, _MARGIN_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
+_MARGIN = 220  # pixels of the screen beside the figure
 _EXAMPLE = "example.csv"
 RECORD_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
 _REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
@@ -154,7 +152,8 @@ class DataView(Tab):
         results = (self.status, self.table, self.use, row(*self.saves, kind=""), self.fit_notes)
         left = side_column(*inputs, *fit, *results, self.notes, width=420)
         self.empty_state = _empty_state(self._example)
-        self.panel = row(left, column(self.empty_state, self.chart.new_pane(), kind="equal"))
+        self._figure = column(self.chart.new_pane(), visible=False)
+        self.panel = row(left, column(self.empty_state, self._figure, kind="equal"))
 
     def _add_widgets(self) -> None:
         label = "Open a record (CSV, .xlsx, .mat)"
@@ -201,10 +200,10 @@ class DataView(Tab):
         """Show force curves of the muscle and the fit, at the record's pressures, if any."""
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         record, fit = self.record, self.fit
+        if record is None:
+            return
 
         def compute() -> tuple[ModelCurves, ModelCurves | None]:
-            if record is None:
-                return preview_curves(view.muscle), None
             tuned = fit and curves_at_levels(fit.selection.calibration.muscle, record)
             return curves_at_levels(view.muscle, record), tuned
 
@@ -234,7 +233,7 @@ class DataView(Tab):
 
     def _add_chart(self) -> None:
         """Add the chart of force over strain."""
-        height = screen_height(_MARGIN_EMPTY)
+        height = screen_height(_MARGIN)
         chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", height)
         self.readings = chart.add("readings")
         self._before, self._after = chart.add("untuned"), chart.add("tuned")
@@ -257,8 +256,6 @@ class DataView(Tab):
         self._set_record(None)
         self.notes.object = ""
         self._read()
-        if self.record is None:
-            self.draw(self.session.view)
 
     def _read(self) -> None:
         """Read the file with the options in the fields; an error leaves the last picture."""
@@ -289,7 +286,7 @@ class DataView(Tab):
         self.record, self.fit = record, None
         self._end_fit()
         self.table.object = self.fit_notes.object = ""
-        self.empty_state.visible = record is None
+        self.empty_state.visible, self._figure.visible = record is None, record is not None
         self._other_example.visible = record is not None
         self._enable_results(False)
 
@@ -311,8 +308,6 @@ class DataView(Tab):
             "color": [colors[i] for i in nearest],
         }
         self._tuned.visible = after is not None
-        margin = _MARGIN_EMPTY if self.record is None else _MARGIN
-        self.chart.figure.stylesheets = [height_css(screen_height(margin))]
         for source, curves in ((self._before, before), (self._after, after)):
             rows = [] if curves is None else list(curves.force / scale)
             source.data = {
@@ -332,10 +327,9 @@ class DataView(Tab):
         }
         text = f"Curves of {number} of {before.total} pressures are drawn."
         self.status.object = status_line(text if before.total > number else "")
-        readings = "No" if self.record is None else f"{len(self.record)}"
         tuned = ", and of the tuned one" if after is not None else ""
         self.chart.describe(
-            f"Force over contraction. {readings} readings; curves of this muscle{tuned} at"
+            f"Force over contraction. {len(strain)} readings; curves of this muscle{tuned} at"
             f" {before.pressure[0] / pressure_scale:.3g} to"
             f" {before.pressure[-1] / pressure_scale:.3g} {unit}."
         )
@@ -345,8 +339,7 @@ class DataView(Tab):
     def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
         record = self.record
-        if record is None:
-            return np.zeros(0), np.zeros(0), np.zeros(0, int)
+        assert record is not None  # else nothing is drawn
         drawn = np.unique(np.linspace(0, len(record) - 1, MOST_POINTS).astype(int))
         nearest = np.abs(record.pressure[drawn, None] - pressure).argmin(axis=1)
         return record.strain[drawn], record.force[drawn], nearest
@@ -441,7 +434,7 @@ class DataView(Tab):
 
 
 def _empty_state(example: pn.widgets.Button) -> pn.Row:
-    """Framed panel above the muscle's curves; `example` is the button of an example record."""
+    """Framed panel in place of the figure; `example` is the button of an example record."""
     margin, wide = (0, APART, APART, APART), "stretch_width"
     text = pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", margin, sizing_mode=wide)
     form = f'<p class="small">Such a file begins with</p><pre>{_FORM}</pre>'

@@ -125,15 +125,6 @@ def curves_at_levels(muscle: Muscle, record: Record) -> ModelCurves:
     return ModelCurves(pressure, strain, np.asarray(force), len(levels))
 
 
-def preview_curves(muscle: Muscle) -> ModelCurves:
-    """Curves of a muscle at the pressures of the example record."""
-    pressure = np.array(_PRESSURES)
-    free = float(muscle.free_strain(pressure[-1]))
-    strain = np.linspace(0.0, max(free, 0.01), _POINTS)
-    force = np.asarray(muscle.force(pressure[:, None], strain))
-    return ModelCurves(pressure, strain, force, len(pressure))
-
-
 def fit_record(
     record: Record,
     muscle: Muscle,

@@ -44,7 +44,7 @@ def send(tab, raw, name="a.csv"):
 def enabled(tab):
     """Readings drawn, fit enabled, and the empty state hidden."""
     return (
-        len(tab.readings.data["x"]) > 0, not tab.calibrate.disabled, not tab.empty_state.visible,
+        tab._figure.visible and len(tab.readings.data["x"]) > 0, not tab.calibrate.disabled, not tab.empty_state.visible,
     )  # fmt: skip
 
 
