@@ -200,7 +200,7 @@ class FreeStrainChart:
         self._message = pane(margin=(2, 8), sizing_mode="stretch_width")
         self._figure = column(self._legend, chart.new_pane())
         title = pane(heading("Free strain over the pressure of unit 2"))
-        self.panel = column(title, self._figure, self._message)
+        self.panel = column(title, self._figure, self._message, kind="reversal")
         self._curves = LatestResult(self._show, tab.fail, tab.is_open)
 
     def draw(self, view: View) -> None:
@@ -314,6 +314,7 @@ class EfficiencyMaps:
 
     def _fail(self, error: ValueError | str) -> None:
         """Show the error of a computation in place of the pictures."""
+        self._maps.drop()
         self._content.loading, self._numbers.object = False, ""
         for picture in self.pictures:
             picture.object = None
@@ -383,7 +384,7 @@ class BundleView(Tab):
         scene = column(*self._scene.panes(), asides, kind="equal picture")
         main = column(
             self.notes,
-            self._strain.panel,
+            row(self._strain.panel, kind="stacked pinned"),
             self.status,
             row(column(*curves, kind="equal"), scene),
             self.efficiency.panel,
@@ -582,6 +583,7 @@ class BundleView(Tab):
         self._load.show(load, unit)
         self._load_strain.show(strain, "")
         if load is None:
+            self._recruitments.drop()
             self._target.data = {"x": [], "y": []}
             example = button("Try a point", self.try_point)
             self._solution_column.objects = [pane(status_line(_NO_LOAD)), example]

@@ -98,6 +98,7 @@ window.fascicleDismiss = () => {
 const SCENE = {"--figure-height": "230px", "--scene-height": "190px", "--picture-order": "-1",
   "--pinned": "sticky", "--pinned-order": "1", "--aside": "none"};
 const setScene = (running) => {
+  page.setProperty("--reversal-order", running ? -1 : 0);  // before the figure of the force
   for (const [name, value] of Object.entries(SCENE))
     if (running && narrow.matches) page.setProperty(name, value);
     else page.removeProperty(name);

@@ -21,9 +21,8 @@ TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens 
 _OFFER = "See in four steps why a buckled muscle resists"
 _PROMISE = "Move the sliders as you like. Your own inputs come back at the end."
 _WHY = (
-    "Unit 2 begins with its pressure at zero, contracted past its own free strain: its slack tubes"
-    " bow and push a little. A little pressure stiffens the tubes before it shortens them, so that"
-    " they push harder against unit 1; only more pressure lets them pull along."
+    "Slack, the tubes of unit 2 are folded and push a little. A little pressure stiffens them"
+    " before it shortens them, so that they push harder; only more pressure lets them pull along."
 )
 _SET_FIELDS = (
     "tab",
@@ -40,7 +39,7 @@ _TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
 _SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
 _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
 _ROUND_PRESSURE = 1e3  # Pa: the next whole kPa past the turn, where the reach is short
-_STEPS, _STEP_TIME = 24, 150  # of the second unit's pressure, from zero on; ms of each
+_STEPS, _STEP_TIME = 16, 200  # of the second unit's pressure, from zero on; ms of each
 _FOCUS = "window.fascicleStory?.(cb_obj.visible)"
 _KEEP_FOCUS = "window.fascicleStory?.(true, true)"  # a button with another label is a new element
 
@@ -124,10 +123,11 @@ class Story:
             second = next(steps, None)
             if second is None:
                 self._stop_playing()
-                self._session.show(replace(self._session.view, strain=view.strain))
+                self._session.show(view)
                 return
             pressures = (first, float(f"{second:.5g}"), *others)
-            self._session.show(replace(self._session.view, pressures=pressures))
+            strain = round(float(view.bundle.free_strain(pressures)), 4)
+            self._session.show(replace(view, pressures=pressures, strain=strain))
 
         self._timer = pn.state.add_periodic_callback(step, period=_STEP_TIME)
 

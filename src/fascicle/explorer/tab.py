@@ -167,7 +167,9 @@ class Progress:
 
 
 class LatestResult:
-    """Runs one computation at a time in a thread, and shows the result of the latest request."""
+    """Runs one computation at a time in a thread, then that of the latest request, if it is newer;
+    a slider that goes on moving shows each result.
+    """
 
     def __init__(
         self,
@@ -185,7 +187,7 @@ class LatestResult:
         self._busy, self._task = False, None
 
     def request(self, compute: Callable[[], object]) -> None:
-        """Run `compute` in a thread, and show what it returns unless there is a later request."""
+        """Run `compute` in a thread, and show what it returns unless it is dropped."""
         self._latest, doc = compute, session_document()
         if doc is None:
             self._show_outcome(result_and_error(compute))
@@ -202,14 +204,15 @@ class LatestResult:
 
         def deliver(outcome: Outcome) -> None:
             self._busy = False
-            if self._latest is compute:
-                self._show_outcome(outcome)
-            elif self._latest is not None:
-                self._start(doc, self._latest)
+            if (latest := self._latest) is None:
+                return
+            if latest is not compute:
+                self._start(doc, latest)
+            self._show_outcome(outcome)
 
         async def wait() -> None:
             outcome = await asyncio.wrap_future(future)
-            while not self._is_open() and self._latest is compute and _is_alive(doc):
+            while not self._is_open() and self._latest is not None and _is_alive(doc):
                 await asyncio.sleep(_WAIT)
             if _is_alive(doc):
                 # on the loop: a document that sends its changes loses a callback of a thread

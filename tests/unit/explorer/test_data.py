@@ -43,9 +43,8 @@ def send(tab, raw, name="a.csv"):
 
 def enabled(tab):
     """Readings drawn, fit enabled, and the empty state hidden."""
-    return (
-        tab._figure.visible and len(tab.readings.data["x"]) > 0, not tab.calibrate.disabled, not tab.empty_state.visible,
-    )  # fmt: skip
+    has_readings = tab._figure.visible and len(tab.readings.data["x"]) > 0
+    return has_readings, not tab.calibrate.disabled, not tab.empty_state.visible
 
 
 def test_a_record_enables_the_tab(tab):
