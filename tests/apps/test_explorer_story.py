@@ -72,6 +72,11 @@ def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(first_visit):
         focus(page, "BUTTON Next")
         page.keyboard.press("Enter")
         scene(page, number)
+    # the second unit is filled from zero up to the reversal
+    turn = explorer.source(page, "turn")["x"][0]
+    point = f"({explorer.SOURCE})('free_strain_point').x[0]"
+    assert page.evaluate(f"() => {point}") < turn
+    explorer.until(page, f"turn => {point} >= turn", arg=turn)
     reach = explorer.source(page, "equilibria")["x"]
     page.get_by_text(f"reaches only {reach[0]:.3f}").wait_for()
     focus(page, "BUTTON Done")
@@ -95,9 +100,9 @@ def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
     for number in (1, 2, 3, 4):
         scene(page, number)
         explorer.source(page, "bundle" if number == 4 else "solid")
-        # curve and muscle are in view with the sentences
+        # curve and muscle, or bundle and its free strain, are in view with the sentences
         explorer.wait_for_layout(page)
-        for figure in page.locator(".bk-Figure").all()[: 1 if number == 4 else 2]:
+        for figure in page.locator(".bk-Figure").all()[slice(1, 3) if number == 4 else slice(2)]:
             box = figure.bounding_box()
             assert box["y"] > 0 and box["y"] + box["height"] / 2 < height
         page.set_viewport_size({"width": width, "height": 3000})  # where nothing is covered
