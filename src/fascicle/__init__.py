@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
+    from .control import Joint as Joint
     from .core.errors import InvalidInputError as InvalidInputError
     from .files import catalog as catalog
     from .files import example as example
@@ -51,6 +52,7 @@ _HOMES = {
     "Bundle": "bundle",
     "Constant": "muscle",
     "InvalidInputError": "core.errors",
+    "Joint": "control",
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
@@ -87,6 +89,7 @@ __all__ = [
     "Bundle",
     "Constant",
     "InvalidInputError",
+    "Joint",
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",

@@ -193,6 +193,17 @@ def test_recruit(fascicle, result):
     assert "nan" not in out
 
 
+def test_recruit_of_a_joint(fascicle, result):
+    line = ("recruit", BUNDLE, "-s", "0.1", "--torque", "0.5N*m", "--angle", "3deg",
+            "--moment-arm", "20mm", "--supply", "300kPa")  # fmt: skip
+    values = result(*line, "--stiffness", "9N*m/rad")
+    assert values["status"] == [0]
+    assert_allclose([*values["torque"], *values["stiffness"]], [0.5, 9.0], rtol=1e-9)
+    assert fascicle(*line, "--stiffness", "900N*m/rad")[0] == 3
+    code, _, err = fascicle(*line)
+    assert code == 2 and "--stiffness" in err
+
+
 def test_record_writes_a_labelled_file_that_reads_back(answer, result, tmp_path):
     line = ("record", TEN, "--out", "d.csv", "-p", "0kPa:200kPa:100kPa", "--samples", "5",
             "--noise", "1%", "--seed", "7")  # fmt: skip

@@ -3,12 +3,11 @@ import fascicle
 
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
-    "Bundle", "Constant", "InvalidInputError", "MooneyRivlin", "MotorUnit", "Muscle",
-    "MuscleTable", "Switch",
-    "Tuning", "buckling", "calibrate", "catalog", "collapse", "control", "design",
-    "dynamics", "ends", "energetics", "example", "examples", "fluid", "laws", "load",
-    "materials", "plot", "post_collapse", "records", "recruitment", "reversal", "save", "schemes",
-    "tables", "tension",
+    "Bundle", "Constant", "InvalidInputError", "Joint", "MooneyRivlin", "MotorUnit",
+    "Muscle", "MuscleTable", "Switch", "Tuning", "buckling", "calibrate", "catalog", "collapse",
+    "control", "design", "dynamics", "ends", "energetics", "example", "examples", "fluid", "laws",
+    "load", "materials", "plot", "post_collapse", "records", "recruitment", "reversal", "save",
+    "schemes", "tables", "tension",
 ]  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from .inputs import (
     check_grid,
     read_bundle,
     read_list,
+    read_quantity,
     read_rising_strains,
     read_states,
     read_supply,
@@ -203,18 +204,25 @@ def _print_space(variables: Any, units: int) -> None:
 def recruit(
     file: str = options.TARGET,
     units: str | None = options.UNITS,
-    force: str = option(
+    force: str | None = option(
         "Demanded forces: one (40N), a list (20N,40N) or a range (0N:100N:10N).",
         "--force -f",
         metavar="LIST",
-        default=...,
     ),
     strain: str = option(
-        "Contractions: one (0.12), a list (0,0.1) or a range (0:0.2:0.05).",
+        "Contractions: one (0.12), a list (0,0.1) or a range (0:0.2:0.05); of a joint, that of"
+        " both sides at the angle 0.",
         "--strain -s",
         metavar="LIST",
         default=...,
     ),
+    torque: str | None = option(
+        "Demanded torques of a joint that two of these pull in opposite directions (5N*m).",
+        metavar="LIST",
+    ),
+    stiffness: str | None = option("Demanded stiffness of the joint (60N*m/rad).", metavar="VALUE"),
+    angle: str | None = option("Angle of the joint (10deg).", metavar="VALUE"),
+    moment_arm: str | None = option("Moment arm of the joint (50mm).", metavar="VALUE"),
     supply: str | None = options.SUPPLY,
     scheme: str | None = options.SCHEME,
     no_resistance: bool = options.NO_RESISTANCE,
@@ -226,8 +234,18 @@ def recruit(
     """Find the pressures that give a force at a contraction.
 
     Of several solutions, the one that takes the least fluid comes first; the table lists the
-    others.
+    others. With --torque, --stiffness, --angle and --moment-arm: the pressures of a joint.
     """
+    if force is None:
+        joint = {
+            "--torque": torque, "--stiffness": stiffness, "--angle": angle,
+            "--moment-arm": moment_arm,
+        }  # fmt: skip
+        if missing := [name for name, value in joint.items() if value is None]:
+            raise UserError(f"recruit needs --force, or of a joint {', '.join(missing)}, too.")
+        outputs = Outputs(as_json, as_csv, out, None, overwrite)
+        _recruit_joint(file, units, joint, strain, supply, outputs)
+        return
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
     pressure = read_supply(supply)
     outputs = Outputs(as_json, as_csv, out, None, overwrite)
@@ -255,6 +273,44 @@ def recruit(
             f"{count} of {unreached.size} demands can't be reached; the table has the nearest"
             " force. Change the force, the strain or the supply pressure."
         )
+
+
+def _recruit_joint(
+    file: str,
+    units: str | None,
+    joint: dict[str, Any],
+    strain: str,
+    supply: str | None,
+    outputs: Outputs,
+) -> None:
+    """Find the pressures of a `joint`'s options, with a file's muscle or bundle on both sides."""
+    torques = read_list(joint["--torque"], "moment", "--torque")
+    stiffness = read_quantity(joint["--stiffness"], "angular_stiffness", "--stiffness")
+    angle = read_quantity(joint["--angle"], "angle", "--angle")
+    arm = read_quantity(joint["--moment-arm"], "length", "--moment-arm")
+    contraction = read_quantity(strain, "strain", "--strain")
+    pressure = read_supply(supply)
+    target = read_bundle(file, pressure, units)
+    if pressure is not None:
+        target = target.replace(supply_pressure=pressure)
+    from ..control import Joint
+    from ..results.tables import joint_pressures
+
+    with user_errors():
+        result = Joint(target, target, arm, contraction).pressures(angle, torques, stiffness)
+    heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
+    rows = [
+        [f"{T:.6g}", f"{P1 / 1e3:.6g}", f"{P2 / 1e3:.6g}", f"{K:.6g}", f"{code}"]
+        for P1, P2, T, K, code in zip(*result, strict=True)
+    ]
+    caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
+    outputs.write(
+        joint_pressures(result),
+        lambda: print_table(caption, heads, rows),
+        title=f"Joint of two {file}",
+    )
+    if count := int((result.status != 0).sum()):
+        exit_incomplete(f"{count} of {len(rows)} demands can't be reached; see the nearest.")
 
 
 def _print_pressures(variables: Any, is_free: bool) -> None:

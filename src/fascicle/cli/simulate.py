@@ -70,6 +70,7 @@ def simulate(
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
     from ..dynamics.audit import audit_run
+    from ..report.simulation import scenario_notes
     from ..results.tables import simulated
 
     with user_errors():
@@ -84,7 +85,10 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
 
         return traces(study.plant, result, run_demand(study, result))
 
-    notes = [*study.notes, *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else [])]
+    notes = [
+        *scenario_notes(study),
+        *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else []),
+    ]
     outputs.write(
         simulated(study.plant, result, balances, *controller),
         lambda: _print(study, result, balances, doubts),
@@ -190,7 +194,7 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
         print_text(f"{text}: {summary}.")
         if message := pages.unreachable_message(plant, quantity, metrics):
             print_text(f"note: {message}")
-    for note in study.notes:
+    for note in pages.scenario_notes(study):
         print_text(f"note: {note}")
     happened = events(result)
     for event in happened[:_MAX_EVENTS]:

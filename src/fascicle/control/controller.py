@@ -35,18 +35,23 @@ and Hägglund (2006), Advanced PID Control; (K3) and (K3a) derived here, for an 
 or a delay.
 """
 
+import warnings
 from typing import Any, NamedTuple
 
+import attrs
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
-from ..dynamics import Measurement, Plant
+from ..core.validation import check_choice, check_interval, check_positive
+from ..dynamics import Measurement, Plant, PrescribedMotion
 from ..muscle.hysteresis import AbstractHysteresis
+from .policies import POLICIES, Policy
 from .step_response import LoopMargins, loop_margins
 from .units import ControlledUnits, UnitDemand, evaluate_capability
 
@@ -56,6 +61,8 @@ _STEP = 1e3  # Pa, for a content's slope: far above rounding, far below a supply
 _STRAIN = 1e-4  # for the same slope by strain
 FASTEST = 3e-3  # s, a pressure's time constant without any lateness
 OBSERVER = 5e-3  # s: 5 kPa of noise at 1 kHz become 2; faster than any hand-over
+OF = ("force", "position")  # values of the argument `of`
+_BAND = 0.02  # of the largest unit's force at rest: more than noise
 DAMPED = 2.0  # times all lateness in the loop, equation (K3a)
 
 
@@ -114,7 +121,7 @@ class Cascade(Module):
 
     plant: Plant
     units: tuple[ControlledUnits, ...]
-    policies: tuple[Any, ...]
+    policies: tuple[Policy, ...]
     gains: Gains
     highest_pressure: Batch
     flow_limit: Batch
@@ -221,6 +228,8 @@ class Cascade(Module):
             fraction = jnp.maximum(fraction, self.every / jnp.maximum(memory.steps, self.every))
         rate = memory.rate + (change - memory.rate) * fraction
 
+        observer = jnp.where(jnp.isfinite(gains.observer_time), gains.observer_time, 0.0)
+        correction = gains.pressure_time + observer
         speed = plant.gains * measurement.velocity
         joint = len(self.units) == 2
         policies, targets, short, excess = [], [], [], []
@@ -231,13 +240,13 @@ class Cascade(Module):
                 demand * force_ratio + (self.co_contraction if joint else 0.0), rate * force_ratio,
                 strains[indices], measurement.pressures[indices],
                 minimum(measurement.supply_pressure, self.highest_pressure), gains.pressure_time,
-                dt,
+                correction, dt,
             )  # fmt: skip
             capability = evaluate_capability(units, unit_demand)
-            policy_memory, target = policy(memory.policies[side], units, unit_demand, capability)
-            policies.append(policy_memory)
-            targets.append(target)
-            too_much = unit_demand.force > capability.largest[-1]
+            step = policy(memory.policies[side], units, unit_demand, capability)
+            policies.append(step.memory)
+            targets.append(step.pressures)
+            too_much = (unit_demand.force > capability.largest[-1]) | (step.withheld > 0)
             too_little = unit_demand.force < jnp.sum(capability.empty)
             short.append(where(force_ratio > 0, too_much, too_little))
             excess.append(where(force_ratio > 0, too_little, too_much))
@@ -311,3 +320,100 @@ class Cascade(Module):
             memory.friction, travel, speed, (P, P), muscles.force_by_pressure
         )
         return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
+
+
+def cascade(
+    plant: Plant,
+    policy: str,
+    of: str = "force",
+    gains: Gains = Gains(),  # noqa: B008 a tuple of numbers
+    band: Values = None,
+    dt: Values = 1e-3,
+    sample_time: Values = None,
+    delay: Values = 0.0,
+    highest_pressure: Values = None,
+    flow_limit: Values = 1.0,
+    compensate: bool = False,
+    co_contraction: Values = 0.0,
+) -> Cascade:
+    """Controller of a plant, as `simulate` takes it.
+
+    **Arguments:**
+
+    - `plant`: the plant, which is its model, too.
+    - `policy`: name of the policy, one of `POLICIES`.
+    - `of`: quantity of the reference, "force" or "position".
+    - `gains`: of the cascade, `Gains` [SI], none below zero; a `pressure_time` too fast for the
+      plant raises a warning.
+    - `band`: decrease of the demand before a unit is vented [N]; left out, 2 % of the largest
+      unit's force at rest.
+    - `dt`: the simulation's step [s].
+    - `sample_time`: period of its commands [s], whole steps; left out, each step.
+    - `delay`: dead time of the bench's valves and measurements [s]. It is declared, for a
+      `pressure_time` that fits, and adds none; the lag of valves is the plant's.
+    - `highest_pressure`: of its targets [Pa]; left out, the supply's.
+    - `flow_limit`: largest opening of a valve [-].
+    - `compensate`: feedforward of the plant's friction.
+    - `co_contraction`: of each of a joint's bundles [N].
+
+    **Raises:** `InvalidInputError` for arguments that don't fit.
+    """
+    policy_with_band = POLICIES[check_choice(policy, POLICIES, "policy")]
+    check_choice(of, OF, "of")
+    if of == "position" and isinstance(plant.load, PrescribedMotion):
+        raise InvalidInputError("of", "must be force where the motion is given", of)
+    closed = (True, False)
+    for name, value in gains._asdict().items():
+        if name not in ("pressure_time", "observer_time"):
+            check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
+    step = float(check_positive(dt, "dt", "s", "such as 0.001"))
+    period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
+    period_steps = _whole_steps(period, step, "sample_time")
+    dead_time = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
+    supply = plant.supply_pressure
+    highest = float(check_interval(
+        supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
+        "Pa", "of the supply", (False, True),
+    ))  # fmt: skip
+    limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
+    units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
+    if band is None:
+        zeros = [np.zeros(bundle.count) for bundle in units]
+        blocked = [
+            x.counts * x.branches.force(supply + z, z) for x, z in zip(units, zeros, strict=True)
+        ]
+        band = _BAND * float(np.max(np.concatenate(blocked)))
+    policies = tuple(policy_with_band(band) for _ in units)
+    for rule, bundle in zip(policies, units, strict=True):
+        rule.begin(bundle)
+    derived = gains.pressure_time is None
+    pressure_time = FASTEST if derived else gains.pressure_time
+    pressure_time = check_positive(pressure_time, "pressure_time", "s")
+    observer = gains.observer_time
+    if observer is None:
+        observer = OBSERVER if policy == "hand_over" else np.inf
+    observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=(False, True))
+    gains = gains._replace(pressure_time=pressure_time, observer_time=observer)
+    gains = Gains(*map(np.float64, gains))
+    tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
+    controller = Cascade(
+        plant, units, policies, gains, np.float64(highest), np.float64(limit),
+        plant.hysteresis if compensate else None, np.float64(tension), np.float64(dead_time),
+        np.float64(step), of, period_steps,
+    )  # fmt: skip
+    if derived:
+        pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
+        return attrs.evolve(controller, gains=gains._replace(pressure_time=pressure_time))
+    for warning in controller.warnings:
+        warnings.warn(f"{warning}.", stacklevel=2)
+    return controller
+
+
+def _whole_steps(value: Any, dt: float, name: str) -> int:
+    """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
+    steps = round(float(value) / dt)
+    # whole but for the rounding of numbers in a file
+    if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
+        rule = f"must be whole steps of {dt:g} s"
+        raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
+    return steps

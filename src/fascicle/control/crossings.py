@@ -25,9 +25,12 @@ import numpy as np
 from ..bundle.bundle import Bundle
 from ..bundle.states import resolve_supply_pressure
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding, Severity
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_interval
+from ..dynamics import Plant
 from .branches import Branches
+from .controller import DAMPED, valve_lag
 from .dip import Transition, check_unit, transition, unit_strain
 from .units import SLACK
 from .valves import AbstractValves, valves_of_units
@@ -38,6 +41,7 @@ _MOMENTS = 129  # times of a path, at least, at which a hand-over may begin: 1 %
 _STEPS = 32  # of a hand-over: its time changes by less than a percent beyond
 _ZOOMS = 2  # of 32 moments each, after the last that would do: to 1e-5 of the path
 _NO_FLOW = 1e-300  # against division by none, at the supply's pressure
+_SAMPLES = 401  # of a reference: steps of a quarter of a percent
 _STRAINS = 65  # of dips, if the path has more: they are smooth between
 
 
@@ -73,23 +77,29 @@ class Path(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """Crossing of a transition: a hand-over to the next unit without a dip.
+    """Crossing of a transition: a hand-over to the next unit without a dip, if one exists.
 
-    `start` and `end` [s]; `fill_time`: $t_c$, (X4), that the next unit alone needs at the end's
-    strain [s]; `strain` [-], `dip` [N] and `onset_pressure` [Pa] at the end; `reserve` at the start
-    [N]; `deadline`: time from which the units before no longer suffice [s]; `reason` why there is
-    none. Missing values are `None`.
+    `deadline`: time from which the units before no longer suffice [s], `None` if they do. `start`
+    and `end` [s]; `fill_time`: $t_c$, (X4), that the next unit alone needs at the end's strain [s];
+    `strain` [-], `dip` [N] and `onset_pressure` [Pa] at the end; `reserve` at the start [N]; `None`
+    without a hand-over, which has an `obstacle`:
+
+    - "crossing.not_needed": the units before hold all of the path; the least `reserve` [N].
+    - "crossing.too_late": they don't hold its beginning; the `shortfall` [N].
+    - "crossing.no_gain": the next unit gains nothing up to the supply's pressure.
+    - "crossing.dip_too_deep": the largest `reserve` [N] is less than the `dip` [N] there.
+    - "crossing.valves_too_slow": the `reserve` [N] is less than the `dip` [N] too soon.
     """
 
-    start: float | None
-    end: float | None
-    fill_time: float | None
-    strain: float | None
-    dip: float | None
-    onset_pressure: float | None
-    reserve: float | None
     deadline: float | None
-    reason: str
+    start: float | None = None
+    end: float | None = None
+    fill_time: float | None = None
+    strain: float | None = None
+    dip: float | None = None
+    onset_pressure: float | None = None
+    reserve: float | None = None
+    obstacle: Finding | None = None
 
     @property
     def exists(self) -> bool:
@@ -100,15 +110,6 @@ class Crossing(NamedTuple):
     def is_resolved(self) -> bool:
         """True if the crossing exists, or none is needed."""
         return self.exists or self.deadline is None
-
-    def __str__(self) -> str:
-        """The hand-over in a sentence."""
-        if not self.exists:
-            return f"none: {self.reason}"
-        return (
-            f"from {self.start:.4g} s to {self.end:.4g} s at a strain of {self.strain:.4g}:"
-            f" {self.reserve:.4g} N of reserve for a dip of {self.dip:.4g} N"
-        )
 
 
 def hand_over_time(
@@ -157,7 +158,7 @@ def crossing(
     - `lag`: of the pressures behind a controller's demand [s]; a hand-over must be over by as much
       earlier.
 
-    **Returns:** a `Crossing` [s]; if there is none, with its `reason`.
+    **Returns:** a `Crossing` [s]; if there is none, with its `obstacle`.
 
     **Raises:** `InvalidInputError` for a unit that doesn't exist, a path off the domain, and valves
     that don't fit.
@@ -175,37 +176,78 @@ def crossing(
     reserve = state.largest_force - F
     short = np.flatnonzero(reserve < 0)
 
-    def no_crossing(reason: str, needed: float | None = None) -> Crossing:
-        return Crossing(None, None, None, None, None, None, None, needed, reason)
+    def no_crossing(deadline: float | None, code: str, **data: float) -> Crossing:
+        finding = Finding(f"crossing.{code}", Severity.NOTE, {"unit": unit, **data})
+        return Crossing(deadline, obstacle=finding)
 
-    before = f"unit {unit - 1}" if unit == 2 else f"units 1 to {unit - 1}"
     if not short.size:
-        return no_crossing(
-            f"{before} can hold all of the path, at least {np.min(reserve):.4g} N are left"
-        )
+        return no_crossing(None, "not_needed", reserve=float(np.min(reserve)))
     k = short[0]  # the reserve is used up before this moment
     if k == 0:
-        missing = f"{-reserve[0]:.4g} N are missing"
-        return no_crossing(f"{before} can't hold the path's beginning: {missing}", float(t[0]))
-    needed = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
-    is_start = (t >= begin) & (t < needed) & (reserve >= state.dip)
-    starts, start, end = t[is_start], np.nan, np.nan
-    step = float(np.max(np.diff(t)))
+        return no_crossing(float(t[0]), "too_late", shortfall=-float(reserve[0]))
+    deadline = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
+    starts = t[(t >= begin) & (t < deadline) & (reserve >= state.dip)]
+    start, end, step = np.nan, np.nan, float(np.max(np.diff(t)))
     for _ in range(_ZOOMS + 1):
         ends = hand_over.ends(starts)
-        feasible = np.flatnonzero(ends <= needed)  # in time, even if the demand falls again
-        if not feasible.size:  # not after the first round, whose start is among the next ones
-            return no_crossing(hand_over.reason(t[: k + 1], before), needed)
+        feasible = np.flatnonzero(ends <= deadline)  # in time, even if the demand falls again
+        if not feasible.size:  # only in the first round: its start is among the next ones
+            gains = np.isfinite(state.onset_pressure[: k + 1])
+            margin = np.where(gains, (reserve - state.dip)[: k + 1], -np.inf)
+            best = int(np.argmax(margin))
+            numbers = {"reserve": float(reserve[best]), "dip": float(state.dip[best])}
+            if not np.any(gains):
+                return no_crossing(deadline, "no_gain")
+            code = "dip_too_deep" if margin[best] < 0 else "valves_too_slow"
+            return no_crossing(deadline, code, **numbers)
         start, end = float(starts[feasible[-1]]), float(ends[feasible[-1]])
-        starts, step = np.linspace(start, min(start + step, needed), 33), step / 32
+        starts, step = np.linspace(start, min(start + step, deadline), 33), step / 32
     eps = float(np.interp(end, path.time, path.strain))
     last = transition(bundle, eps, unit, supply)
     F_start, first = hand_over.demand(np.array([start]))
     return Crossing(
-        start, end, float(_fill_time(bundle, unit, per_unit[unit - 1], last.onset_pressure, eps)),
+        deadline, start, end,
+        float(_fill_time(bundle, unit, per_unit[unit - 1], last.onset_pressure, eps)),
         eps, float(last.dip), float(last.onset_pressure),
-        float(first.largest_force[0] - F_start[0]), needed, "",
+        float(first.largest_force[0] - F_start[0]),
     )  # fmt: skip
+
+
+def crossings_on_reference(
+    plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
+) -> tuple[Crossing, ...]:
+    """Crossings to each unit but the first along the quasi-static motion that follows a reference.
+
+    **Arguments:**
+
+    - `plant`: the plant.
+    - `reference`: one for each step [SI].
+    - `dt`: the step [s].
+    - `of`: quantity of the reference, "force" or "position".
+    - `delay`: of measurements [s]; the lag of valves is the plant's.
+
+    **Returns:** a `Crossing` [s] of each unit; none for two bundles, whose demands depend on the
+    controller.
+
+    **Raises:** `InvalidInputError` as `crossing` does.
+    """
+    bundle, *others = plant.bundles
+    if others:
+        return ()
+    target = np.asarray(reference, float)
+    steps = np.unique(np.linspace(0, len(target) - 1, _SAMPLES).astype(int))
+    time, target = dt * steps, target[steps]
+    low, high = plant.stroke
+    if of == "position":
+        q = np.clip(target, low, high)
+        force, strain = -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0]
+    else:
+        q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
+        force, strain = target, float(np.atleast_1d(plant.strains(q))[0])
+    path, lag = Path.of(time, force, strain), DAMPED * (valve_lag(plant) + delay)
+    supply = plant.supply_pressure
+    units = range(2, plant.units + 1)
+    return tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
 
 
 class _HandOver:
@@ -289,27 +331,6 @@ class _HandOver:
              np.asarray(self.valves[i].flow(P[:, i])))
             for i in (k - 1, k)
         ], gain  # fmt: skip
-
-    def reason(self, time: np.ndarray, before: str) -> str:
-        """Reason why no hand-over is feasible that begins at any `time` [s]; `before`: words for
-        the units that hand over.
-        """
-        F, state = self.demand(time)
-        gains = np.isfinite(state.onset_pressure)
-        if not np.any(gains):
-            return f"unit {self.k + 1} gains nothing at these strains up to the supply's pressure"
-        margin = state.largest_force - F - state.dip
-        best = int(np.argmax(np.where(gains, margin, -np.inf)))
-        if margin[best] < 0:
-            spare = state.largest_force[best] - F[best]
-            return (
-                f"{before} can spare {max(spare, 0.0):.4g} N at most where the dip is"
-                f" {state.dip[best]:.4g} N deep: force dips by {-margin[best]:.4g} N at least"
-            )
-        return (
-            f"the valves are too slow: {before} can spare the dip's {state.dip[best]:.4g} N only"
-            " while the demand is lower than when the hand-over would be over"
-        )
 
 
 def _fill_time(

@@ -1,164 +1,314 @@
-"""Policies by name, and controllers with them."""
+r"""Policies: which motor units are pressurized for a demand, and to which pressures.
 
-import warnings
+- `orderly`: the plain inverse of the model. The next unit is pressurized when those before it no
+  longer suffice.
+- `threshold`: as `orderly`, and back only when the demand is lower by a band. A recruited unit
+  stays at its onset or above.
+- `batch`: as few units as suffice, all at one pressure.
+- `hand_over`: the next unit is filled along a path of constant force, before it is needed.
+
+With the units before $k$ full and the next unit at the pressure $p$, unit $k$ gives the rest, (X5):
+a path $(P_k(p), p)$ from 0 to the onset. It exists as long as the force is at most
+
+$$F \le F_{max} - \rho_{near} - \max_{p' \ge p} \left[-g(p')\right], \tag{X9}$$
+
+where $\rho_{near}$ is what unit $k$ lacks near the supply's pressure, where its valve hardly flows.
+The path is walked with the speed
+
+$$\dot p = \min\left[\frac{p_{on}}{s\,t_c},\; \frac{\dot F_k}{s\,\max(-g')},\;
+  \frac{\delta D}{2 \max|g'| (\tau + \tau_o)}\right] \tag{X8}$$
+
+that both valves and the lag permit: $t_c$ is the time in which the next unit's valve fills it,
+$\dot F_k$ the force that unit $k$ gains with its valve wide open, $s$ leaves a sixth of both valves
+to corrections; slopes are the steepest ahead. Within the lag $\tau$ of the pressures and $\tau_o$
+of the observer, which corrects what the model gets wrong, each of the two units changes its force
+by no more than half of the share $\delta$ of the dip: together they are off by $\delta D$ at most
+if the model's slopes are right within a factor of two. The walk begins when the reserve has fallen
+to the dip and what the demand rises until the dip is passed:
+
+$$\rho = \rho_{near} + D + \dot F \left(\frac{p_d}{\dot p} + \tau\right). \tag{X6}$$
+
+If the demand turns out to rise faster, the walk is faster, as valves permit, but takes no more than
+a share $\delta$ of the path within $\tau + \tau_o$, and the force stays at (X9): it is late, and
+doesn't dip. Where the reserve is less than the dip when the walk should begin, there is no such
+path, and the policy is `threshold`. Units are vented on the same path, at a demand lower by the
+band.
+
+**Source:** orderly and batch recruitment as the schemes of that name, Kim, Mazzoleni and Bryant
+(2021); `hand_over` derived here.
+"""
+
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
-import attrs
 import numpy as np
 
-from ..core.errors import InvalidInputError
-from ..core.types import Values
-from ..core.validation import check_choice, check_interval, check_positive
-from ..dynamics import Plant, PrescribedMotion
-from .controller import DAMPED, FASTEST, OBSERVER, Cascade, Gains, valve_lag
-from .crossings import Crossing, Path, crossing
-from .sequential_policies import hand_over, orderly, threshold
-from .simultaneous_policies import batch
-from .units import ControlledUnits
+from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
+from ..core.module import Module
+from ..core.types import Batch, Numbers
+from ..core.validation import check_positive
+from .units import (
+    SLACK,
+    ControlledUnits,
+    UnitCapability,
+    UnitDemand,
+    select_unit,
+    share_demand,
+)
 
 
-POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
+ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
+TOLERANCE = 0.1  # δ: a tenth of a dip is what docs and tests call no dip
+_NODES = np.linspace(0.0, 1.0, 33)  # of a path: a dip is 10 of them wide
+_HALVINGS = 30  # of a common pressure's bracket: to 1e-9 of the supply
+
+
+class PolicyStep(NamedTuple):
+    """Decision of a policy: its next `memory`, `pressures` of units [Pa], and force that is
+    `withheld` from the demand [N].
+    """
+
+    memory: Any
+    pressures: Numbers
+    withheld: Batch
+
+
+class SequentialPolicy(Module):
+    """Policy that recruits one unit after the other; its memory is the number of recruited ones.
+
+    `band` [N] of the demand, by which a unit is vented later; `parks`: 1 if recruited units stay at
+    their onset.
+    """
+
+    band: Batch
+    parks: Batch
+
+    def begin(self, units: ControlledUnits) -> Batch:
+        """One unit."""
+        return 1.0 + 0.0 * units.counts[0]
+
+    def __call__(
+        self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
+    ) -> PolicyStep:
+        """Decision for a `demand` on `units`, within their `capability`."""
+        xp = array_namespace(demand.strains, demand.force)
+        indices, k = xp.arange(units.count), memory
+        last, before, next_ = (_unit(indices, k - i) for i in (1, 2, 0))
+        adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
+        up = adds_force & (select_unit(last, capability.largest) < demand.force)
+        down = (k > 1) & (select_unit(before, capability.largest) > demand.force + self.band)
+        k = k + where(up, 1.0, where(down, -1.0, 0.0))
+        top = minimum(demand.supply, units.branches.top)
+        parked = minimum(capability.onset + ABOVE * top, top)
+        low = where((indices > 0) & (indices < k), parked * self.parks, 0.0)
+        high = where(indices < k, top, 0.0 * parked)
+        target, _ = share_demand(units, capability, demand, low, high)
+        return PolicyStep(k, target, 0.0 * demand.force)
+
+
+class BatchPolicy(Module):
+    """Policy `batch`: as few units as suffice, all at one pressure, and fewer only when the demand
+    is lower than their force by a `band` [N]; its memory is their number.
+    """
+
+    band: Batch
+
+    def begin(self, units: ControlledUnits) -> Batch:
+        """One unit."""
+        return 1.0 + 0.0 * units.counts[0]
+
+    def __call__(
+        self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
+    ) -> PolicyStep:
+        """Decision for a `demand` on `units`, within their `capability`."""
+        xp, n = array_namespace(demand.strains, demand.force), units.counts
+        top = minimum(demand.supply, units.branches.top)
+        needed, with_band = (
+            1.0 + xp.sum(where(demand.force > capability.largest - band, 1.0, 0.0))
+            for band in (0.0, self.band)
+        )
+        k = minimum(where(needed > memory, needed, minimum(memory, with_band)), units.count)
+        on = np.arange(units.count) < k
+        low, high = 0.0 * top, top
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            pull = xp.sum(n * units.branches.force(where(on, middle, 0.0), demand.strains))
+            short = pull < demand.force
+            low, high = where(short, middle, low), where(short, high, middle)
+        return PolicyStep(k + 0.0, where(on, high, 0.0), 0.0 * demand.force)
+
+
+class HandOverState(NamedTuple):
+    """Memory of `hand_over`: number of `recruited` units, whose fraction is the next one's share of
+    its path; `direction` of the walk, 1, 0 or -1; force `withheld` from the demand [N].
+    """
+
+    recruited: Batch
+    direction: Batch
+    withheld: Batch
+
+
+class _Path(NamedTuple):
+    """Path from a unit to the next one: the `reserve` of the demand on it, less what is not to be
+    had in time [N]; the next unit's `dip` [N], the dip `ahead` of its present pressure [N], and its
+    `deepest` point as a fraction of the path [-]; the `speed` of (X8) and the `fastest` of valves
+    alone [1/s]; true if the next unit `adds_force`.
+    """
+
+    reserve: Batch
+    dip: Batch
+    ahead: Batch
+    deepest: Batch
+    speed: Batch
+    fastest: Batch
+    adds_force: Any
+
+
+class HandOverPolicy(Module):
+    """Policy that hands over along a path of constant force.
+
+    `band` [N] of the demand, by which a unit is vented later; `tolerance` $\\delta$ of a dip [-].
+    """
+
+    band: Batch
+    tolerance: Batch
+
+    def begin(self, units: ControlledUnits) -> HandOverState:
+        """Initial memory of the policy for `units`."""
+        zero = 0.0 * units.counts[0]
+        return HandOverState(zero + 1.0, zero, zero)
+
+    def __call__(
+        self,
+        memory: HandOverState,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
+    ) -> PolicyStep:
+        """Decision for a `demand` on `units`, within their `capability`."""
+        xp = array_namespace(demand.strains, demand.force)
+        indices, n = xp.arange(units.count), float(units.count)
+        top = minimum(demand.supply, units.branches.top)
+        parked = minimum(capability.onset + ABOVE * top, top)
+        # a sum of steps falls short of a whole by rounding
+        k = minimum(maximum(xp.floor(memory.recruited + 1e-9), 1.0), n)
+        fraction = memory.recruited - k
+        rate = maximum(demand.rate, 0.0)
+
+        path = self._path(units, demand, capability, parked, k, memory.direction < 0)
+        walking = fraction > 0
+        # a demand that has not risen is followed: less force would be a dip as well
+        excess = path.ahead - path.reserve
+        risen = memory.withheld + demand.rate * demand.dt
+        withheld = where(
+            walking & (memory.direction > 0), maximum(minimum(excess, risen), 0.0), 0.0
+        )
+        demand = demand._replace(force=demand.force - withheld)
+        reserve = path.reserve + withheld
+        # up to the deepest point, while the reserve is more than the dip
+        way = path.deepest / path.speed
+        needed = path.dip + rate * (way + demand.lag)
+        begins = path.adds_force & (reserve <= needed) & (reserve >= path.dip)
+        late = path.adds_force & (select_unit(_unit(indices, k - 1), capability.largest)
+                                  < demand.force)  # fmt: skip
+        back = self._path(units, demand, capability, parked, k - 1, True)
+        released = back.dip + rate * (back.deepest / back.speed + demand.lag) + self.band
+        down = (k > 1) & ~walking & (back.reserve > released)
+        direction = where(
+            begins | late, 1.0, where(down, -1.0, where(walking, memory.direction, 0.0))
+        )
+        # as fast as the demand makes it, if need be
+        left = maximum(reserve - path.dip, 1e-9)  # N: no division by zero
+        hurry = maximum(path.deepest - fraction, 0.0) * rate / left
+        speed = minimum(maximum(path.speed, hurry), path.fastest)
+        speed = where((withheld > 0) & (fraction > path.deepest), path.fastest, speed)
+        speed = where(down, back.speed, speed)
+        # without a path the unit is recruited at once, as by `threshold`
+        speed = where(late & ~walking, 1 / demand.dt, speed)
+        recruited = memory.recruited + direction * speed * demand.dt
+        recruited = minimum(maximum(recruited, where(down, k - 1, k)), where(down, k, k + 1))
+        recruited = minimum(recruited, n)
+
+        k = xp.floor(recruited + 1e-9)
+        ramp = where(indices == k, (recruited - k) * parked, 0.0)
+        low = where((indices > 0) & (indices < k), parked, ramp)
+        high = where(indices < k, top, ramp)
+        # where a unit is slower than its ramp, or was recruited without one, the unit before makes
+        # up for its present pressure
+        measured = maximum(demand.pressures, 0.0)
+        vented = (indices >= k) & (measured > low) & (direction <= 0)
+        hurried = (indices < k) & (measured < low)
+        throttled = where((indices > 0) & (vented | hurried), measured, low)
+        target, _ = share_demand(units, capability, demand, low, high, throttled)
+        return PolicyStep(HandOverState(recruited, direction, withheld), target, withheld)
+
+    def _path(
+        self, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability,
+        parked: Numbers, k: Batch, falls: Any,
+    ) -> _Path:  # fmt: skip
+        """Path from unit `k`, counted from 1, to the next one; `falls`: true if it is vented."""
+        xp = array_namespace(demand.strains, demand.force)
+        indices = xp.arange(units.count)
+        last, next_ = _unit(indices, k - 1), _unit(indices, k)
+        length = maximum(select_unit(next_, parked), 1.0)  # Pa: no division by zero
+        p = minimum(maximum(select_unit(next_, demand.pressures) / length, 0.0), 1.0)
+        shares = xp.append(xp.asarray(_NODES), p)
+        pressures = shares[:, None] * parked
+        forces = units.counts * units.branches.force(pressures, demand.strains + 0.0 * pressures)
+        gain = xp.sum(next_ * (forces - capability.empty), axis=-1)
+        changes = where(shares[1:-1] > p, gain[1:-1] - gain[:-2], 0.0) / _NODES[1]
+        # N: at an end of all units there is no path
+        steepest, falling = (maximum(xp.max(x), 1e-9) for x in (absolute(changes), -changes))
+        dip = select_unit(next_, capability.dip)
+        ahead = maximum(xp.max(where(shares >= p, -gain, 0.0)), 0.0)
+        time = select_unit(next_, where(falls, capability.vent, capability.time))
+        growth = select_unit(last, capability.growth)
+        fastest = minimum(1 / maximum(time, demand.dt), growth / falling) / SLACK
+        fastest = minimum(fastest, self.tolerance / demand.correction)
+        # without a dip nothing but valves limits the speed
+        steady = self.tolerance / 2 * dip / (steepest * demand.correction)
+        speed = minimum(fastest, where(dip > 0, steady, fastest))
+        reserve = select_unit(last, capability.largest - capability.shortfall) - demand.force
+        adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
+        deepest = minimum(select_unit(next_, capability.dip_pressure) / length, 1.0)
+        floor = 1e-3  # 1/s: a path takes a quarter of an hour at most
+        return _Path(
+            reserve, dip, ahead, deepest, maximum(speed, floor), maximum(fastest, floor),
+            adds_force,
+        )  # fmt: skip
+
+
+def _unit(indices: Numbers, index: Batch) -> Numbers:
+    """One-hot row of the unit with an `index`, from 0."""
+    return where(indices == index, 1.0, 0.0)
+
+
+def orderly(band: Any = None) -> SequentialPolicy:
+    """Policy `orderly`; it ignores the `band` [N]."""
+    del band
+    return SequentialPolicy(*np.zeros(2))
+
+
+def threshold(band: Any) -> SequentialPolicy:
+    """Policy `threshold` with a `band` [N]."""
+    return SequentialPolicy(check_positive(band, "band", "N"), np.float64(1.0))
+
+
+def batch(band: Any) -> BatchPolicy:
+    """Policy `batch` with a `band` [N]."""
+    return BatchPolicy(check_positive(band, "band", "N"))
+
+
+def hand_over(band: Any, tolerance: float = TOLERANCE) -> HandOverPolicy:
+    """Policy `hand_over` with a `band` [N] and a tolerance [-]."""
+    return HandOverPolicy(check_positive(band, "band", "N"), np.float64(tolerance))
+
+
+Policy = SequentialPolicy | BatchPolicy | HandOverPolicy
+POLICIES: Mapping[str, Callable[[Any], Policy]] = MappingProxyType({
     "orderly": orderly,
     "batch": batch,
     "threshold": threshold,
     "hand_over": hand_over,
 })  # fmt: skip
-OF = ("force", "position")  # values of the argument `of`
-_SAMPLES = 401  # of a reference: steps of a quarter of a percent
-_BAND = 0.02  # of the largest unit's force at rest: more than noise
-
-
-def cascade(
-    plant: Plant,
-    policy: str,
-    of: str = "force",
-    gains: Gains = Gains(),  # noqa: B008 a tuple of numbers
-    band: Values = None,
-    dt: Values = 1e-3,
-    sample_time: Values = None,
-    delay: Values = 0.0,
-    highest_pressure: Values = None,
-    flow_limit: Values = 1.0,
-    compensate: bool = False,
-    co_contraction: Values = 0.0,
-) -> Cascade:
-    """Controller of a plant, as `simulate` takes it.
-
-    **Arguments:**
-
-    - `plant`: the plant, which is its model, too.
-    - `policy`: name of the policy, one of `POLICIES`.
-    - `of`: quantity of the reference, "force" or "position".
-    - `gains`: of the cascade, `Gains` [SI], none below zero; a `pressure_time` too fast for the
-      plant raises a warning.
-    - `band`: decrease of the demand before a unit is vented [N]; left out, 2 % of the largest
-      unit's force at rest.
-    - `dt`: the simulation's step [s].
-    - `sample_time`: period of its commands [s], whole steps; left out, each step.
-    - `delay`: dead time of the bench's valves and measurements [s]. It is declared, for a
-      `pressure_time` that fits, and adds none; the lag of valves is the plant's.
-    - `highest_pressure`: of its targets [Pa]; left out, the supply's.
-    - `flow_limit`: largest opening of a valve [-].
-    - `compensate`: feedforward of the plant's friction.
-    - `co_contraction`: of each of a joint's bundles [N].
-
-    **Raises:** `InvalidInputError` for arguments that don't fit.
-    """
-    policy_with_band = POLICIES[check_choice(policy, POLICIES, "policy")]
-    check_choice(of, OF, "of")
-    if of == "position" and isinstance(plant.load, PrescribedMotion):
-        raise InvalidInputError("of", "must be force where the motion is given", of)
-    closed = (True, False)
-    for name, value in gains._asdict().items():
-        if name not in ("pressure_time", "observer_time"):
-            check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
-    step = float(check_positive(dt, "dt", "s", "such as 0.001"))
-    period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
-    period_steps = _whole_steps(period, step, "sample_time")
-    dead_time = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
-    supply = plant.supply_pressure
-    highest = float(check_interval(
-        supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
-        "Pa", "of the supply", (False, True),
-    ))  # fmt: skip
-    limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
-    units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
-    if band is None:
-        zeros = [np.zeros(bundle.count) for bundle in units]
-        blocked = [
-            x.counts * x.branches.force(supply + z, z) for x, z in zip(units, zeros, strict=True)
-        ]
-        band = _BAND * float(np.max(np.concatenate(blocked)))
-    policies = tuple(policy_with_band(band) for _ in units)
-    for rule, bundle in zip(policies, units, strict=True):
-        rule.begin(bundle)
-    derived = gains.pressure_time is None
-    pressure_time = FASTEST if derived else gains.pressure_time
-    pressure_time = check_positive(pressure_time, "pressure_time", "s")
-    observer = gains.observer_time
-    if observer is None:
-        observer = OBSERVER if policy == "hand_over" else np.inf
-    observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=(False, True))
-    gains = gains._replace(pressure_time=pressure_time, observer_time=observer)
-    gains = Gains(*map(np.float64, gains))
-    tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
-    controller = Cascade(
-        plant, units, policies, gains, np.float64(highest), np.float64(limit),
-        plant.hysteresis if compensate else None, np.float64(tension), np.float64(dead_time),
-        np.float64(step), of, period_steps,
-    )  # fmt: skip
-    if derived:
-        pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
-        return attrs.evolve(controller, gains=gains._replace(pressure_time=pressure_time))
-    for warning in controller.warnings:
-        warnings.warn(f"{warning}.", stacklevel=2)
-    return controller
-
-
-def _whole_steps(value: Any, dt: float, name: str) -> int:
-    """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
-    steps = round(float(value) / dt)
-    # whole but for the rounding of numbers in a file
-    if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
-        rule = f"must be whole steps of {dt:g} s"
-        raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
-    return steps
-
-
-def crossings_on_reference(
-    plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
-) -> tuple[Crossing, ...]:
-    """Crossings to each unit but the first along the quasi-static motion that follows a reference.
-
-    **Arguments:**
-
-    - `plant`: the plant.
-    - `reference`: one for each step [SI].
-    - `dt`: the step [s].
-    - `of`: quantity of the reference, "force" or "position".
-    - `delay`: of measurements [s]; the lag of valves is the plant's.
-
-    **Returns:** a `Crossing` [s] of each unit; none for two bundles, whose demands depend on the
-    controller.
-
-    **Raises:** `InvalidInputError` as `crossing` does.
-    """
-    bundle, *others = plant.bundles
-    if others:
-        return ()
-    target = np.asarray(reference, float)
-    steps = np.unique(np.linspace(0, len(target) - 1, _SAMPLES).astype(int))
-    time, target = dt * steps, target[steps]
-    low, high = plant.stroke
-    if of == "position":
-        q = np.clip(target, low, high)
-        force, strain = -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0]
-    else:
-        q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
-        force, strain = target, float(np.atleast_1d(plant.strains(q))[0])
-    path, lag = Path.of(time, force, strain), DAMPED * (valve_lag(plant) + delay)
-    supply = plant.supply_pressure
-    units = range(2, plant.units + 1)
-    return tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
+from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module
 from ..core.types import Batch, Numbers, Whole
 from ..dynamics import Plant
@@ -15,7 +15,6 @@ from .valves import select_units
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would take forever
 SLACK = 1.2  # of a valve's time: pressures couldn't follow a ramp at the valve's limit
 _CHORD = 0.85  # of the supply: the highest beginning of a chord up to `CLOSE`
-_FLAT = 0.01  # of a unit's mean slope, which no chord is taken to be below
 _LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 % up to `CLOSE`
 _LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
 
@@ -78,7 +77,8 @@ class UnitDemand(NamedTuple):
     """Demand on the units of a bundle in one step of a controller.
 
     `force` [N] and its `rate` [N/s]; `strains` of the units [-] and their `pressures` [Pa], which
-    follow the `supply`'s [Pa] after a `lag` [s]; `dt` since the last demand [s].
+    follow the `supply`'s [Pa] after a `lag` [s]; `correction`: time in which the controller sees
+    and corrects what its model gets wrong [s]; `dt` since the last demand [s].
     """
 
     force: Batch
@@ -87,6 +87,7 @@ class UnitDemand(NamedTuple):
     pressures: Numbers
     supply: Batch
     lag: Batch
+    correction: Batch
     dt: Batch
 
 
@@ -95,9 +96,9 @@ class UnitCapability(NamedTuple):
 
     Of each unit: force when `full` and when `empty` [N]; `adds_force`, true if pressure adds force;
     `onset` [Pa], `dip` [N] and `dip_pressure` [Pa]; `largest` force of the state that ends with it
-    [N]. Of its valve: `time` up to the onset, `vent` from the onset down, `climb` from the present
-    pressure to near the supply's [s], with its mean `speed` [Pa/s]. `slope` of the force [N/Pa];
-    `shortfall`: force that is missing near the supply's pressure, where the valve is slow [N].
+    [N]. Of its valve: `time` up to the onset, `vent` from the onset down [s]; `growth` of its force
+    with its valve wide open, on the way to near the supply's pressure [N/s]; `shortfall`: force
+    that is missing there, where the valve is slow [N].
     """
 
     full: Numbers
@@ -109,9 +110,7 @@ class UnitCapability(NamedTuple):
     largest: Numbers
     time: Numbers
     vent: Numbers
-    climb: Numbers
-    speed: Numbers
-    slope: Numbers
+    growth: Numbers
     shortfall: Numbers
 
 
@@ -133,22 +132,22 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     content = maximum(units.fluid_mass(end, eps) - units.fluid_mass(zero, eps), 0.0)
     # floors against division by zero: a valve without flow fills no unit
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
-    climb = _climb_time(units, demand, CLOSE * top)
-    # s: a unit at its end pressure needs no time
-    speed = maximum(CLOSE * top - demand.pressures, 0.0) / maximum(climb, 1e-9)
     level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
-    rise = full - shortfall - n * units.branches.force(level, eps)
-    # N/Pa: never zero, also where no pressure gives a force
-    slope = maximum(rise / (CLOSE * top - level), _FLAT * absolute(full) / top + 1e-12)
+    climb = _climb_time(units, demand, level, CLOSE * top)
+    rise = maximum(full - shortfall - n * units.branches.force(level, eps), 0.0)
+    growth = rise / maximum(climb, 1e-9)  # s: without a supply above it a unit takes no time
     return UnitCapability(
-        full, empty, adds_force, onset, n * depth, dip_pressure, largest, time, vent, climb, speed,
-        slope, shortfall,
+        full, empty, adds_force, onset, n * depth, dip_pressure, largest, time, vent, growth,
+        shortfall,
     )  # fmt: skip
 
 
-def _climb_time(units: ControlledUnits, demand: UnitDemand, end: Numbers) -> Numbers:
-    """Time [s] in which each unit's pressure rises to an `end` [Pa] with its valve wide open."""
-    level = minimum(maximum(demand.pressures, 0.0), end)
+def _climb_time(
+    units: ControlledUnits, demand: UnitDemand, level: Numbers, end: Numbers
+) -> Numbers:
+    """Time [s] in which each unit's pressure rises from a `level` to an `end` [Pa] with its valve
+    wide open.
+    """
     ends = level + _LEGS[:, None] * (end - level)
     content = units.fluid_mass(ends, demand.strains)
     flow, _ = units.valve_flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
@@ -180,23 +179,6 @@ def share_demand(
     after = xp.sum(at_low, axis=-1, keepdims=True) - xp.cumsum(at_low, axis=-1)
     result = branches.pressure((demand.force - before - after) / n, demand.strains)
     return minimum(maximum(result.pressure, low), high), result.status
-
-
-def hand_over_times(
-    capability: UnitCapability, before: Numbers, unit: Numbers
-) -> tuple[Batch, Batch]:
-    """Times [s] from the start of a hand-over to its deepest dip and to its end.
-
-    To a `unit` from the one `before` it, both as one-hot rows; `capability` of the units [SI].
-
-    At the deepest dip the pressure of the unit before must be as near to the supply's as it ever
-    will be: its valve, whose flow vanishes there, has until then, and no longer.
-    """
-    t_c = select_unit(unit, capability.time)
-    onset = maximum(select_unit(unit, capability.onset), 1.0)
-    fraction = minimum(select_unit(unit, capability.dip_pressure) / onset, 1.0)
-    deepest = maximum(fraction * t_c, select_unit(before, capability.climb))
-    return deepest, deepest + (1 - fraction) * t_c
 
 
 def select_unit(index: Numbers, values: Numbers) -> Batch:

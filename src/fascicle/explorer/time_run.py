@@ -183,7 +183,7 @@ def _run_policy(
     # as `control.controlled_output` of a force
     arms = np.asarray(study.plant.lengths * study.plant.gains)
     pull = np.sum(arms * np.asarray(run.outputs.forces), axis=-1)
-    notes = [*notes, *study.notes]
+    notes = [*notes, *reports.scenario_notes(study)]
     return PolicyResult(label, table, pull, rows, drawing, notes, doubts), policy_run
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..bundle import Bundle
 from ..control import Cascade
 from ..control.branches import Branches
-from ..control.sequential_policies import SequentialPolicy
+from ..control.policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import MuscleTables
@@ -122,6 +122,6 @@ def single_bundle(plant: Plant) -> Bundle:
 def _c_policy(controller: Cascade) -> str | None:
     """Name of the controller's policy in C; `None` for one that C doesn't have."""
     policy = next(iter(controller.policies))
-    if not isinstance(policy, SequentialPolicy) or float(policy.anticipates):
+    if not isinstance(policy, SequentialPolicy):
         return None
     return "threshold" if float(policy.parks) else "orderly"

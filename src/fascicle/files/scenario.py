@@ -11,6 +11,7 @@ from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding
 from ..core.validation import check_choice, distinct_texts
 from ..dynamics import (
     AntagonisticJoint,
@@ -68,23 +69,14 @@ class ScenarioControl(NamedTuple):
 
     - `controller`, `reference`: the controller, and its demand at each step [SI].
     - `policy`: its name; `options`: the controller's other arguments.
-    - `no_crossing`: reason why `hand_over` acts as `threshold`, or "".
+    - `no_crossing`: why `hand_over` acts as `threshold`, if it does.
     """
 
     controller: "Cascade"
     reference: np.ndarray
     policy: str
     options: Mapping[str, Any]
-    no_crossing: str = ""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Missing crossing, and warnings of likely instability."""
-        notes = tuple(f"{warning}." for warning in self.controller.warnings)
-        if not self.no_crossing:
-            return notes
-        note = f"no crossing without a dip exists, hand_over acts as threshold: {self.no_crossing}."
-        return (note, *notes)
+    no_crossing: Finding | None = None
 
     def with_policy(
         self, policy: str | None = None, compensate: bool | None = None
@@ -97,15 +89,15 @@ class ScenarioControl(NamedTuple):
         policy, options = policy or self.policy, self.options
         if compensate is not None:
             options = {**options, "compensate": compensate}
-        plant, output, reason = self.controller.plant, self.controller.of, ""
+        plant, output, obstacle = self.controller.plant, self.controller.of, None
         if policy == "hand_over":
             crossings = crossings_on_reference(
                 plant, self.reference, options["dt"], output, options.get("delay", 0.0)
             )
-            reason = next((entry.reason for entry in crossings if not entry.is_resolved), "")
-        controller = cascade(plant, "threshold" if reason else policy, output, **options)
+            obstacle = next((each.obstacle for each in crossings if not each.is_resolved), None)
+        controller = cascade(plant, "threshold" if obstacle else policy, output, **options)
         return self._replace(
-            controller=controller, policy=policy, options=options, no_crossing=reason
+            controller=controller, policy=policy, options=options, no_crossing=obstacle
         )
 
 
@@ -149,7 +141,8 @@ class Scenario:
             name = "compensate" if policy is None else "policy"
             raise InvalidInputError(name, rule, policy, shown="")
         control = self.control.with_policy(policy, compensate)
-        return replace(self, control=control, notes=control.notes)
+        notes = tuple(f"{warning}." for warning in control.controller.warnings)
+        return replace(self, control=control, notes=notes)
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""
@@ -232,7 +225,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
         model_bundles = bundles if model is None else _model_bundles(model, bundles, root, folder)
         model_plant = plant if model is None else make_plant(model_bundles)
         control = _control(file, model_plant, dt, duration, root)
-        notes = control.notes
+        notes = tuple(f"{warning}." for warning in control.controller.warnings)
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
     if plant.load.prescribed and run.position is not None:

@@ -20,6 +20,18 @@ if TYPE_CHECKING:
 
 _FORCE = {"m": "N", "rad": "N·m"}
 _REFERENCE = "threshold"  # the policy that energies are compared with
+# why no hand-over without a dip exists, by the codes of `control.Crossing`
+_NO_CROSSING = {
+    "crossing.not_needed": "the units before unit {unit} can hold all of the path, at least"
+    " {reserve:.4g} N are left",
+    "crossing.too_late": "the units before unit {unit} can't hold the path's beginning:"
+    " {shortfall:.4g} N are missing",
+    "crossing.no_gain": "unit {unit} gains nothing at these strains up to the supply's pressure",
+    "crossing.dip_too_deep": "the units before unit {unit} can spare {reserve:.4g} N at most where"
+    " the dip is {dip:.4g} N deep",
+    "crossing.valves_too_slow": "the valves are too slow: the units before unit {unit} can spare"
+    " the dip's {dip:.4g} N only while the demand is lower than when the hand-over would be over",
+}
 
 
 class PolicyRun(NamedTuple):
@@ -70,6 +82,7 @@ def report(
         title=f"Simulation: {scenario.name.replace('_', ' ')}",
         date=date,
         scenario=scenario,
+        notes=scenario_notes(scenario),
         run=run,
         doubts=doubts,
         control=control,
@@ -85,6 +98,16 @@ def report(
         energies=picture(energy_balances(energies)) if audit else None,
         balances=[_balance_row(entry) for entry in balances],
     )
+
+
+def scenario_notes(scenario: "Scenario") -> list[str]:
+    """Notes on a scenario's settings, a sentence each."""
+    if scenario.control is None or scenario.control.no_crossing is None:
+        return [*scenario.notes]
+    obstacle = scenario.control.no_crossing
+    reason = _NO_CROSSING[obstacle.code].format_map(obstacle.data)
+    text = f"no crossing without a dip exists, hand_over acts as threshold: {reason}."
+    return [text, *scenario.notes]
 
 
 def run_metrics(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":

@@ -18,7 +18,7 @@ from .labelled import Table, build_table
 
 
 if TYPE_CHECKING:
-    from ..control import Cascade, ControlMetrics
+    from ..control import Cascade, ControlMetrics, JointPressures
     from ..dynamics import Audit, Plant, Trajectory
 
 _PRESSURE, _STRAIN = "gauge pressure", "contraction over length at rest"
@@ -273,6 +273,18 @@ def recruited(solution: recruitment.RecruitmentResult, forces: Values, strains: 
         ("solution_pressure", dims, pressure, "Pa", "throttled, of each solution"),
         ("solution_state", dims, state, "-", "of each solution, else 0"),
         ("solution_stable", dims, stable, "-", "of each solution"),
+    )
+
+
+def joint_pressures(solution: "JointPressures") -> Table:
+    """Pressures of a joint's two sides: `solution` [SI] for a row of demands."""
+    status = "0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach: then the nearest"
+    return build_table(
+        ("agonist", "demand", solution.agonist, "Pa", "gauge pressure of the agonist"),
+        ("antagonist", "demand", solution.antagonist, "Pa", "gauge pressure of the antagonist"),
+        ("torque", "demand", solution.torque, "N*m", "torque that is reached"),
+        ("stiffness", "demand", solution.stiffness, "N*m/rad", "stiffness with open valves"),
+        ("status", "demand", solution.status, "-", status),
     )
 
 

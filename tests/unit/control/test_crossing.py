@@ -39,8 +39,7 @@ def test_fast_valves_allow_a_crossing_and_slow_ones_none(pair, five, unit_2, str
     rate = (3.0 - 0.1) * float(control.transition(bundle, strain).largest_force) / 4
     assert result.reserve >= control.needed_reserve(bundle, strain, rate, 0.0)
     slow = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-10, 1, unit_2))
-    assert not slow.exists
-    assert slow.start is slow.end is slow.fill_time is None
+    assert slow.obstacle.code == "crossing.valves_too_slow" and slow.start is None
 
 
 def test_a_hand_over_ends_before_the_units_before_no_longer_suffice():
@@ -75,8 +74,11 @@ def test_a_hand_over_does_not_wait_for_the_demand_to_fall_again():
 def test_no_crossing_near_the_end_of_the_stroke(five):
     result = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
     assert not result.exists
+    assert result.obstacle.code == "crossing.dip_too_deep"
     # 0.9 of 8.37 N against 34.66 N
-    assert "7.531 N" in result.reason and "34.66 N" in result.reason
+    assert_allclose(
+        [result.obstacle.data[k] for k in ("reserve", "dip")], [7.531, 34.66], rtol=1e-3
+    )
 
 
 def test_a_path_crosses_at_its_last_feasible_strain(five):
@@ -90,14 +92,19 @@ def test_a_path_crosses_at_its_last_feasible_strain(five):
     assert_allclose([result.dip, result.onset_pressure], [there.dip, there.onset_pressure])
 
 
-def test_no_crossing_is_needed_or_the_path_starts_out_of_reach(pair):
-    valves = GasValves(1e-3)
-    idle = control.crossing(pair, Path.of([0, 1], [1.0, 10.0], 0.2), valves)
-    assert not idle.exists and idle.deadline is None and "28.06 N are left" in idle.reason
-    late = control.crossing(pair, Path.of([0, 1], [50.0, 60.0], 0.2), valves)
-    assert not late.exists and late.deadline == 0 and "11.94 N are missing" in late.reason
-    helpless = control.crossing(pair, Path.of([0, 1], [-12.0, 60.0], 0.31), valves)
-    assert not helpless.exists
+@pytest.mark.parametrize(
+    ("force", "strain", "code", "data"),
+    [
+        ([1.0, 10.0], 0.2, "not_needed", {"reserve": 28.06}),
+        ([50.0, 60.0], 0.2, "too_late", {"shortfall": 11.94}),
+        ([-30.0, 60.0], 0.31, "no_gain", {}),
+    ],
+)
+def test_a_path_without_a_crossing_has_an_obstacle(pair, force, strain, code, data):
+    result = control.crossing(pair, Path.of([0, 1], force, strain), GasValves(1e-3))
+    assert not result.exists and result.obstacle.code == f"crossing.{code}"
+    assert (result.deadline is None) == (code == "not_needed") == result.is_resolved
+    assert result.obstacle.data == pytest.approx({"unit": 2, **data}, rel=1e-3)
 
 
 def test_without_a_dip_the_crossing_is_as_late_as_possible(pair):

@@ -71,12 +71,13 @@ def test_shipped_controlled_scenarios_are_complete():
 def test_hand_over_without_a_crossing_is_threshold():
     slow = edited(RAMP, ('time = "2 s"', 'time = "0.1 s"'))
     read = loads_scenario(slow)
-    assert read.control.policy == "hand_over" and read.control.no_crossing
+    assert read.control.policy == "hand_over"
+    assert read.control.no_crossing.code == "crossing.valves_too_slow"
     plain, other = read.with_policy("threshold").control, read.control.controller
-    assert not plain.no_crossing
+    assert plain.no_crossing is None
     assert jax.tree.structure(plain.controller.policies) == jax.tree.structure(other.policies)
     assert jax.tree.leaves(plain.controller.policies) == jax.tree.leaves(other.policies)
-    assert len(read.notes) == 1 and loads_scenario(RAMP).notes == ()
+    assert loads_scenario(RAMP).control.no_crossing is None
 
 
 POLICY = 'policy = "hand_over"'

@@ -1,0 +1,215 @@
+r"""Inverse of an antagonistic joint: two pressures for a torque and a stiffness at an angle.
+
+At the angle $\theta$ the agonist is shortened and the antagonist lengthened by $r \theta$ from
+where both are at $\theta = 0$. With $x$, the shortening of a bundle, and open valves, so that
+pressures are constant,
+
+$$\tau = r\,(F_1 - F_2), \qquad
+  K = -\frac{\partial \tau}{\partial \theta}
+    = -r^2 \left(\frac{\partial F_1}{\partial x_1} + \frac{\partial F_2}{\partial x_2}\right).
+  \tag{K9}$$
+
+Along the curve of constant torque the antagonist's pressure follows from the agonist's, on its
+rising branch; of the agonist's pressures that give the stiffness the least is taken.
+
+**Assumes** that all motor units of a bundle have one pressure. **Sign:** a positive torque turns
+the joint the way the agonist pulls. **Source:** derived here.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import attrs
+import numpy as np
+from scipy.optimize import elementwise
+
+from ..bundle import Bundle, MotorUnit
+from ..core.errors import InvalidInputError
+from ..core.types import Numbers, Values, Whole
+from ..core.validation import HIGHEST_PRESSURE, check_finite, check_positive
+from ..muscle import Muscle
+from .dip import unit_strain
+
+
+_EDGE = 1e-9  # of a curve
+_BEYOND = 1e12  # N·m/rad, stiffer than any joint
+_NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends most at low pressure
+
+
+class JointStatus(IntEnum):
+    """Whether a joint reaches a demand."""
+
+    REACHED = 0
+    STIFFNESS_TOO_HIGH = 1
+    STIFFNESS_TOO_LOW = 2
+    TORQUE_OUT_OF_REACH = 3
+
+
+class JointPressures(NamedTuple):
+    """Pressures of a joint's `agonist` and `antagonist` [Pa], the `torque` [N·m] and `stiffness`
+    [N·m/rad] that they give, with open valves, and a `status`, one of `JointStatus`.
+    """
+
+    agonist: Numbers
+    antagonist: Numbers
+    torque: Numbers
+    stiffness: Numbers
+    status: Whole
+
+
+def _bundle(value: Muscle | Bundle) -> Bundle:
+    """A bundle, or a muscle as one."""
+    if isinstance(value, Muscle):
+        return Bundle([MotorUnit(value)])
+    if not isinstance(value, Bundle):
+        raise InvalidInputError("agonist and antagonist", "must be a Muscle or a Bundle", value)
+    return value
+
+
+@attrs.frozen
+class Joint:
+    """Two muscles or bundles that pull a joint in opposite directions.
+
+    - `agonist`, `antagonist`: of them; all motor units of a bundle have one pressure.
+    - `moment_arm`: $r$ of both [m].
+    - `strain`: of both bundles' plates at the angle zero [-].
+
+    The highest pressure is the lower of both bundles' supply pressures, 1 MPa without one.
+    """
+
+    agonist: Bundle = attrs.field(converter=_bundle)
+    antagonist: Bundle = attrs.field(converter=_bundle)
+    moment_arm: float = attrs.field(converter=lambda r: float(check_positive(r, "moment_arm", "m")))
+    strain: float = attrs.field(
+        default=0.0, converter=lambda x: float(check_finite(x, "strain", "-"))
+    )
+
+    def pressures(self, angle: Values, torque: Values, stiffness: Values) -> JointPressures:
+        """Pressures that give a torque and a stiffness at an angle, (K9).
+
+        **Arguments:**
+
+        - `angle`: of the joint [rad].
+        - `torque`: demanded [N·m].
+        - `stiffness`: demanded, with open valves [N·m/rad]; the three broadcast.
+
+        **Returns:** `JointPressures`. Where a demand is out of reach, those of the nearest
+        stiffness at this torque, or else of the nearest torque.
+
+        **Raises:** `InvalidInputError` for values that aren't finite, and an angle at which a
+        muscle leaves its domain.
+        """
+        rows = np.broadcast_arrays(
+            check_finite(angle, "angle", "rad"),
+            check_finite(torque, "torque", "N*m"),
+            check_finite(stiffness, "stiffness", "N*m/rad"),
+        )
+        demand = tuple(np.reshape(row, -1) + 0.0 for row in rows)
+        theta, tau, _ = demand
+        nodes = self._curve_nodes(theta, tau)
+        excess = self._excess(nodes, *demand)
+        feasible, batch = np.isfinite(excess), np.arange(theta.size)
+        crosses = excess[:-1] * excess[1:] <= 0  # false beside a NaN
+        reached, k = crosses.any(axis=0), np.argmax(crosses, axis=0)
+        bracket = nodes[k, batch], nodes[k + 1, batch]
+        root = elementwise.find_root(self._excess, bracket, args=demand).x
+        nearest = np.argmin(np.where(feasible, np.abs(excess), np.inf), axis=0)
+        P1 = np.where(reached, root, nodes[nearest, batch])
+        P2 = self._antagonist_pressure(P1, theta, tau)
+        status = np.where(
+            excess[nearest, batch] < 0,
+            JointStatus.STIFFNESS_TOO_HIGH,
+            JointStatus.STIFFNESS_TOO_LOW,
+        )
+        status = np.where(reached, JointStatus.REACHED, status)
+        # a torque that no pair of pressures gives: one of them full, the other empty
+        beyond, full = ~feasible.any(axis=0), np.where(tau > 0, self._top, 0.0)
+        status = np.where(beyond, JointStatus.TORQUE_OUT_OF_REACH, status)
+        P1, P2 = np.where(beyond, full, P1), np.where(beyond, self._top - full, P2)
+        result = P1, P2, *self._evaluate(P1, P2, theta), status
+        return JointPressures(*(np.reshape(row, rows[0].shape)[()] for row in result))
+
+    def stiffness_range(self, angle: float, torque: float) -> tuple[float, float]:
+        """Least and largest stiffness [N·m/rad] at an `angle` [rad] and a `torque` [N·m]; NaN if
+        the torque is out of reach.
+        """
+        ends = self.pressures(angle, torque, np.array([-_BEYOND, _BEYOND]))
+        low, high = np.where(ends.status == JointStatus.TORQUE_OUT_OF_REACH, np.nan, ends.stiffness)
+        return float(low), float(high)
+
+    @property
+    def _top(self) -> float:
+        """Highest pressure [Pa]."""
+        supplies = (self.agonist.supply_pressure, self.antagonist.supply_pressure)
+        return min((float(P) for P in supplies if P is not None), default=HIGHEST_PRESSURE)
+
+    def _strains(self, angle: Values) -> tuple[Numbers, Numbers]:
+        """Strains [-] of the plates of both bundles at an `angle` [rad]."""
+        shortening = self.moment_arm * np.asarray(angle, float)
+        first, second = float(self.agonist.length), float(self.antagonist.length)
+        return self.strain + shortening / first, self.strain - shortening / second
+
+    def _curve_nodes(self, angle: Numbers, torque: Numbers) -> Numbers:
+        """Pressures of the agonist [Pa], nodes on the first axis, on the curve of a `torque` [N·m]
+        at an `angle` [rad]: from where one of both is empty to where one is full. NaN if there is
+        no such curve.
+        """
+        empty, full = 0.0 * torque, 0.0 * torque + self._top
+
+        def excess(
+            pressure: Numbers, antagonist: Numbers, angle: Numbers, torque: Numbers
+        ) -> Numbers:
+            return self._evaluate(pressure, antagonist, angle)[0] - torque
+
+        low, high = (
+            elementwise.find_root(excess, (empty, full), args=(antagonist, angle, torque)).x
+            for antagonist in (empty, full)
+        )
+        low = np.where(excess(empty, empty, angle, torque) >= 0, 0.0, low)
+        high = np.where(excess(full, full, angle, torque) <= 0, self._top, high)
+        # just inside: at an end itself rounding decides whether the antagonist's pressure exists
+        share = _EDGE + (1 - 2 * _EDGE) * np.linspace(0.0, 1.0, _NODES)[:, None] ** 2
+        return low + share * (high - low)
+
+    def _antagonist_pressure(self, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
+        """Pressure of the antagonist [Pa] with which a pressure of the `agonist` [Pa] gives a
+        `torque` [N·m] at an `angle` [rad]; NaN if none does.
+        """
+
+        def excess(pressure: Numbers, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
+            return self._evaluate(agonist, pressure, angle)[0] - torque
+
+        arguments = np.broadcast_arrays(agonist, angle, torque)
+        # an empty muscle pulls at least as much as a dip, so that the root on the rising branch is
+        # the only one
+        ends = 0.0 * arguments[0], 0.0 * arguments[0] + self._top
+        return elementwise.find_root(excess, ends, args=arguments).x
+
+    def _excess(
+        self, agonist: Numbers, angle: Numbers, torque: Numbers, stiffness: Numbers
+    ) -> Numbers:
+        """Stiffness beyond a demanded one [N·m/rad] along the curve of a `torque` [N·m]."""
+        antagonist = self._antagonist_pressure(agonist, angle, torque)
+        return self._evaluate(agonist, antagonist, angle)[1] - stiffness
+
+    def _evaluate(
+        self, agonist: Numbers, antagonist: Numbers, angle: Numbers
+    ) -> tuple[Numbers, Numbers]:
+        """Torque [N·m] and stiffness [N·m/rad] at pressures [Pa] and an `angle` [rad], (K9)."""
+        first, second = self._strains(angle)
+        F1, K1 = _pull(self.agonist, agonist, first)
+        F2, K2 = _pull(self.antagonist, antagonist, second)
+        return self.moment_arm * (F1 - F2), self.moment_arm**2 * (K1 + K2)
+
+
+def _pull(bundle: Bundle, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+    """Force [N] and stiffness [N/m] of a bundle at one `pressure` [Pa] and a plates' `strain`."""
+    pressure, strain = np.broadcast_arrays(pressure, strain)
+    force, stiffness = 0.0 * strain, 0.0 * strain
+    with np.errstate(all="ignore"):  # of branches that aren't selected
+        for number, unit in enumerate(bundle.motor_units, start=1):
+            muscle = unit.muscle.law.at(pressure + 0.0)
+            pull, slope = muscle.force(unit_strain(bundle, number, strain))
+            force = force + unit.count * pull
+            stiffness = stiffness - unit.count * slope / float(unit.muscle.length)
+    return force, stiffness

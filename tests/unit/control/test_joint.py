@@ -1,0 +1,95 @@
+"""The inverse of an antagonistic joint: there and back, out of reach, bundles, and refusals."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle.control import JointStatus
+from fascicle.core.errors import InvalidInputError
+
+
+ARM, STRAIN, ANGLE = 0.05, 0.12, math.radians(10)
+
+
+@pytest.fixture(scope="module")
+def thick():
+    return fs.Muscle.from_dimensions(0.3, 20e-3, 2e-3, math.radians(25), "latex")
+
+
+@pytest.fixture(scope="module")
+def joint(thick):
+    return fs.Joint(thick, thick, ARM, strain=STRAIN)
+
+
+def torque_at(joint, result, angle):
+    """Torque [N·m] by the muscles' own forces."""
+    muscle = joint.agonist.motor_units[0].muscle
+    shortening = ARM * angle / 0.3
+    first = muscle.force(result.agonist, STRAIN + shortening)
+    return ARM * (first - muscle.force(result.antagonist, STRAIN - shortening))
+
+
+def test_pressures_of_a_torque_and_a_stiffness(joint):
+    result = joint.pressures(ANGLE, 5.0, 60.0)
+    assert result.status == JointStatus.REACHED
+    # of an independent computation
+    assert_allclose([result.agonist, result.antagonist], [134.406e3, 86.442e3], atol=1)
+    assert_allclose([result.torque, result.stiffness], [5.0, 60.0], rtol=1e-9)
+    h = 1e-5  # rad: the stiffness is the slope of the torque, valves open
+    slope = (torque_at(joint, result, ANGLE + h) - torque_at(joint, result, ANGLE - h)) / (2 * h)
+    assert_allclose(-slope, 60.0, rtol=1e-6)
+
+
+def test_batches_come_back(joint):
+    angle, torque = np.meshgrid([-0.2, 0.0, 0.15], [-10.0, 0.0, 20.0])
+    result = joint.pressures(angle, torque, 120.0)
+    assert result.agonist.shape == (3, 3)
+    assert_array_equal(result.status, JointStatus.REACHED)
+    assert_allclose(torque_at(joint, result, angle), torque, atol=1e-8)
+    assert_allclose(result.stiffness, 120.0, rtol=1e-8)
+    # mirrored demands have mirrored pressures
+    other = joint.pressures(-angle, -torque, 120.0)
+    assert_allclose(other.agonist, result.antagonist, rtol=1e-6)
+
+
+def test_out_of_reach_is_a_status_and_the_nearest(joint):
+    low, high = joint.stiffness_range(ANGLE, 5.0)
+    result = joint.pressures(ANGLE, [5.0, 5.0, 900.0, -900.0], [low / 2, 2 * high, 60.0, 60.0])
+    status = JointStatus
+    expected = [
+        status.STIFFNESS_TOO_LOW,
+        status.STIFFNESS_TOO_HIGH,
+        *[status.TORQUE_OUT_OF_REACH] * 2,
+    ]
+    assert_array_equal(result.status, expected)
+    assert_allclose(result.torque[:2], 5.0, rtol=1e-9)
+    assert_allclose(result.stiffness[:2], [low, high])
+    assert_array_equal(result.agonist[2:], [1e6, 0.0])
+    assert_array_equal(result.antagonist[2:], [0.0, 1e6])
+    assert np.all(np.isnan(joint.stiffness_range(ANGLE, 900.0)))
+
+
+def test_bundles_have_one_pressure_and_their_supply(thick, joint):
+    pair = fs.Bundle([fs.MotorUnit(thick, 2)], supply_pressure=3e5)
+    result = fs.Joint(pair, pair, ARM, STRAIN).pressures(ANGLE, 10.0, 120.0)
+    single = joint.pressures(ANGLE, 5.0, 60.0)
+    assert_allclose([*result[:2]], [*single[:2]], rtol=1e-9)
+    assert fs.Joint(pair, pair, ARM, STRAIN).pressures(0.0, 1e3, 0.0).agonist == 3e5
+
+
+@pytest.mark.parametrize(
+    ("call", "argument"),
+    [
+        (lambda m: fs.Joint(m, "muscle", ARM), "agonist and antagonist"),
+        (lambda m: fs.Joint(m, m, -ARM), "moment_arm"),
+        (lambda m: fs.Joint(m, m, ARM).pressures(math.nan, 0.0, 1.0), "angle"),
+        (lambda m: fs.Joint(m, m, ARM).pressures(9.0, 0.0, 1.0), "strain"),
+    ],
+)
+def test_invalid_input_is_refused(thick, call, argument):
+    with pytest.raises(InvalidInputError) as error:
+        call(thick)
+    assert error.value.argument == argument
