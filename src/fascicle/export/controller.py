@@ -101,7 +101,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "pressure_time": number(gains.pressure_time),
         "flow_limit": number(controller.flow_limit),
         "band": number(policy.band),
-        "parked": int(float(policy.parks) > 0),
+        "parked": int(_c_policy(controller) == "threshold"),
         "room": initializers(chamber.room_pressure),
         "dead": initializers(chamber.dead_volume),
         "dense": initializers(density),
