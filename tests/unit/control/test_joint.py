@@ -16,7 +16,7 @@ ARM, STRAIN, ANGLE = 0.05, 0.12, math.radians(10)
 
 @pytest.fixture(scope="module")
 def thick():
-    return fs.Muscle.from_dimensions(0.3, 20e-3, 2e-3, math.radians(25), "latex")
+    return fs.Muscle(0.3, 20e-3, 2e-3, math.radians(25), "latex")
 
 
 @pytest.fixture(scope="module")

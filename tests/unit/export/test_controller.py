@@ -89,7 +89,7 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
         assert np.all(error <= TOLERANCE + rounding)
         exact += np.all(error <= TOLERANCE)
         np.testing.assert_allclose(c_memory.force_integral, memory.force_integral, rtol=1e-12)
-        assert c_memory.recruited == float(memory.policies[0].recruited)
+        assert c_memory.recruited == float(memory.policies[0])
         recruited.add(c_memory.recruited)
         saturated += integral == float(memory.force_integral)
         limited += np.any(np.abs(expected) == 0.8)
