@@ -318,6 +318,12 @@ class Calibration:
         )
 
     @property
+    def measured_constants(self) -> tuple[str, ...]:
+        """Names of fitted parameters with a prior narrower than the default one."""
+        pairs = zip(self.problem.parameters, self.problem.deviation, strict=True)
+        return tuple(p.name for p, deviation in pairs if deviation < p.deviation)
+
+    @property
     def doubtful(self) -> tuple[str, ...]:
         """Names of fitted factors whose law past the free strain the data contradict."""
         in_doubt = self.diagnosis.resisting_law_in_doubt

@@ -29,6 +29,7 @@ _MAX_WIDTH = 0.02  # of the largest pressure: a wider level is a sweep, cut fine
 _SMALL = 0.1  # of a level's largest force: upper limit of a gauge's noise at zero force
 _NOISE = 0.02  # of the record's largest force: the same limit at low pressures
 _MAX_LOADS, _REPEATS = 20, 3  # masses of a set, and readings of each: a load cell shows more values
+_UNEXPLAINED = 0.1  # of the contractions' variance: more is a sweep of them, not an equilibrium
 _IDLE = 0.01  # of the highest pressure: below it an unstretched muscle doesn't pull
 
 Table = Float[AnyArray, "level reading"]
@@ -242,10 +243,17 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
 
 
 def has_set_loads(record: Record) -> bool:
-    """True if the forces of a `record` are a few set ones, and its strains were measured."""
-    loads, strains = (np.unique(x).size for x in (record.force, record.strain))
-    few = loads <= min(_MAX_LOADS, len(record) / _REPEATS)
-    return bool(few and strains > _REPEATS * loads and not np.any(record.censored))
+    """True if the forces of a `record` are a few set ones, which with the pressures explain the
+    strains that were measured.
+    """
+    loads, load = np.unique(record.force, return_inverse=True)
+    strain, count = record.strain, len(record)
+    few = loads.size <= min(_MAX_LOADS, count / _REPEATS) and not np.any(record.censored)
+    if not few or np.unique(strain).size <= _REPEATS * loads.size:
+        return False
+    _, group = np.unique(assign_levels(record.pressure) * loads.size + load, return_inverse=True)
+    means = np.bincount(group, strain) / np.bincount(group)
+    return bool(np.sum((strain - means[group]) ** 2) < _UNEXPLAINED * np.var(strain) * count)
 
 
 def after_turns(record: Record, length: float) -> np.ndarray | None:

@@ -133,7 +133,10 @@ def _of_constants(calibration: Calibration) -> Iterator[Finding]:
         tied.sort(key=lambda pair: -pair[0])
         pairs = [{"constants": [a.name, b.name], "correlation": r} for r, a, b in tied]
         _, first, second = tied[0]
-        size = next((e.name for e in (second, first) if e.dimension in _SIZES), second.name)
+        known = calibration.measured_constants
+        open_ones = [e for e in (second, first) if e.name not in known]
+        names = [e.name for e in open_ones if e.dimension in _SIZES] + [e.name for e in open_ones]
+        size = names[0] if names else ""
         yield _warning("constants.correlated", pairs=pairs, constant=size)
     rate = next((e for e in estimates if e.name == "transition_rate" and e.identifiable), None)
     if rate is not None:

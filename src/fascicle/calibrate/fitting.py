@@ -148,7 +148,30 @@ def fit_data(
     solution = solve_problem(problem, readings, options)
     data, solution = _with_corrected_readings(data, solution)
     calibration = _calibration(data, solution)
-    return replace(calibration, diagnosis=diagnose(calibration))
+    calibration = replace(calibration, diagnosis=diagnose(calibration))
+    return _with_binding_priors(calibration, data, priors or {})
+
+
+def _with_binding_priors(
+    calibration: Calibration, data: FitData, priors: Mapping[str, Prior]
+) -> Calibration:
+    """The `calibration`, or a fit in which readings weigh as much as the model's error lets them.
+
+    Readings that only scatter outweigh a prior though the model's error makes the constant less
+    certain than the prior does. Then their noise is multiplied by the ratio of both, which has the
+    model's error in the weights: a prior is a reading like others, and no interval is wider.
+    """
+    names, variances = calibration.names, np.diag(calibration.covariance)
+    given = np.isin(names, list(priors))
+    loose = given & (variances > calibration.problem.deviation**2)
+    if calibration.readings is not None or not np.any(loose):
+        return calibration
+    problem = calibration.problem
+    weight = problem.weight / np.max(calibration.wider[loose])
+    solution = solve_with_noise(replace(problem, weight=weight), calibration.coordinates[None])
+    bound = replace(_calibration(data, solution), start=calibration.start)
+    error_in_weights = {"inflation": 1.0, "from_pressure": 0.0, "covariance": None}
+    return replace(bound, diagnosis=replace(diagnose(bound), **error_in_weights))
 
 
 def set_up_problem(

@@ -542,7 +542,8 @@ def residual_noise(problem: Problem, misfits: np.ndarray, parameter_count: int) 
     """Standard deviation of a single reading [N], from `misfits` in units of the problem's noise
     [-], about a model with `parameter_count` free parameters.
     """
-    r = misfits[(problem.weight > 0) & problem.grid.measured] * problem.noise
+    fitted = (problem.weight > 0) & problem.grid.measured
+    r = misfits[fitted] / problem.weight[fitted] * problem.noise
     if problem.loss != "linear":
         # outliers that the loss plays down must not come back as noise
         usual = 1.4826 * float(np.median(np.abs(r))) if r.size else 0.0

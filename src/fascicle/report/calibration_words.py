@@ -667,7 +667,8 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         " constants.", ""),
     "constants.correlated": (
         4, _correlated,
-        lambda data: _remedy(data["constant"]) or f"leave {data['constant']} out of --fit"),
+        lambda data: data["constant"] and (
+            _remedy(data["constant"]) or f"leave {data['constant']} out of --fit")),
     "constants.sparse_transition": (
         6, "Only {count:.2g} readings at a pressure lie in the transition after collapse (1/β of"
         " strain): with fewer than {enough} the collapse moment's interval is too narrow.",

@@ -232,6 +232,12 @@ def test_a_prior_is_weighed_against_the_data(constants):
     assert_allclose(tight.parameters[1].value, 6e-3, atol=2e-5)
     assert tight.parameters[1].start == pytest.approx(6e-3, rel=1e-9)
     assert tight.parameters[1].deviation < constants.parameters[1].deviation / 4
+    # also where a bow of the residuals makes it far less certain than noise does
+    bowed = clipped()
+    bowed = replace(bowed, force=bowed.force * (1 + 0.3 * np.sin(40 * bowed.strain)))
+    bound = fit(bowed, NOMINAL, NAMES, {"outer_radius": Prior(6e-3, 1e-4)}).parameters[1]
+    assert bound.high - bound.low <= 2 * NORMAL * 1e-4 * 1.001
+    assert abs(bound.value - 6e-3) < 1e-4
     loose = fit(clipped(), NOMINAL, NAMES, {"outer_radius": Prior(6e-3, 6e-3)})
     assert_allclose(loose.parameters[1].value, constants.parameters[1].value, rtol=1e-3)
     # the fit begins at the prior's value, wherever the muscle is
