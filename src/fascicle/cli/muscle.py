@@ -1,12 +1,13 @@
 """Commands of one muscle: `force`, `free-strain`, `muscles`, `laws` and `init`."""
 
+import inspect
 import json
 import sys
 import textwrap
 from importlib.resources import files
 from math import degrees
 from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..bundle.schemes import format_names
 from ..io.sanitize import sanitize_line
@@ -36,6 +37,9 @@ from .outputs import (
     write_text,
 )
 
+
+if TYPE_CHECKING:
+    from ..muscle.law import AbstractLaw
 
 _LIFTS = {"air": "lift_gas", "oil": "lift_oil"}  # scenarios that are templates, by fluid
 _WIDTH = 74  # characters of a line of constants: with the indent, a terminal's 80
@@ -234,19 +238,23 @@ def _print_measured(as_json: bool) -> None:
 def laws(
     kind: str | None = argument(
         "KIND",
-        "Kind of law: tension, buckling, collapse, post_collapse or ends; default: all.",
+        "Kind of law (tension, buckling, collapse, post_collapse or ends), or a law's name, for its"
+        " equation, constants, source and domain; default: all laws.",
         None,
     ),
     as_json: bool = options.JSON,
 ) -> None:
-    """List the laws and their constants, including those of other packages."""
+    """List the laws and their constants, including those of other packages, or explain one."""
     load_laws()
     from ..core.validation import check_choice
     from ..muscle.law import package_of
     from ..muscle.laws import LAWS
 
+    named = {name for laws in LAWS.values() for name in laws}
+    explains = kind in named
     with user_errors():
-        kinds = list(LAWS) if kind is None else [check_choice(kind, LAWS, "kind")]
+        check_choice(kind or "tension", [*LAWS, *sorted(named)], "kind")
+    kinds = list(LAWS) if kind is None or explains else [kind]
     entries = [
         {
             "kind": name,
@@ -257,9 +265,14 @@ def laws(
         }
         for name in kinds
         for law in LAWS[name].values()
+        if not explains or law.name == kind
     ]
     if as_json:
         print(json.dumps(entries))
+        return
+    if explains:
+        for entry in entries:
+            _print_law(entry["kind"], LAWS[entry["kind"]][entry["law"]])
         return
     for name in kinds:
         print(f"{name} laws, default: {LAWS[name].default.name}")
@@ -269,6 +282,17 @@ def laws(
             print(f"  {sanitize_line(entry['law']):20}{source}")
             for line in textwrap.wrap(", ".join(entry["constants"]), _WIDTH):
                 print(f"      {line}")
+
+
+def _print_law(kind: str, law: "type[AbstractLaw]") -> None:
+    """Print a `law` of a `kind`: what it is, its constants with defaults [SI], equation, source."""
+    print(f"{kind} law {sanitize_line(law.name)}: {inspect.getdoc(law)}")
+    for constant in law.constants():
+        default = "required" if constant.default is None else f"default {constant.default:g}"
+        print(f"  {constant.name} [{constant.range.unit}], {default}: {constant.about}")
+    for switch in law.switches():
+        print(f"  {switch.name}, {' or '.join(switch.options)}: {switch.about}")
+    print(f"Source: {sanitize_line(law.source)}\n\n{inspect.getdoc(sys.modules[law.__module__])}\n")
 
 
 def _fluids(incomplete: str) -> list[str]:
