@@ -197,23 +197,12 @@ def test_several_muscles_need_a_bundle_that_names_them():
     assert 'muscle = "thinn": no such muscle in the file, did you mean "thin"?' in wrong
 
 
-def test_names_what_cannot_be_read(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"nowhere\.toml: no such file\."):
-        load(tmp_path / "nowhere.toml")
-    with pytest.raises(IsADirectoryError, match="a folder, not a muscle file"):
-        load(tmp_path)
-    binary = tmp_path / "b.toml"
-    binary.write_bytes(bytes(range(256)))
-    with pytest.raises(ValueError, match="not a text file"):
-        load(binary)
-    binary.write_bytes(b"\x00" * 50)
-    with pytest.raises(ValueError, match="not TOML"):
-        load(binary)
-    binary.write_bytes(b"#" * 2_000_000)
-    with pytest.raises(ValueError, match="larger than"):
-        load(binary)
-    with pytest.raises(OSError, match="can't be read"):
-        load("a\0b")
+def test_a_binary_file_is_refused(tmp_path):
+    path = tmp_path / "b.toml"
+    for raw in (bytes(range(256)), b"\x00" * 50):
+        path.write_bytes(raw)
+        with pytest.raises(ValueError, match=f"^{path}: not"):
+            load(path)
 
 
 @pytest.mark.parametrize("name", examples())

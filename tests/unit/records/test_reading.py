@@ -335,3 +335,49 @@ def test_a_time_that_was_asked_for_stops_it():
     for more in ({}, {"units": {"time": "s"}}):
         message = refusal(text, rest_length=0.3, columns={"time": "when"}, **more)
         assert "line 2, column `when`" in message
+
+
+@pytest.mark.parametrize("cells", [["100", *[""] * 11], ["100", "", ""] * 4])
+def test_blanks_of_a_slower_transducer_are_not_filled(cells):
+    lines = [f"{cell},{0.01 * i},{50 - i}" for i, cell in enumerate(cells)]
+    with pytest.raises(ValueError, match="of 12 rows have"):
+        loads("\n".join(["pressure [kPa],strain [-],force [N]", *lines]))
+
+
+SWEEP = "".join(f"{p},{p / 2},{180 - p / 20}\n" for p in range(100, 300, 4))  # 50 rows
+HEADER = "p [kPa],F [N],L [mm]\n"
+
+
+def test_a_quote_without_end_loses_no_readings():
+    rows = SWEEP.splitlines(keepends=True)
+    for odd in (
+        '" new level',
+        '"5 inch tube,100,50,170',
+        '200,100,170,"a"" ,',
+        '200,100,"170""\n3,"4"',
+    ):
+        text = HEADER + "".join([*rows[:20], f"{odd}\n", *rows[20:]])
+        with pytest.raises(ValueError, match=r"quote|EOF|no finite number"):
+            loads(text, rest_length=0.18)
+
+
+@pytest.mark.parametrize("row", ["99999,50,175", "100,-9999,175", "100,50,-999"])
+def test_a_number_that_marks_an_error_is_refused(row):
+    with pytest.raises(ValueError, match="line 52"):
+        loads(f"{HEADER}{SWEEP}{row}\n", rest_length=0.18)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['[{"p_kPa": 1, "F_N": 2}, {"p_kPa": 2, "F_N": 2}]', '{"p_kPa": [1, 2], "F_N": [1, 2]}',
+     "\n<html><table><tr><td>p [kPa]</td></tr></table></html>"],
+)  # fmt: skip
+def test_other_json_and_web_pages_are_refused(text):
+    with pytest.raises(ValueError, match="CSV"):
+        loads(text)
+
+
+def test_one_comma_in_a_remark_is_no_decimal():
+    text = f"{HEADER[:-1]},note\n{SWEEP.replace(chr(10), ',' + chr(10))}100,50,175,slipped, again\n"
+    with pytest.raises(ValueError, match="header has 4: quote or drop"):
+        loads(text, rest_length=0.18)
