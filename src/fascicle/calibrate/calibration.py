@@ -225,6 +225,11 @@ class Calibration:
         """The readings by level of pressure."""
         return self.problem.grid
 
+    @property
+    def observed(self) -> Grid:
+        """The readings as they were read, also where the grid is about the model's contractions."""
+        return self.problem.observed or self.problem.grid
+
     @cached_property
     def force(self) -> np.ndarray:
         """Force of the fitted muscle at each place of the grid [N], without a loop."""

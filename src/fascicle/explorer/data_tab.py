@@ -15,7 +15,7 @@ from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
-from ..report.calibration import report
+from ..report.calibration import CalibrationResult, report
 from ..report.calibration_figures import draw_fit, figures, measured_with_curves
 from ..report.calibration_words import (
     interval_texts,
@@ -370,7 +370,7 @@ class DataView(Tab):
             calibration, today = selection.calibration, f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             candidates = selection if selection.candidates else None
             progress("drawing the report")
-            page = report(calibration, today, figures(calibration), choice=candidates)
+            page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
             toml = calibrated_text(calibration, today, candidates, warning_lines(calibration))
             return FitResult(selection, page, toml, record)
 

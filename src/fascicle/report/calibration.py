@@ -5,7 +5,7 @@ then the warnings. The same calibration and date give the same page.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -41,38 +41,38 @@ from .page import picture, render
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibrate.comparison import LawComparison, Row
+    from ..calibrate.comparison import LawComparison
     from ..calibrate.posterior import Posterior
 
 
+class CalibrationResult(NamedTuple):
+    """A calibration, how it was selected, and its optional analyses."""
+
+    fit: Calibration
+    choice: Selection | None = None
+    profiles: tuple[Profile, ...] = ()
+    posterior: "Posterior | None" = None
+    comparison: "LawComparison | None" = None
+
+
 def report(
-    fit: Calibration,
+    result: CalibrationResult,
     date: str,
     figures: "Mapping[str, Figure]",
-    profiles: Sequence[Profile] = (),
-    posterior: "Posterior | None" = None,
-    comparison: "Sequence[Row]" = (),
-    muscle_file: str = "muscle.toml",
     drawn: Mapping[str, bytes] | None = None,
-    choice: Selection | None = None,
 ) -> str:
     """Page of a calibration, as HTML.
 
     **Arguments:**
 
-    - `fit`: the calibration.
+    - `result`: the calibration and its analyses.
     - `date`: of the day, such as "2026-05-04".
     - `figures`: of the calibration, by name.
-    - `profiles`: of the parameters, or none.
-    - `posterior`: its draws, or `None`.
-    - `comparison`: laws by rows, or none.
-    - `muscle_file`: name of the saved muscle's file.
     - `drawn`: the figures as SVG by name, if they were drawn before.
-    - `choice`: the model selection, or `None`.
     """
+    fit, choice, profiles, posterior, comparison = result
     record = fit.record
-    P, valid = np.asarray(fit.grid.pressure)[:, 0], np.asarray(fit.grid.count) > 0
-    strain = np.asarray(fit.grid.strain)[valid]
+    P, strain = fit.grid.pressure[:, 0], fit.observed.strain[fit.grid.used]
     limits = f"{P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa"
     unknowns = [
         f"`{entry.name}` ({entry.about}): the data alone don't determine it. Its value,"
@@ -104,8 +104,8 @@ def report(
     return render(
         "calibration.html",
         title=f"Calibration: {', '.join(source.name for source in record.sources) or 'a record'}",
-        date=date, fit=fit, choice=choice, posterior=posterior, comparison=comparison,
-        muscle_file=repr(muscle_file),
+        date=date, fit=fit, choice=choice, posterior=posterior,
+        comparison=[] if comparison is None else comparison.rows,
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
         verdict=[*first, *last], warnings=warnings_by_topic(fit),
         data_lines=fit_data_lines(fit.fit_data),
@@ -142,16 +142,6 @@ def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]
     ]  # fmt: skip
 
 
-class CalibrationResult(NamedTuple):
-    """A calibration, how it was selected, and its optional analyses."""
-
-    fit: Calibration
-    choice: Selection | None = None
-    profiles: tuple[Profile, ...] = ()
-    posterior: "Posterior | None" = None
-    comparison: "LawComparison | None" = None
-
-
 def output_files(
     result: CalibrationResult, date: str, with_notebook: bool = False
 ) -> dict[str, bytes]:
@@ -159,14 +149,10 @@ def output_files(
 
     `with_notebook`: also a notebook, and the record that it reads.
     """
-    fit, comparison = result.fit, result.comparison
-    drawings = figures(fit, result.profiles, result.posterior, comparison)
+    fit = result.fit
+    drawings = figures(fit, result.profiles, result.posterior, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
-    page = report(
-        fit, date, drawings, result.profiles, result.posterior,
-        [] if comparison is None else comparison.rows,
-        drawn=drawn, choice=result.choice,
-    )  # fmt: skip
+    page = report(result, date, drawings, drawn)
     choice = result.choice
     reasons = [] if choice is None else selection_reasons(choice)
     texts = calibrated_files(fit, date, choice, warning_lines(fit), reasons)

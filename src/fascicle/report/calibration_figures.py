@@ -173,7 +173,7 @@ def fit_plot(
     """
     grid, readings, noise = calibration.grid, calibration.readings, calibration.problem.noise
     P = grid.pressure[:, 0]
-    strain, force, curve = _plot_strains(grid, points)
+    strain, force, curve = _plot_strains(calibration.observed, points)
     scatter = np.full(curve.shape, noise)
     if readings is not None:
         scatter = np.where(curve <= calibration.free_strain[:, None], readings.noise, noise)
@@ -546,7 +546,7 @@ def draw_laws(calibration: Calibration, comparison: LawComparison) -> Figure:
     grid = calibration.grid
     levels = np.flatnonzero(grid.measured.any(axis=1))
     levels = levels[_even_indices(levels.size, _PANELS)]
-    strain, force, curve = _plot_strains(grid)
+    strain, force, curve = _plot_strains(calibration.observed)
     rows = comparison.rows
     curves = [_curve_forces(comparison.fits[row.label], curve) for row in rows]
     count, best = levels.size, rows[:_LAWS]

@@ -8,7 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle import units
 from fascicle.calibrate.calibration import Calibration, Profile
-from fascicle.calibrate.comparison import Row
+from fascicle.calibrate.comparison import LawComparison, Row
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.diagnostics import Diagnosis
 from fascicle.calibrate.least_squares import Linearization, Minimum, Problem, SearchEnds
@@ -17,7 +17,7 @@ from fascicle.calibrate.posterior import Posterior
 from fascicle.files import provenance
 from fascicle.files.calibration_files import provenance_of
 from fascicle.records import Record, Source
-from fascicle.report.calibration import report
+from fascicle.report.calibration import CalibrationResult, report
 from fascicle.report.calibration_figures import figures, fit_plot
 
 
@@ -86,7 +86,9 @@ def page(fit, profiles, plots):
         fit.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(fit.coordinates, (10, 1)),
         np.zeros((10, 0)), np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
     )  # fmt: skip
-    html = report(fit, DATE, plots, profiles, posterior, rows)
+    html = report(
+        CalibrationResult(fit, None, profiles, posterior, LawComparison(rows, {})), DATE, plots
+    )
     return re.sub(r">\s+<", "><", html)
 
 
@@ -105,7 +107,8 @@ def test_nothing_is_asked_for_from_outside(page):
 
 def test_only_the_date_changes_the_page(fit, profiles, plots):
     first, again, later = (
-        report(fit, date, plots, profiles) for date in (DATE, DATE, "2027-01-01")
+        report(CalibrationResult(fit, None, profiles), date, plots)
+        for date in (DATE, DATE, "2027-01-01")
     )
     assert first == again
     assert first.replace(DATE, "2027-01-01") == later
