@@ -15,10 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import typer
 
-_FAMILIES = (
-    *("muscle", "bundle", "simulate", "commands.record", "commands.convert"),
-    *("commands.calibrate", "explore", "commands.export", "design"),
-)
+_FAMILIES = ("muscle", "bundle", "simulate", "record", "explore", "export", "design")
 _INTERRUPTED = 128 + signal.SIGINT  # exit code of an interrupted process, as in shells
 _MAX_MESSAGE = 600  # characters: some eight lines of a terminal
 

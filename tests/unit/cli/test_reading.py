@@ -1,9 +1,21 @@
 """The reading options of commands become arguments of `records.load`, and errors name options."""
 
+import inspect
+
 import pytest
 
+from fascicle.cli import record
 from fascicle.cli.errors import UserError
-from fascicle.cli.reading import read_options, read_record
+from fascicle.cli.record import read_record
+
+
+def read_options(**given):
+    """Arguments of `records.load`, with options left out as the command line does."""
+    left_out = {
+        name: False if parameter.annotation is bool else None
+        for name, parameter in inspect.signature(record.read_options).parameters.items()
+    }
+    return record.read_options(**left_out | given)
 
 
 ROWS = "118.4,200.1,0.0\n95.2,200.3,0.1\n70.8,199.9,0.2\n"

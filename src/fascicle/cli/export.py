@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from .. import options
-from ..errors import UserError, user_errors
-from ..inputs import bundle_of, is_scenario, read_list, read_scenario, read_target
-from ..options import option
-from ..outputs import Outputs, check_file, print_line, replace_output, status, write_text
+from . import options
+from .errors import UserError, user_errors
+from .inputs import bundle_of, is_scenario, read_list, read_scenario, read_target
+from .options import option
+from .outputs import Outputs, check_file, print_line, replace_output, status, write_text
 
 
-def run(
+def export(
     file: str = options.TARGET,
     units: str | None = options.UNITS,
     table: str | None = option(
@@ -74,8 +74,8 @@ def run(
     target = _read_exported(file, page is not None)
     if units is not None:
         target = bundle_of(target, units)
-    from ... import export
-    from ...export.c_files import check_c_name
+    from .. import export
+    from ..export.c_files import check_c_name
 
     with user_errors():
         check_c_name(name)
@@ -130,7 +130,7 @@ def _read_exported(file: str, page: bool) -> Any:
     scenario = read_scenario(file)
     if scenario.control:
         return scenario.control.controller
-    from ...export.controller import single_bundle
+    from ..export.controller import single_bundle
 
     with user_errors():
         return single_bundle(scenario.plant)
@@ -151,8 +151,8 @@ def _write_fmu(
     overwrite: bool,
 ) -> None:
     """Write a unit for co-simulation; without a compiler its sources, and an error."""
-    from ...export import write_fmu
-    from ...export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
+    from ..export import write_fmu
+    from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
     message = ""
     with (
@@ -170,7 +170,7 @@ def _write_fmu(
 
 def _single_muscle(target: Any, file: str, option_name: str) -> Any:
     """The muscle that an option needs."""
-    from ...bundle import Bundle
+    from ..bundle import Bundle
 
     if isinstance(target, Bundle):
         raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
@@ -179,7 +179,7 @@ def _single_muscle(target: Any, file: str, option_name: str) -> Any:
 
 def _write_values(path: str, target: Any, file: str, pressures: Any, overwrite: bool) -> None:
     """Write the values of a muscle's table as a file of labelled data."""
-    from ...results.tables import muscle_table
+    from ..results.tables import muscle_table
 
     muscle = _single_muscle(target, file, "--values")
     outputs = Outputs(False, False, path, None, overwrite)
@@ -190,7 +190,7 @@ def _write_values(path: str, target: Any, file: str, pressures: Any, overwrite: 
 
 def _check_c(folder: str, name: str, overwrite: bool) -> None:
     """Refuse header and source that can't be written, before the work begins."""
-    from ...io.atomic import check_writable
+    from ..io.atomic import check_writable
 
     with user_errors("--table "):
         check_writable(folder, folder=True)
@@ -216,10 +216,10 @@ def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) ->
 
 def _page_text(target: Any, file: str, pressures: list[float] | None) -> str:
     """Text of the page of a muscle or bundle."""
-    from ...export.page import CURVES, page_text
+    from ..export.page import CURVES, page_text
 
     with user_errors("--page: "):
         return page_text(target, Path(file).stem, pressures or CURVES)
 
 
-COMMANDS = {"export": run}
+COMMANDS = {"export": export}

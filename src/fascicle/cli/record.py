@@ -1,4 +1,4 @@
-"""`fascicle calibrate`: fit a muscle to a dynamometer's CSV; print a verdict, and write files."""
+"""Commands on measured data: `calibrate`, `convert`, and `record` on a virtual dynamometer."""
 
 import json
 import math
@@ -8,14 +8,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import InvalidInputError, require
-from ...io.sanitize import dump_json, escape_invisible
-from ...units import parse, pretty
-from .. import options, reading
-from ..errors import UserError, user_errors
-from ..inputs import load_laws, read_muscle, read_quantity
-from ..options import Command, complete_target, flag, option
-from ..outputs import (
+from ..core.errors import InvalidInputError, require
+from ..io.sanitize import dump_json, escape_invisible
+from ..units import parse, pretty
+from . import options
+from .errors import UserError, user_errors
+from .inputs import check_grid, load_laws, read_list, read_muscle, read_quantity
+from .options import Command, argument, complete_target, flag, option, with_options
+from .outputs import (
+    check_file,
     print_line,
     print_table,
     print_written,
@@ -24,28 +25,16 @@ from ..outputs import (
     today,
     warnings_last,
     write_folder,
+    write_text,
 )
 
 
 if TYPE_CHECKING:
-    from ...calibrate.fitting import Prior
-    from ...calibrate.model_selection import Selection
-    from ...muscle import Muscle
-    from ...records.record import Record
-    from ...report.calibration import CalibrationResult
-
-
-class CalibrateCommand(Command):
-    """The command whose help also lists the names for `--fit` and `--prior`."""
-
-    def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
-        """Write the names after the options."""
-        load_laws()  # for the help alone
-        from ...calibrate.parameters import parameter_descriptions
-
-        with formatter.section("Names for --fit and --prior (laws that have them in brackets)"):
-            formatter.write_dl(list(parameter_descriptions().items()))
-
+    from ..calibrate.fitting import Prior
+    from ..calibrate.model_selection import Selection
+    from ..muscle import Muscle
+    from ..records.record import Record
+    from ..report.calibration import CalibrationResult
 
 _LABEL_WIDTH = 35  # characters: a table fits next to it
 _DOUBTS = 3  # in a line that is still read
@@ -58,11 +47,308 @@ _CRITERIA = (
 _TUNING = "tuning"  # among names to fit: the paper's method
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
+DATA = argument(
+    "DATA",
+    "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx,"
+    " .mat, .tdms or published .json with pressure, force, and strain, length or displacement; or"
+    " torque and angle of a joint.",
+)
 
 
+class CalibrateCommand(Command):
+    """The command whose help also lists the names for `--fit` and `--prior`."""
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
+        """Write the names after the options."""
+        load_laws()  # for the help alone
+        from ..calibrate.parameters import parameter_descriptions
+
+        with formatter.section("Names for --fit and --prior (laws that have them in brackets)"):
+            formatter.write_dl(list(parameter_descriptions().items()))
+
+
+def read_pairs(texts: list[str] | None, name: str) -> dict[str, str]:
+    """Read values by name of an option's `NAME=VALUE`s."""
+    pairs: dict[str, str] = {}
+    for text in texts or []:
+        key, _, value = map(str.strip, text.partition("="))
+        if not key or not value:
+            raise UserError(f"{name} {text!r}: write NAME=VALUE.")
+        if key in pairs:
+            raise UserError(f"{name} {text!r}: {key} was given twice: give it once.")
+        pairs[key] = value
+    return pairs
+
+
+def read_options(
+    rest_length: str | None = option(
+        "Reference length of strains and displacements; default: the file's, else the muscle's.",
+        metavar="LENGTH",
+    ),
+    unit: list[str] | None = option(
+        "Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT"
+    ),
+    column: list[str] | None = option(
+        "Header of an unrecognized column, with a ROLE as in --columns: force='Load cell 2';"
+        " repeatable.",
+        metavar="ROLE=HEADER",
+    ),
+    columns: str | None = option(
+        "Columns in order, for files without a header: force[N],pressure[kPa],-,length[mm]; - skips"
+        " one; also strain, displacement, torque, angle, moment_arm, time, branch, clipped.",
+        metavar="NAMES",
+    ),
+    header: int | None = option(
+        "Number of the line that names the columns; default: detected.", metavar="LINE", min=1
+    ),
+    rows: str | None = option(
+        "Rows to read, counted from 1 below the header: 40:200, or 40: for all from row 40 on.",
+        metavar="FIRST:LAST",
+    ),
+    table: str | None = option(
+        "Sheet (.xlsx), matrix (.mat) or group (.tdms) of a file that has several; '*' for all.",
+        metavar="NAME",
+    ),
+    decimal: str | None = option(
+        "Decimal separator, . or , (the other may separate thousands); default: detected.",
+        metavar="SIGN",
+    ),
+    pressure: str | None = option("Pressure of all readings of the files.", metavar="PRESSURE"),
+    constant: list[str] | None = option(
+        "Constant of all readings: length=167mm, force=2kgf; repeatable.", metavar="ROLE=VALUE"
+    ),
+    name_pattern: str | None = option(
+        "Pattern of names of files or tables, with constants: {length}cm_{pressure}kPa, * for other"
+        " text.",
+        metavar="PATTERN",
+    ),
+    zero: list[str] | None = option(
+        "Reading of a gauge at zero or at rest: force=8N, pressure=1.5kPa, displacement=2mm,"
+        " torque=0.1Nm, angle=10deg; repeatable.",
+        metavar="ROLE=VALUE",
+    ),
+    scale: list[str] | None = option(
+        "Quantity of a gauge's signal: pressure=1.475bar/V, force=12N/V; --zero may be a"
+        " signal then:",
+        " pressure=0.2V; repeatable.",
+        metavar="ROLE=VALUE/UNIT",
+    ),
+    resample: str | None = option(
+        "Step of one clock, for channels that have clocks of their own: 0.1s.", metavar="TIME"
+    ),
+    sign: list[str] | None = option(
+        "Positive direction of a column: displacement=extension, angle=extension; repeatable.",
+        metavar="ROLE=DIRECTION",
+    ),
+    atmosphere: str | None = option(
+        "Atmosphere to subtract from absolute pressures.", metavar="PRESSURE"
+    ),
+    moment_arm: str | None = option(
+        "Moment arm of the muscle about the joint whose torque was measured; a table of"
+        " arms by angle",
+        " goes into the TOML file beside the record.",
+        metavar="LENGTH",
+    ),
+    clipped_at_zero: bool = flag(
+        "Clipping at zero: a force of exactly 0 means 0 or less.", "--clipped-at-zero"
+    ),
+    push_positive: bool = flag(
+        "Sign of the file's forces: positive for a push.", "--push-positive"
+    ),
+) -> dict[str, Any]:
+    """Arguments of `records.load` from the texts of the options of this module."""
+    headers = read_pairs(column, "--column")
+    if columns is not None and headers:
+        raise UserError("--columns names all columns: leave out --column.")
+    constants = read_pairs(constant, "--constant")
+    signs = read_pairs(sign, "--sign")
+    return {
+        "rest_length": rest_length,
+        "header": header,
+        "rows": rows,
+        "table": table,
+        "decimal": decimal,
+        "name_pattern": name_pattern,
+        "resample": resample,
+        "atmosphere": atmosphere,
+        "moment_arm": moment_arm,
+        "columns": headers if columns is None else columns,
+        "units": read_pairs(unit, "--unit"),
+        "constants": constants | ({} if pressure is None else {"pressure": pressure}),
+        "zeros": read_pairs(zero, "--zero"),
+        "scales": read_pairs(scale, "--scale"),
+        "signs": signs | ({"force": "pushing"} if push_positive else {}),
+        "clipped_at_zero": clipped_at_zero or None,
+    }
+
+
+def read_record(paths: list[str], options: dict[str, Any], length: float | None = None) -> "Record":
+    """Read one record from files.
+
+    **Arguments:**
+
+    - `paths`: files and patterns.
+    - `options`: arguments of `records.load`.
+    - `length`: of the muscle at rest [m], for files that name no rest length; left out, they are
+      refused.
+    """
+    from ..records import load
+    from ..records.headers import MissingMetadataError
+
+    with user_errors():
+        try:
+            return load(paths, **options, default_length=length)
+        except MissingMetadataError as error:
+            raise ValueError(error.message(_record_option)) from None
+
+
+def _record_option(argument: str, role: str, value: str) -> str:
+    """An argument of `records.load` as options of the command line."""
+    if argument == "constants" and role == "pressure":
+        return f"--pressure '{value}'"
+    name = argument.removesuffix("s") if role else argument
+    text = value.removesuffix(" positive") if argument == "signs" else value
+    setting = f" {role}='{text}'" if role else f" '{text}'" if text else ""
+    return f"--{name.replace('_', '-')}{setting}"
+
+
+def record(
+    file: str = options.TARGET,
+    out: str = option(
+        "Result file of the record: .csv, or .json for publication.",
+        "--out -o",
+        metavar="PATH",
+        default=...,
+    ),
+    seed: int = options.SEED,
+    pressure: str | None = option(
+        "Gauge pressures: a list or a range; default: 0 to 413.7 kPa in 13 levels.",
+        "--pressure -p",
+        metavar="LIST",
+    ),
+    samples: int = option("Number of readings in one sweep.", default=200, min=2),
+    one_way: bool = flag("Contraction only, without the return.", "--one-way"),
+    noise: str = option(
+        "Standard deviation of the force's noise, as a share of the largest force.",
+        metavar="SHARE",
+        default="0.5%",
+    ),
+    resolution: str = option("Resolution of the load cell.", metavar="FORCE", default="0N"),
+    pressure_noise: str = option(
+        "Standard deviation of the pressure's noise.", metavar="PRESSURE", default="0Pa"
+    ),
+    displacement_noise: str = option(
+        "Standard deviation of the displacement's noise.", metavar="LENGTH", default="0mm"
+    ),
+    hysteresis: str = option(
+        "Width of the hysteresis loop, as a share of the blocked force.",
+        metavar="SHARE",
+        default="0%",
+    ),
+    mullins: str = option(
+        "Extra stiffness of new rubber (Mullins effect), as a share.", metavar="SHARE", default="0%"
+    ),
+    preconditioning: int = option("Number of cycles before the first reading.", default=5, min=0),
+    length_scatter: str = option(
+        "Standard deviation of the built length, as a share.", metavar="SHARE", default="0%"
+    ),
+    angle_scatter: str = option(
+        "Standard deviation of the built braid angle.", metavar="ANGLE", default="0deg"
+    ),
+    clip: bool = flag("Tension-only load cell: a push reads zero.", "--clip"),
+    overwrite: bool = options.OVERWRITE,
+    as_json: bool = options.JSON,
+) -> None:
+    """Make a synthetic record of a muscle on a virtual dynamometer."""
+    check_file("--out", out, overwrite)  # it may be a measurement
+    settings: dict[str, Any] = {
+        "samples": samples,
+        "both_ways": not one_way,
+        "preconditioning": preconditioning,
+        "clip": clip,
+        "noise": _read_share(noise, "--noise"),
+        "resolution": read_quantity(resolution, "force", "--resolution"),
+        "pressure_noise": read_quantity(pressure_noise, "pressure", "--pressure-noise"),
+        "displacement_noise": read_quantity(displacement_noise, "length", "--displacement-noise"),
+        "hysteresis": _read_share(hysteresis, "--hysteresis"),
+        "mullins": _read_share(mullins, "--mullins"),
+        "length_scatter": _read_share(length_scatter, "--length-scatter"),
+        "angle_scatter": read_quantity(angle_scatter, "angle", "--angle-scatter"),
+    }
+    if pressure is not None:
+        settings["pressures"] = read_list(pressure, "pressure", "--pressure")
+    check_grid(len(settings.get("pressures", range(13))), samples * (1 if one_way else 2))
+    muscle = read_muscle(file, "run `fascicle record` on each of its muscles")
+    from ..records import VirtualDynamometer
+    from ..records.published import file_text
+
+    with user_errors():
+        made = VirtualDynamometer(**settings).record(muscle, seed)
+        text = file_text(made, out)
+    write_text("--out", out, overwrite, text)
+    summary = {
+        "synthetic": True,
+        "path": out,
+        "seed": seed,
+        "readings": len(made),
+        "censored": int(made.censored.sum()),
+        "rest_length": made.rest_length,
+        "largest_strain": float(made.strain.max()),
+        "largest_force": float(made.force.max()),
+        "notes": list(made.notes),
+    }
+    if as_json:
+        print(json.dumps(summary))
+        return
+    print_line(f"wrote {out}: {len(made)} synthetic readings, {summary['censored']} clipped")
+    print(
+        f"largest contraction {summary['largest_strain']:.4f}, largest force"
+        f" {summary['largest_force']:.4g} N, seed {seed}"
+    )
+
+
+def _read_share(text: str, name: str) -> float:
+    """Read a share, with its percent sign or none."""
+    unit = re.match(r"\s*([+]?[\d.]+)\s*[^\W\d]", text)
+    if unit is None:
+        return read_quantity(text, "number", name)
+    raise UserError(f"{name} must be a share, got {text!r}: write {unit[1]} %.")
+
+
+@with_options("settings", read_options)
+def convert(
+    settings: dict[str, Any],
+    data: list[str] = DATA,
+    out: str = option(
+        "Result file: .json of the schema fascicle-record/1, or .csv.",
+        "--out -o",
+        metavar="PATH",
+        default=...,
+    ),
+    overwrite: bool = options.OVERWRITE,
+    as_json: bool = options.JSON,
+) -> None:
+    """Convert a record of any format to CSV, or to JSON to publish."""
+    check_file("--out", out, overwrite, (".json", ".csv"))
+    measured = read_record(data, settings)
+    from ..records.published import file_text
+
+    with user_errors():
+        text = file_text(measured, out)
+    write_text("--out", out, overwrite, text)
+    if as_json:
+        print(json.dumps({"path": out, "readings": len(measured), "notes": list(measured.notes)}))
+        return
+    print_line(f"wrote {out}: {len(measured)} readings")
+    for note in measured.notes:
+        print_line(f"  {note}")
+
+
+@with_options("settings_of_reading", read_options)
 @warnings_last()
-def run(
-    data: list[str] = reading.DATA,
+def calibrate(
+    settings_of_reading: dict[str, Any],
+    data: list[str] = DATA,
     muscle: str | None = option(
         "Muscle file to begin with, or a named example.",
         "--muscle -m",
@@ -76,25 +362,6 @@ def run(
     wall_thickness: str | None = option("Wall thickness of the bladder at rest.", metavar="LENGTH"),
     braid_angle: str | None = option("Angle of a fiber from the axis at rest.", metavar="ANGLE"),
     material: str | None = option("Material of the bladder: latex.", metavar="NAME"),
-    rest_length: str | None = reading.REST_LENGTH,
-    unit: list[str] | None = reading.UNIT,
-    column: list[str] | None = reading.COLUMN,
-    columns: str | None = reading.COLUMNS,
-    header: int | None = reading.HEADER,
-    rows: str | None = reading.ROWS,
-    table: str | None = reading.TABLE,
-    decimal: str | None = reading.DECIMAL,
-    pressure: str | None = reading.PRESSURE,
-    constant: list[str] | None = reading.CONSTANT,
-    name_pattern: str | None = reading.NAME_PATTERN,
-    zero: list[str] | None = reading.ZERO,
-    scale: list[str] | None = reading.SCALE,
-    resample: str | None = reading.RESAMPLE,
-    sign: list[str] | None = reading.SIGN,
-    atmosphere: str | None = reading.ATMOSPHERE,
-    moment_arm: str | None = reading.MOMENT_ARM,
-    clipped_at_zero: bool = reading.CLIPPED_AT_ZERO,
-    push_positive: bool = reading.PUSH_POSITIVE,
     fit: str | None = option(
         "Free parameters from the names below, such as c10,braid_angle, or tuning, the paper's"
         " method; default: selected by leave-one-pressure-out cross-validation.",
@@ -131,13 +398,7 @@ def run(
 ) -> None:
     """Fit a muscle to dynamometer data, with uncertainties."""
     names = None if fit is None else [name.strip() for name in fit.split(",")]
-    prior_texts = reading.read_pairs(prior, "--prior")
-    options_of_reading = reading.read_options(
-        unit, column, columns, pressure, constant, zero, scale, sign, resample=resample,
-        clipped_at_zero=clipped_at_zero, push_positive=push_positive, rest_length=rest_length,
-        header=header, rows=rows, table=table, decimal=decimal, name_pattern=name_pattern,
-        atmosphere=atmosphere, moment_arm=moment_arm,
-    )  # fmt: skip
+    prior_texts = read_pairs(prior, "--prior")
     if notebook and out is None and as_json:
         raise UserError("--notebook: name its folder with --out, or drop --json.")
     stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
@@ -147,30 +408,30 @@ def run(
         "braid_angle": braid_angle, "material": material, "tension": tension,
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
     })  # fmt: skip
-    record = reading.read_record(data, options_of_reading, float(start.length))
+    measured = read_record(data, settings_of_reading, float(start.length))
     _check(names, loss, posterior)
     settings = {"loss": loss, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
-        from ...calibrate import fitting
-        from ...calibrate import intervals as uncertainty
-        from ...calibrate.model_selection import select_model
-        from ...report.calibration import CalibrationResult, summary
+        from ..calibrate import fitting
+        from ..calibrate import intervals as uncertainty
+        from ..calibrate.model_selection import select_model
+        from ..report.calibration import CalibrationResult, summary
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
         if names is None:
             laws = ("ends",) if ends is not None else ()
             choice = select_model(
-                record, start, priors, **settings, given_laws=laws, progress=update
+                measured, start, priors, **settings, given_laws=laws, progress=update
             )
             calibration = choice.calibration
         else:
             update("fitting")
             free = None if names == [_TUNING] else names
-            calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
+            calibration = fitting.fit(measured, start, free, priors, **settings, whole=False)
         result = _add_analyses(
             CalibrationResult(uncertainty.with_profiles(calibration), choice),
-            record, start, priors, settings, update, profile=False if folder is None else profile,
+            measured, start, priors, settings, update, profile=False if folder is None else profile,
             posterior=posterior, compare=compare,
         )  # fmt: skip
     written: list[str] = []
@@ -210,7 +471,7 @@ def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
         with user_errors():
             return muscle.replace(**changes)
     load_laws()
-    from ...muscle import Muscle
+    from ..muscle import Muscle
 
     with user_errors():
         return Muscle(**changes)
@@ -231,8 +492,8 @@ def _check(names: list[str] | None, loss: str, posterior: bool) -> None:
 def _read_priors(
     texts: Mapping[str, str], muscle: "Muscle", names: list[str] | None
 ) -> dict[str, "Prior"]:
-    from ...calibrate.fitting import Prior
-    from ...calibrate.parameters import select_parameters
+    from ..calibrate.fitting import Prior
+    from ..calibrate.parameters import select_parameters
 
     priors = {}
     for name, text in texts.items():
@@ -272,17 +533,17 @@ def _add_analyses(
     fit = result.fit
     if profile is not False:
         update("profiling")
-        from ...calibrate.intervals import profiles
+        from ..calibrate.intervals import profiles
 
         result = result._replace(profiles=profiles(fit) if profile else fit.profiles)
     if posterior:
         update("sampling")
-        from ...calibrate.posterior import sample
+        from ..calibrate.posterior import sample
 
         result = result._replace(posterior=sample(fit, seed=settings["seed"]))
     if compare:
         update("comparing laws")
-        from ...calibrate import comparison
+        from ..calibrate import comparison
 
         # other laws of resisting force if that was fitted, else of tension
         pulling = fit.method == "constants" or fit.fit_data.pulls
@@ -298,7 +559,7 @@ def _add_analyses(
 
 def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook: bool) -> list[str]:
     """Write muscle, report, curves and figures; returns the files' names."""
-    from ...report.calibration import output_files
+    from ..report.calibration import output_files
 
     content = output_files(result, today(), notebook)
 
@@ -312,7 +573,7 @@ def _write(result: "CalibrationResult", folder: Path, overwrite: bool, notebook:
 
 def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     """Print the verdict and the constants; with `verbose`, all tables and warnings."""
-    from ...report.calibration_words import constant_rows, gauge_error_texts, verdict_lines
+    from ..report.calibration_words import constant_rows, gauge_error_texts, verdict_lines
 
     fit = result.fit
     first, last = verdict_lines(fit, result.choice)
@@ -368,7 +629,7 @@ def _analysis_lines(result: "CalibrationResult") -> list[str]:
 
 def _print_details(result: "CalibrationResult") -> None:
     """Print how readings were read, the candidates, the compared laws, and all warnings."""
-    from ...report import calibration_words as words
+    from ..report import calibration_words as words
 
     fit = result.fit
     for line in (*fit.record.notes, *words.fit_data_lines(fit.fit_data)):
@@ -398,7 +659,7 @@ def _print_details(result: "CalibrationResult") -> None:
 
 def _print_choice(choice: "Selection") -> None:
     """Print the candidates, and the reasons for the selected one."""
-    from ...report.calibration_words import candidate_label, selection_reasons
+    from ..report.calibration_words import candidate_label, selection_reasons
 
     def percent(fraction: float) -> str:
         """Text of a fraction in percent; "-" if it isn't finite."""
@@ -420,4 +681,5 @@ def _print_choice(choice: "Selection") -> None:
         print_line(line)
 
 
-COMMANDS, COMMAND_CLASSES = {"calibrate": run}, {"calibrate": CalibrateCommand}
+COMMANDS = {"record": record, "convert": convert, "calibrate": calibrate}
+COMMAND_CLASSES = {"calibrate": CalibrateCommand}

@@ -1,1 +1,0 @@
-"""Commands that aren't in a module of their family yet."""
