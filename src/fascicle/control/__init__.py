@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     )
     from .policies import POLICIES
     from .step_response import LoopMargins, StepResponse, identify, loop_margins
-    from .valves import GasValves, OilValves, PlantValves
+    from .units import GasValves, OilValves, PlantValves
 
 __all__ = [
     "POLICIES", "Branches", "Cascade", "ControlMetrics", "Crossing", "Gains", "GasValves", "Joint",
@@ -46,7 +46,7 @@ _NAMES = {
     " reachability",
     "policies": "POLICIES",
     "step_response": "LoopMargins StepResponse identify loop_margins",
-    "valves": "GasValves OilValves PlantValves",
+    "units": "GasValves OilValves PlantValves",
 }
 _HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

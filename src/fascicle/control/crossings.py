@@ -32,8 +32,7 @@ from ..dynamics import Plant
 from .branches import Branches
 from .controller import DAMPED, valve_lag
 from .dip import Transition, check_unit, transition, unit_strain
-from .units import SLACK
-from .valves import AbstractValves, valves_of_units
+from .units import SLACK, AbstractValves, valves_of_units
 
 
 _SHAPE = (81, 121)  # of tables, for times alone; the dip is that of the law itself

@@ -103,7 +103,7 @@ class SequentialPolicy(Module):
         parked = minimum(capability.onset + ABOVE * top, top)
         low = where((indices > 0) & (indices < k), parked * self.parks, 0.0)
         high = where(indices < k, top, 0.0 * parked)
-        target, _ = share_demand(units, capability, demand, low, high)
+        target = share_demand(units, capability, demand, low, high)
         return PolicyStep(k, target, 0.0 * demand.force)
 
 
@@ -240,7 +240,7 @@ class HandOverPolicy(Module):
         vented = (indices >= k) & (measured > low) & (direction <= 0)
         hurried = (indices < k) & (measured < low)
         throttled = where((indices > 0) & (vented | hurried), measured, low)
-        target, _ = share_demand(units, capability, demand, low, high, throttled)
+        target = share_demand(units, capability, demand, low, high, throttled)
         return PolicyStep(HandOverState(recruited, direction, withheld), target, withheld)
 
     def _path(

@@ -5,18 +5,25 @@ co-energy and its slopes by strain, pressure and both, four numbers instead of a
 C they are the same polynomial, so that force and volume come from one table and no cycle creates
 energy. At one strain the force in each cell is a cubic of the root of pressure, so that the inverse
 finds its roots and extrema exactly. The header states the error of the table.
+
+The inverse chooses as `Bundle.recruit` does, among recruitment states that are written as masks.
+`c/inverse_states.c` takes the first state that gives the force, or of states that aren't nested
+that of least fluid; `c/inverse_sets.c` has (B11), for units that have a pressure each.
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
-from ..bundle.force_curves import ROOT_TOLERANCE
+from ..bundle.energetics import unit_volume_change
+from ..bundle.force_curves import ROOT_TOLERANCE, TIE
+from ..bundle.inverse import CLOSE
+from ..bundle.states import states_of
 from ..control import Cascade
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
@@ -34,11 +41,12 @@ from .c_files import (
     write_c_files,
 )
 from .controller import tabulate_controller, template_values
-from .inverse import inverse_code
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
 SHAPES = {"double": (65, 81), "float": (33, 41)}
+# any three: the volume is a cubic of strain, zero at rest
+_VOLUME_STRAINS = np.array([0.05, 0.1, 0.2])
 _LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
 _ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
 _AGREEMENT = (
@@ -142,7 +150,7 @@ class BundleTables(NamedTuple):
         if self.precision == "float":
             errors = [_rounding_error(surfaces[kind]) for kind in self.kinds]
             meets = float(np.dot(self.counts, errors))
-        values |= inverse_code(
+        values |= _inverse_code(
             self.bundle, name, self.highest_supply, meets, _AGREEMENT, self.precision, number
         )
         values["curves"] = render_template("table_curves.c", values)
@@ -304,3 +312,61 @@ def _rounding_error(surface: MuscleTable) -> float:
     step = (high - low) / (table.shape[1] - 1)
     largest = np.max(np.abs(table[..., 0])) + np.max(np.abs(table[..., 1]))
     return float(_ROUNDINGS * 2.0**-24 * largest / (step * float(surface.rest_length)))
+
+
+def _inverse_code(
+    bundle: Bundle,
+    name: str,
+    highest: float,
+    meets: float,
+    agreement: str,
+    real: str = "double",
+    number: Callable[[float], str] = repr,
+) -> dict[str, Any]:
+    """Values of the templates for the inverse of a bundle in C, `name` before all names.
+
+    `highest` supply pressure [Pa]; a force within `meets` of the demand meets it [N]; `agreement`
+    with `Bundle.recruit`, as a comment; `number` formats a number of the type `real`.
+    """
+    kinds = unique_indices([unit.muscle for unit in bundle.motor_units])[1]
+    states = states_of(bundle.scheme, len(kinds))
+    sets, owners = states.sets(unique_indices(bundle.motor_units)[1])
+    needs_fluid = states.independent or not states.nested
+    values: dict[str, Any] = {
+        "name": name,
+        "guard": name.upper(),
+        "real": real,
+        "scheme": bundle.scheme.name,
+        "agreement": agreement.replace("\n", "\n * "),
+        "inverse_highest": f"{highest:.0f}",
+        "inverse_top": number(highest),
+        "meets": number(meets),
+        "meets_text": f"{meets:.1g}",
+        "tie": number(max(TIE, meets / 2)),
+        "close": number(CLOSE),
+        "first_units": ", ".join(str(kinds.index(kind)) for kind in range(max(kinds) + 1)),
+        "states": sets.size,
+        "full": _mask_rows(sets.full),
+        "throttled": _mask_rows(sets.throttled),
+        "owners": ", ".join(str(owner + 1) for owner in owners),
+        "is_nested": int(not needs_fluid),
+        "fluid": "0",
+        "fluid_code": "",
+    }
+    if needs_fluid:
+        values["fluid"] = "fluid_of(is_full[k], strain) + fluid_of(is_throttled[k], strain)"
+        change = np.asarray(unit_volume_change(bundle, _VOLUME_STRAINS)) / _VOLUME_STRAINS[:, None]
+        coefficients = np.linalg.solve(np.vander(_VOLUME_STRAINS, increasing=True), change).T
+        rows = ("{" + ", ".join(map(number, row)) + "}" for row in coefficients.tolist())
+        values["volumes"] = ",\n".join(rows)
+        values["fluid_code"] = "\n" + render_template("inverse_fluid.c", values)
+    files = "inverse_begin.c", "inverse_sets.c" if states.independent else "inverse_states.c"
+    return values | {
+        "inverse": render_template("inverse.h", values),
+        "inverse_source": "".join(render_template(file, values) for file in files),
+    }
+
+
+def _mask_rows(mask: np.ndarray) -> str:
+    """Initializers of a mask in C, a row each of its states."""
+    return ", ".join("{" + ", ".join(str(int(x)) for x in row) + "}" for row in mask)
