@@ -452,7 +452,7 @@ class BundleView(Tab):
         self._force = chart.add("bundle_force")
         self._hover = chart.add_force_hover()
         self._equilibria = chart.add("equilibria")
-        self._point = chart.add("point", "bundle_point", legend_label="this contraction")
+        self._point = chart.add("point", "bundle_point")
         self._target = chart.add("target")
         chart.on_hold(self._set_demand)
         chart.style_legend(glyph_height=20)  # of points
