@@ -129,7 +129,7 @@ def read_options(
     ),
     scale: list[str] | None = option(
         "Quantity of a gauge's signal: pressure=1.475bar/V, force=12N/V; --zero may be a"
-        " signal then:",
+        " signal then:"
         " pressure=0.2V; repeatable.",
         metavar="ROLE=VALUE/UNIT",
     ),
@@ -145,7 +145,7 @@ def read_options(
     ),
     moment_arm: str | None = option(
         "Moment arm of the muscle about the joint whose torque was measured; a table of"
-        " arms by angle",
+        " arms by angle"
         " goes into the TOML file beside the record.",
         metavar="LENGTH",
     ),
