@@ -1,26 +1,32 @@
 """Tab of pinned curves: several muscles' forces in one figure, and a table of their differences."""
 
 import html
+import math
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
-from typing import ClassVar
+from functools import lru_cache, partial
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
 
+from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..files.shipped_files import named_muscles
+from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
+from ..muscle.laws import LAWS
 from ..plot.curves import force_comparison
 from ..plot.theme import DASHES, Colors
 from ..results import tables
+from ..units import pretty
 from .chart import Chart, cycle_colors, padded_range, screen_height
-from .muscle_curves import alternative_laws, law_label, with_alternative
-from .pins import add_pin, difference_text, name_difference, pin_curve, rename_pin, top_strain
+from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, with_alternative
 from .remarks import validity_warnings
 from .state import Pin, Session, Unit, View, changed, shipped_muscle
 from .tab import Export, Tab
 from .widgets import (
+    SIZES,
     Field,
     Message,
     button,
@@ -40,12 +46,88 @@ from .widgets import (
 _CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
 _LINE_WIDTH = 2.4  # pixels of a curve; dashes are as many times longer
 _ANGLE_STEP = 0.9  # ratio of braid angles of the example: 33 to 29.7 degrees
-_POINTS = 201  # of a downloaded curve
+MOST_PINS = 6  # more colors and dashes can't be told apart
+LONGEST_NAME = 40  # characters: a line of a phone
+_ROUNDING = 1e-6  # N or -: a smaller reference is zero but for rounding, and has no percentage
 _EMPTY = (
     "<h2>Compare curves</h2><p>Pin the force of a muscle at a pressure, change the muscle, a law or"
     " the pressure, and pin it again: the curves lie over one another here, and a table shows their"
     " differences. <i>Pin this curve</i> is in the tab Muscle, too.</p>"
 )
+
+
+class PinCurve(NamedTuple):
+    """Force [N] of a pin over `strain` [-], with its blocked force [N] and free strain [-]; the
+    collapse strain [-] is inf where the muscle never collapses.
+    """
+
+    strain: np.ndarray
+    force: np.ndarray
+    blocked_force: float
+    free_strain: float
+    collapse_strain: float
+
+
+def top_strain(pins: Sequence[Pin]) -> float:
+    """Largest strain [-] that is drawn for all `pins`."""
+    return max(strain_limit(pin.muscle, pin.pressure) for pin in pins)
+
+
+@lru_cache(maxsize=128)  # visitors share it
+def pin_curve(muscle: Muscle, pressure: float, top: float) -> PinCurve:
+    """Curve of a muscle at a `pressure` [Pa] up to a strain `top` [-], kinks among its strains."""
+    free = float(muscle.free_strain(pressure))
+    collapse = float(muscle.collapse_strain(pressure))
+    kinks = [strain for strain in (free, collapse) if 0 < strain < top]
+    strain = np.union1d(np.linspace(0.0, top, POINTS), kinks)
+    force = np.asarray(muscle.force(pressure, strain))
+    return PinCurve(strain, force, float(muscle.blocked_force(pressure)), free, collapse)
+
+
+def difference_text(value: float, reference: float, form: str) -> str:
+    """A `value` in a `form`, and by how many percent of the size of a `reference` it differs."""
+    if not math.isfinite(value):
+        return "never"
+    text = format(value, form)
+    if math.isfinite(reference) and value != reference and abs(reference) > _ROUNDING:
+        text += f" ({100 * (value - reference) / abs(reference):+.1f} %)"
+    return text.replace("-", "−")
+
+
+def add_pin(pins: tuple[Pin, ...], name: str, muscle: Muscle, pressure: float) -> tuple[Pin, ...]:
+    """The `pins`, and a new one with a `name` that no other has; `InvalidInputError` if there are
+    too many.
+    """
+    if len(pins) >= MOST_PINS:
+        rule = f"must be {MOST_PINS} curves at most, as many as can be told apart"
+        raise InvalidInputError("pins", rule, len(pins) + 1, "remove one")
+    # a spreadsheet takes a leading =, +, - or @ for a formula
+    line = sanitize_line(str(name), LONGEST_NAME).lstrip("=+-@ ") or "muscle"
+    names = {pin.name for pin in pins}
+    candidates = (line, *(f"{line} ({i})" for i in range(2, MOST_PINS + 2)))
+    free_name = next(candidate for candidate in candidates if candidate not in names)
+    return (*pins, Pin(free_name, muscle, float(pressure)))
+
+
+def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
+    """The `pins`, the one of an `index` with another `name`."""
+    others = (*pins[:index], *pins[index + 1 :])
+    pin = add_pin(others, name, pins[index].muscle, pins[index].pressure)[-1]
+    return (*pins[:index], pin, *pins[index + 1 :])
+
+
+def name_difference(first: Muscle, second: Muscle) -> str:
+    """Sizes, material and laws of the `second` muscle that the first has not, in words."""
+    parts = [
+        f"{label.lower()} {pretty(float(getattr(second, name)), dimension)}"
+        for name, (label, dimension) in SIZES.items()
+        if getattr(first, name) != getattr(second, name)
+    ]
+    parts += ["other material"] * (first.material != second.material)
+    laws = (getattr(second, kind) for kind in LAWS if getattr(first, kind) != getattr(second, kind))
+    parts += [law.name.replace("_", " ") for law in laws]
+    parts += ["other tuning"] * (first.tuning != second.tuning)
+    return ", ".join(parts)
 
 
 def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> str:
@@ -200,7 +282,7 @@ class CompareView(Tab):
         if not view.pins:
             raise ValueError("Pin a curve first: there is nothing to download yet.")
         top = top_strain(view.pins)
-        strain, chosen = np.linspace(0.0, top, _POINTS), min(view.strain, top)
+        strain, chosen = np.linspace(0.0, top, POINTS), min(view.strain, top)
         muscles = {pin.name: pin.muscle for pin in view.pins}
         arguments = muscles, [pin.pressure for pin in view.pins], strain, chosen
         variables = tables.force_comparison(*arguments)

@@ -9,9 +9,14 @@ import pytest
 
 import fascicle as fs
 from fascicle.core.errors import InvalidInputError
-from fascicle.explorer.compare_tab import CompareView
+from fascicle.explorer.compare_tab import (
+    MOST_PINS,
+    CompareView,
+    add_pin,
+    difference_text,
+    rename_pin,
+)
 from fascicle.explorer.link import LONGEST, from_query, pack, to_query
-from fascicle.explorer.pins import MOST_PINS, add_pin, difference_text, rename_pin
 from fascicle.explorer.state import Pin, Session, view_of
 from fascicle.plot.theme import LIGHT
 
