@@ -25,14 +25,14 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
+from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import InvalidInputError
 from ..core.module import (
     Module,
-    evaluate,
     record,
     replace_checked,
     static,
+    tree_leaves,
     unique_indices,
     with_fields,
 )
@@ -47,7 +47,6 @@ from ..core.validation import (
     match_array_type,
 )
 from ..muscle import Muscle
-from ..muscle.muscle import batch_shape
 from ..muscle.validation import check_strain, lowest_strain
 from ..repr_table import with_table_repr
 from .energetics import average_efficiency, efficiency_map
@@ -191,8 +190,7 @@ class Bundle(Module):
         """
         P, eps = self._check_pressures(pressures), self._check_strain(strain)
         self._check_shapes(P, strain=eps)
-        forces = evaluate(_unit_forces, self, P, eps)
-        # outside what is compiled, so that one compilation serves both
+        forces = pressurize(self, P).unit_forces(eps)[0]
         return forces if resistance else where(forces > 0, forces, 0.0)
 
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
@@ -202,7 +200,7 @@ class Bundle(Module):
         """
         P = self._check_pressures(pressures)
         if not resistance:
-            return evaluate(_largest_free_strain, self, P)
+            return _largest_free_strain(self, P)
         roots = self._find_equilibria(P)
         return where(roots.count > 0, roots.strain[..., 0], np.inf)[()]
 
@@ -214,7 +212,7 @@ class Bundle(Module):
         P = self._check_pressures(pressures)
         if resistance:
             return self._find_equilibria(P)
-        strain = evaluate(_largest_free_strain, self, P)[..., None]
+        strain = _largest_free_strain(self, P)[..., None]
         exists = strain > -np.inf
         return Equilibria(strain, exists, exists.sum(axis=-1))
 
@@ -281,7 +279,7 @@ class Bundle(Module):
         distance: Any = self.plate_distance
         shapes = {"length": np.shape(distance)}
         for i, unit in enumerate(self.motor_units, start=1):
-            shapes[f"motor unit {i}"] = batch_shape(unit.muscle)
+            shapes[f"motor unit {i}"] = unit.muscle.batch_shape
             shapes[f"count {i}"] = np.shape(unit.count)
         return broadcast_shape(**shapes)
 
@@ -289,19 +287,16 @@ class Bundle(Module):
         """Equilibria at `pressures` [Pa] under a `force` [N], by NumPy; derivatives by JAX."""
         shape = self._check_shapes(pressures, **force)
         arrays = (self, pressures, *force.values())
-        if self.is_numpy and is_numpy(*arrays[1:]):
-            return evaluate(find_equilibria, *arrays)
-        jax = jax_backend()
+        if array_namespace(*tree_leaves(arrays)) is np:
+            return find_equilibria(*arrays)
+        from ..core import jax_backend as jax
+
         slots = (*shape, usual_count(len(self.motor_units)))
         kinds = ((float, slots), (bool, slots), (int, shape))
         result = Equilibria(*(jax.array_spec(*kind) for kind in kinds))
-        roots = jax.call_numpy(partial(evaluate, find_first_equilibria), result, *arrays)
-        strain = evaluate(attach_derivatives, self, roots.strain, *arrays[1:])
+        roots = jax.call_numpy(find_first_equilibria, result, *arrays)
+        strain = attach_derivatives(self, roots.strain, *arrays[1:])
         return roots._replace(strain=strain)
-
-
-def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
-    return pressurize(bundle, pressures).unit_forces(strain)[0]
 
 
 def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:

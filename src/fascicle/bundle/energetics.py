@@ -36,7 +36,6 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
-from ..core.module import evaluate
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
 from ..core.validation import (
     check_choice,
@@ -84,7 +83,7 @@ def unit_work(
     [Pa], `strain` [-] and `resistance` as for `work`.
     """
     P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
-    return evaluate(_unit_work, bundle, P, eps, static=(bool(resistance),))
+    return _unit_work(bundle, P, eps, resistance)
 
 
 def _unit_work(bundle: "Bundle", pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:

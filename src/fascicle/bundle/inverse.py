@@ -113,7 +113,7 @@ def recruit(
         rule = "and all other arguments must be numbers, not traced by JAX,"
         remedy = "call `recruit` outside of jit, grad and vmap"
         raise InvalidInputError("force", rule, force, remedy, shown="a traced one")
-    bundle = bundle if bundle.is_numpy else to_numpy(bundle)
+    bundle = to_numpy(bundle)
     F, eps = check_finite(force, "force", "N"), bundle._check_strain(strain)
     supply = resolve_supply_pressure(bundle, supply)
     units = len(bundle.motor_units)

@@ -25,7 +25,7 @@ from ..core.module import Module, static, tree_leaves, tree_map, tree_structure,
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
 from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
 from ..muscle import Muscle
-from ..muscle.muscle import batch_shape, map_numbers
+from ..muscle.muscle import map_numbers
 from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import check_strain, lowest_strain
 
@@ -144,7 +144,7 @@ def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Musc
 def _stack_group(muscles: list[Muscle]) -> Muscle:
     """Muscles of the same laws as one, stacked; repetitions of a single one as that object."""
     first = muscles[0]
-    if all(muscle is first for muscle in muscles) and not batch_shape(first):
+    if all(muscle is first for muscle in muscles) and first.is_single:
         return first
     return map_numbers(
         lambda *row: array_namespace(*row).stack(row, axis=-1),

@@ -7,7 +7,6 @@ caller asks.
 Axes of nodes and of tables follow.
 """
 
-import importlib
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -17,27 +16,14 @@ import numpy as np
 from .errors import InvalidInputError
 
 
-# types that NumPy computes with; a set is looked up sooner than instances are checked
-NUMPY_TYPES = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
-FLOATS = frozenset({float, np.float64})
-_BOOLS = frozenset({bool, np.bool_})
-NUMPY_SCALARS = NUMPY_TYPES - {np.ndarray}
+_NUMPY = (np.ndarray, np.generic, float, int)
 
 
 def array_namespace(*values: Any) -> Any:
     """Array library that computes with all of the `values`: NumPy or JAX's."""
-    xp: Any = np
-    for value in values:
-        if type(value) in NUMPY_TYPES:
-            continue
-        if is_jax_array(value):
-            xp = sys.modules["jax.numpy"]
-    return xp
-
-
-def jax_backend() -> Any:
-    """Module `core.jax_backend`, imported at the first use."""
-    return importlib.import_module("fascicle.core.jax_backend")
+    if "jax" in sys.modules and any(map(is_jax_array, values)):
+        return sys.modules["jax.numpy"]
+    return np
 
 
 def imported_jax() -> Any:
@@ -48,7 +34,7 @@ def imported_jax() -> Any:
 def is_jax_array(value: Any) -> bool:
     """True for arrays and tracers of JAX; `InvalidInputError` before `import fascicle.jax`."""
     jax = sys.modules.get("jax")
-    if jax is None or not isinstance(value, getattr(jax, "Array", ())):
+    if jax is None or isinstance(value, _NUMPY) or not isinstance(value, getattr(jax, "Array", ())):
         return False
     if "fascicle.jax" not in sys.modules:
         rule = "need `import fascicle.jax` first, which switches JAX to 64 bits"
@@ -56,36 +42,16 @@ def is_jax_array(value: Any) -> bool:
     return True
 
 
-def as_jax(value: Any) -> Any:
-    """A `value` [any unit] as an array of JAX; JAX must have been imported."""
-    return sys.modules["jax.numpy"].asarray(value)
-
-
-def is_numpy(*values: Any) -> bool:
-    """True where all `values` are numbers or NumPy arrays."""
-    for value in values:
-        if type(value) not in NUMPY_TYPES and not isinstance(value, np.generic):
-            return False
-    return True
-
-
 def where(condition: Any, x: Any, y: Any) -> Any:
-    """Elements of `x` where the `condition` holds, else of `y`."""
-    # numbers are decided at once: NumPy's own `where` takes a microsecond and more for them
-    if type(condition) in _BOOLS and type(x) in NUMPY_SCALARS and type(y) in NUMPY_SCALARS:
-        return x if condition else y
-    return array_namespace(condition, x, y).where(condition, x, y)
+    """Elements of `x` where the `condition` holds, else of `y`; numbers of numbers."""
+    return array_namespace(condition, x, y).where(condition, x, y)[()]
 
 
 def _elementwise(name: str) -> Callable[..., Any]:
     """NumPy's function of this name, in the array library of its arguments."""
-    numpy_function = getattr(np, name)
 
     def function(*arrays: Any) -> Any:
-        for array in arrays:
-            if type(array) not in NUMPY_TYPES:
-                return getattr(array_namespace(*arrays), name)(*arrays)
-        return numpy_function(*arrays)
+        return getattr(array_namespace(*arrays), name)(*arrays)
 
     function.__name__ = function.__qualname__ = name
     return function

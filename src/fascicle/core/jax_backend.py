@@ -1,10 +1,10 @@
-"""The JAX side of the core: compilation, loops and derivatives.
+"""The JAX side of the core: loops and derivatives.
 
 No other module of the core, of muscles and bundles imports JAX at its top.
 """
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import jax.numpy as jnp
@@ -16,12 +16,6 @@ from ..jax import jax
 from .array_namespace import where
 from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
-
-
-@cache
-def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
-    """A `law` compiled by JAX, with its `static` arguments bound."""
-    return jax.jit(lambda module, *arrays: law(module, *arrays, *static))
 
 
 def array_spec(kind: type, shape: tuple[int, ...]) -> Any:
@@ -47,6 +41,7 @@ def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
     return jax.jvp(function, (x,), (jnp.ones_like(x),))
 
 
+@partial(jax.jit, static_argnums=0)  # else a caller without `jit` would compile each search anew
 def search_root(
     residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
@@ -68,16 +63,21 @@ def search_root(
     return lax.while_loop(is_unfinished, step, (0, search))[1].x
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
-def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
+@partial(jax.jit, static_argnums=0)
+def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     """Root of a residual near `x`, with its implicit derivatives by `theta`."""
+    return _implicit_root(residual, theta, x)
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     return polish_root(*residual(theta, x), x)
 
 
-@implicit_root.defjvp
+@_implicit_root.defjvp
 def _implicit_derivative(residual: Residual, primals: tuple, tangents: tuple) -> tuple:
     """The root and its tangent, by `theta` alone; zero where it doesn't depend on the residual."""
-    root = implicit_root(residual, *primals)
+    root = _implicit_root(residual, *primals)
 
     def value_and_slope(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:
         value, slope = residual(theta, root)

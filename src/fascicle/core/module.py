@@ -5,26 +5,18 @@ be set afterwards. `import fascicle.jax` makes modules pytrees of JAX. Values th
 (`functools.cached_property`) are no part of its structure.
 
 `tree_leaves`, `tree_map` and their like do what JAX's functions of these names do, without JAX.
-`evaluate` runs a law with NumPy or with JAX: the types of its arguments alone decide.
 """
 
 import sys
 from abc import ABC
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
 from inspect import signature
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, dataclass_transform
 
 import attrs
 import numpy as np
 
-from .array_namespace import (
-    NUMPY_TYPES,
-    array_namespace,
-    is_jax_array,
-    is_numpy,
-    jax_backend,
-)
+from .array_namespace import is_jax_array
 from .validation import check_choice, is_concrete
 
 
@@ -44,7 +36,7 @@ def tree_leaves(tree: Any) -> list[Any]:
     leaves, nodes = [], [tree]
     while nodes:
         node = nodes.pop()
-        if type(node) in NUMPY_TYPES or (children := _children(node)) is None:
+        if (children := _children(node)) is None:
             leaves.append(node)
         else:
             nodes += reversed(children)
@@ -117,18 +109,6 @@ def record(
     set and returns it as numbers [any unit], and other `metadata`; `kw_only`: given by keyword.
     """
     return attrs.field(default=default, converter=converter, kw_only=kw_only, metadata=metadata)
-
-
-class cached_number(cached_property):  # noqa: N801 as `cached_property`
-    """A property, cached if its value is NumPy's: a tracer must not outlive its trace."""
-
-    def __get__(self, instance: Any, owner: type | None = None) -> Any:
-        if instance is None:
-            return self
-        value = self.func(instance)
-        if type(value) in NUMPY_TYPES:
-            vars(instance)[self.attrname] = value
-        return value
 
 
 @dataclass_transform(
@@ -209,16 +189,6 @@ class Module(ABC):
     def __repr__(self) -> str:
         return repr_fields(self)
 
-    @cached_property
-    def leaves(self) -> list[Any]:
-        """All numbers and arrays, those of inner modules too."""
-        return tree_leaves(self)
-
-    @cached_property
-    def is_numpy(self) -> bool:
-        """True where all numbers and arrays are NumPy's."""
-        return is_numpy(*self.leaves)
-
 
 def _field_names(module: Module) -> list[str]:
     return [field.name for field in attrs.fields(type(module))]
@@ -234,7 +204,7 @@ def _value_text(value: Any) -> str:
     """Numbers of a field; of many their count, of traced ones their type and shape."""
     if is_jax_array(value) and not is_concrete(value):
         return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
-    if not (is_numpy(value) or is_jax_array(value)):
+    if not (isinstance(value, float | int | np.generic | np.ndarray) or is_jax_array(value)):
         return repr(value)
     x = np.asarray(value)
     return f"<{' × '.join(map(str, x.shape))} numbers>" if x.size > _MAX_SHOWN else repr(x.tolist())
@@ -252,7 +222,9 @@ def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
 
 
 def to_numpy(tree: Tree) -> Tree:
-    """Convert a `tree` of modules and arrays [any unit] to NumPy's numbers and arrays."""
+    """A `tree` of modules and arrays [any unit] with NumPy's numbers and arrays for JAX's."""
+    if not any(map(is_jax_array, tree_leaves(tree))):
+        return tree
     return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
 
 
@@ -271,31 +243,3 @@ def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kin
         check_choice(name, names, "argument")
     current = {name: getattr(module, name) for name in names if name not in values}
     return type(module)(**current | values | changes)
-
-
-def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tuple = ()) -> Any:
-    """Result of a pure function `law(module, *arrays, *static)`, by NumPy where all numbers are
-    NumPy's, else compiled by JAX; `static`: hashable arguments.
-    """
-    if not (module.is_numpy and is_numpy(*arrays)):
-        return jax_backend().compile_law(law, static)(module, *arrays)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        return _as_numpy(law(module, *arrays, *static))
-
-
-def _as_numpy(result: Any) -> Any:
-    if isinstance(result, tuple):
-        return type(result)(*map(_as_numpy, result))
-    return np.asarray(result)[()]
-
-
-def stop_gradient(tree: Any) -> Any:
-    """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
-    if type(tree) in NUMPY_TYPES or is_numpy(*tree_leaves(tree)):
-        return tree
-    return tree_map(_stop_leaf, tree)
-
-
-def _stop_leaf(x: Any) -> Any:
-    xp = array_namespace(x)
-    return x if xp is np else jax_backend().stop_gradient(x)

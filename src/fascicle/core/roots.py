@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .array_namespace import array_namespace, is_jax_array, jax_backend, where
-from .module import stop_gradient
+from .array_namespace import array_namespace, is_jax_array, where
+from .module import tree_leaves, tree_map
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -40,8 +40,7 @@ def root(
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and one more Newton step takes it to rounding.
     """
-    x = find_root(residual, *stop_gradient((theta, low, high, start)))
-    return refine_root(residual, theta, x)
+    return refine_root(residual, theta, find_root(residual, theta, low, high, start))
 
 
 def find_root(
@@ -50,28 +49,37 @@ def find_root(
     """Root of an elementwise `residual` in a bracket, to some 1e-14 and without derivatives."""
     # Newton's method, confined to a shrinking bracket and replaced by bisection where it leaves the
     # bracket or fails to halve its step; to 1e-7 only where the slope is wrong
-    xp = array_namespace(low, high, start)
-    if xp is np:  # `theta` may still hold arrays of JAX
-        value, slope = residual(theta, start)
-        xp = array_namespace(value, slope)
-        if xp is np:
-            zero = 0.0 * value
-            search = search_step(init_search(low + zero, high + zero, start + zero), value, slope)
-            for _ in range(STEPS):
-                if search.done.all():
-                    break
-                search = search_step(search, *residual(theta, search.x))
-            return search.x[()]  # a scalar where all are scalars
-    return jax_backend().search_root(residual, theta, low, high, start)
+    value, slope = residual(theta, start)
+    if array_namespace(value, slope, low, high, start) is not np:
+        from . import jax_backend
+
+        return jax_backend.search_root(residual, *stop_gradient((theta, low, high, start)))
+    zero = 0.0 * value
+    search = search_step(init_search(low + zero, high + zero, start + zero), value, slope)
+    for _ in range(STEPS):
+        if np.all(search.done):
+            break
+        search = search_step(search, *residual(theta, search.x))
+    return search.x
 
 
 def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     """Root near `x` to rounding, by one more Newton step, with its derivatives by `theta`."""
-    if not is_jax_array(x):
-        value, slope = residual(theta, x)
-        if not is_jax_array(value):
-            return polish_root(value, slope, x)
-    return jax_backend().implicit_root(residual, theta, x)
+    value, slope = residual(theta, x)
+    if array_namespace(value, slope, x) is np:
+        return polish_root(value, slope, x)
+    from . import jax_backend
+
+    return jax_backend.refine_root(residual, theta, x)
+
+
+def stop_gradient(tree: Any) -> Any:
+    """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
+    if not any(map(is_jax_array, tree_leaves(tree))):
+        return tree
+    from . import jax_backend
+
+    return tree_map(lambda x: jax_backend.stop_gradient(x) if is_jax_array(x) else x, tree)
 
 
 def polish_root(value: Batch, slope: Batch, x: Batch) -> Batch:
@@ -87,7 +95,7 @@ def safe_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
     # a flat residual moves no root; a long step comes from a jump, which has no derivative
     xp = array_namespace(value, slope, x)
     nonzero = slope != 0
-    slope = where(nonzero, slope, 1.0)
+    slope = xp.where(nonzero, slope, 1.0)
     short = xp.absolute(value / slope) <= _LONGEST_STEP * (1 + xp.absolute(x))
     return xp.logical_and(nonzero, short), slope
 
@@ -113,6 +121,7 @@ def search_step(search: Search, value: Batch, slope: Batch) -> Search:
     x, previous, low, high, done = search
     xp = array_namespace(value, slope, x)
     absolute, logical_and, logical_or = xp.absolute, xp.logical_and, xp.logical_or
+    where = xp.where
     low, high = where(value > 0, x, low), where(value > 0, high, x)
     # bisect where it is flat or vertical
     sloped = logical_and(slope != 0, absolute(slope) < np.inf)

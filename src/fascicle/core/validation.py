@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..units import has_units, to_si
-from .array_namespace import FLOATS, as_jax, imported_jax, is_jax_array
+from .array_namespace import array_namespace, imported_jax, is_jax_array
 from .errors import InvalidInputError
 from .types import Batch, IntBatch, Values
 
@@ -59,9 +59,6 @@ def check_interval(
     arrays, which broadcast against the value. `why` completes the rule in words: "to contract";
     `remedy` says what to do.
     """
-    single = type(value) in FLOATS and type(low) is not np.ndarray
-    if single and type(high) is not np.ndarray and low < value < high:
-        return np.float64(value + 0.0)  # no negative zero
     value = to_si(value, name, unit)
     if not is_concrete(value):
         return traced_floats(value)
@@ -92,7 +89,7 @@ def check_finite(value: Values, name: str, unit: str) -> Batch:
 
 def match_array_type(value: Values, checked: Batch) -> Batch:
     """Convert a `checked` value to the array library of the original `value`."""
-    return as_jax(checked) if is_jax_array(value) else checked
+    return array_namespace(value).asarray(checked)[()]
 
 
 def check_choice(name: str, choices: Iterable[str], argument: str) -> str:

@@ -16,7 +16,7 @@ to the braid. **Source:** Klute and Hannaford (2000); Kim, Mazzoleni and Bryant 
 
 import numpy as np
 
-from ..core.module import Module, cached_number
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from .braid import Braid
 from .materials import AbstractMaterial, Slopes
@@ -29,17 +29,17 @@ class Bladder(Module):
     wall_thickness: Batch
     material: AbstractMaterial
 
-    @cached_number
+    @property
     def inner_radius(self) -> Batch:
         """Inner radius at rest $r_i$ [m]."""
         return self.braid.radius - self.wall_thickness
 
-    @cached_number
+    @property
     def area(self) -> Batch:
         """Section area at rest $A$ [m²]."""
         return np.pi * (self.braid.radius**2 - self.inner_radius**2)
 
-    @cached_number
+    @property
     def second_moment(self) -> Batch:
         """Second moment of area at rest $I$ [m⁴]."""
         return np.pi / 4 * (self.braid.radius**4 - self.inner_radius**4)

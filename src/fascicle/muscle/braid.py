@@ -32,7 +32,7 @@ printed there without the factor 3 of $3\lambda^2/\tan^2\alpha_0$ [R1]: see the 
 import numpy as np
 
 from ..core.array_namespace import arccos, cos, sqrt, tan
-from ..core.module import Module, cached_number
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
 
 
@@ -43,12 +43,12 @@ class Braid(Module):
     radius: Batch
     angle: Batch
 
-    @cached_number
+    @property
     def cot2(self) -> Batch:
         """Squared cotangent of the braid angle [-], one less than $1/\\sin^2\\alpha_0$."""
         return 1 / tan(self.angle) ** 2
 
-    @cached_number
+    @property
     def straight_strain(self) -> Batch:
         """Strain [-] at which its fibers are straight, $1 - 1/\\cos\\alpha_0$."""
         return 1 - 1 / cos(self.angle)
@@ -88,7 +88,7 @@ class Braid(Module):
         angles = self.cot2 * (1 + self.cot2)
         return 2 * np.pi * self.radius**4 * pressure * angles * (1 - strain) ** 2
 
-    @cached_number
+    @property
     def ideal_free_strain(self) -> Batch:
         """Strain [-] at which the mesh force vanishes: fibers at 54.7356°, V largest."""
         return 1 - 1 / (np.sqrt(3) * cos(self.angle))

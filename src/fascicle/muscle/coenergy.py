@@ -27,7 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, is_numpy, jax_backend, stack, where
+from ..core.array_namespace import array_namespace, stack, where
+from ..core.module import tree_leaves
 from ..core.types import Batch, BatchLike, Numbers
 from .ends import integrate_pieces
 from .piecewise import Piecewise, PressurizedMuscle
@@ -88,19 +89,16 @@ def coenergy(muscle: PressurizedMuscle, strain: BatchLike) -> Batch:
 
 def conjugate_volume(law: Piecewise, pressure: Batch, strain: Batch) -> Batch:
     """Conjugate volume $V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
-    if is_numpy(pressure, strain, *law.leaves):
-        with np.errstate(all="ignore"):  # of branches that aren't taken
-            return pressure_derivative(
-                lambda P: coenergy(law.at(P), strain), pressure + 0.0 * strain
-            )
-    return jax_backend().compile_law(_derive_coenergy)(law, pressure, strain)
+    point = pressure + 0.0 * strain
 
+    def potential(P: Batch) -> Batch:
+        return coenergy(law.at(P), strain)
 
-def _derive_coenergy(law: Piecewise, pressure: Batch, strain: Batch) -> Batch:
-    """Conjugate volume [m³] at `pressure` [Pa] and `strain` [-], by JAX."""
-    return jax_backend().derivative(lambda P: coenergy(law.at(P), strain), pressure + 0.0 * strain)[
-        1
-    ]
+    if array_namespace(point, *tree_leaves(law)) is np:
+        return pressure_derivative(potential, point)
+    from ..core.jax_backend import derivative
+
+    return derivative(potential, point)[1]
 
 
 def pressure_derivative(function: Callable[[Any], Any], pressure: Batch) -> Batch:

@@ -19,7 +19,6 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.module import (
     Module,
-    evaluate,
     record,
     replace_checked,
     static,
@@ -88,33 +87,33 @@ class AtPressure(Module):
 
     def force(self, strain: Values) -> Batch:
         """Pulling force $F$ [N] at `strain` [-], (27); `ValueError` off the domain, as of all."""
-        return self._evaluate(PressurizedMuscle.pulling_force, strain)
+        return self.state.pulling_force(self._validate(strain))
 
     def stiffness(self, strain: Values) -> Batch:
         """Stiffness $\\partial F/\\partial L$ [N/m] at `strain` [-]; at a kink, of smaller ones."""
-        return self._evaluate(PressurizedMuscle.stiffness, strain)
+        return self.state.stiffness(self._validate(strain))
 
     def response(self, strain: Values) -> Response:
         """Force and its components [N], and the region, at `strain` [-]."""
-        return self._evaluate(PressurizedMuscle.response, strain)
+        return self.state.response(self._validate(strain))
 
     def deflection(self, strain: Values) -> Batch:
         """Deflection of the axis $y_{max}$ [m] at `strain` [-]; after collapse the hinge's."""
-        return self._evaluate(PressurizedMuscle.deflection, strain)
+        return self.state.deflection(self._validate(strain))
 
     def moment(self, strain: Values) -> Batch:
         """Largest bending moment $M_b$ [N·m] at `strain` [-]; after collapse the hinge's."""
-        return self._evaluate(PressurizedMuscle.moment, strain)
+        return self.state.moment(self._validate(strain))
 
     def shape(self, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` between the clamped ends, at `strain` [-]."""
         count = check_whole_number(points, "points", 3)
-        return self._evaluate(PressurizedMuscle.shape, strain, count)
+        return self.state.shape(self._validate(strain), count)
 
-    def _evaluate(self, method: Callable, strain: Values, *static: Any) -> Any:
+    def _validate(self, strain: Values) -> Batch:
         eps = validate_strain(strain, self.state.law)
         check_broadcast(self.pressure, eps)
-        return evaluate(_at_strain, self, eps, static=(method, *static))
+        return eps
 
 
 @with_table_repr(muscle_table, muscle_line)
@@ -265,48 +264,53 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain, as all methods do.
         """
-        return self._evaluate_at(PressurizedMuscle.pulling_force, pressure, strain)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).pulling_force(eps)
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force and its components [N], the region, and whether other equilibria exist, at
         `pressure` [Pa] and `strain` [-], which broadcast.
         """
-        return self._evaluate_at(PressurizedMuscle.response, pressure, strain)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).response(eps)
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
         """Stiffness $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]
         at `pressure` [Pa] and `strain` [-], which broadcast: positive where a muscle holds a load
         by itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
         """
-        return self._evaluate_at(PressurizedMuscle.stiffness, pressure, strain)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).stiffness(eps)
 
     def at(self, pressure: Values) -> AtPressure:
         """The muscle at a `pressure` [Pa], 0 to 1 MPa: free strain, onset and collapse strain [-],
         which are solved for once, and methods of strain.
         """
-        pressure = validate_pressure(pressure, self.tuning)
-        state = evaluate(_at_pressure, self, pressure, static=(Piecewise.at,))
-        return AtPressure(pressure, state)
+        P = validate_pressure(self, pressure)
+        return AtPressure(P, self.law.at(P))
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law(Piecewise.free_strain, pressure)
+        return self.law.free_strain(validate_pressure(self, pressure))
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force $F(P, 0)$ [N] at rest length and `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law(Piecewise.blocked_force, pressure)
+        return self.law.blocked_force(validate_pressure(self, pressure))
 
     def collapse_strain(self, pressure: Values) -> Batch:
         """Collapse strain $\\varepsilon_c$ [-] at `pressure` [Pa]; inf where it never collapses."""
-        return self._evaluate_law(Piecewise.collapse_strain, pressure)
+        return self.law.collapse_strain(validate_pressure(self, pressure))
 
     def collapse_moment(self, pressure: Values) -> Batch:
         """Collapse moment $M_{collapse}$ [N·m], tuned, at `pressure` [Pa], 0 to 1 MPa."""
-        return self._evaluate_law(Piecewise.collapse_moment, pressure)
+        return self.law.collapse_moment(validate_pressure(self, pressure))
 
     def volume(self, strain: Values) -> Batch:
         """Volume $\\pi r^2 L - V_b$ [m³] of the fluid [R17] at `strain` [-]; its ends unloaded."""
-        return self._evaluate(_volume, validate_strain(strain, self.law))
+        eps = validate_strain(strain, self.law)
+        volume, s = self.braid.volume, self.ends.strain_ratio(self.length)
+        swept = (volume(s * eps) - volume(0.0)) / s
+        return volume(0.0) + swept - self.bladder.volume
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
         """Volume $V^*$ [m³] that conserves energy with the force, (V2), at `pressure` [Pa] and
@@ -315,9 +319,7 @@ class Muscle(Module):
         Up to the free strain it is `volume`; past it, less, since the muscle bows. With any other
         volume a cycle makes energy. It jumps where the force does, as `elastica`'s.
         """
-        arrays = validate_point(self, pressure, strain)
-        check_broadcast(*arrays, batch=batch_shape(self))
-        return conjugate_volume(self.law, *arrays)
+        return conjugate_volume(self.law, *validate_point(self, pressure, strain))
 
     def table(
         self,
@@ -351,61 +353,43 @@ class Muscle(Module):
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius $r$ [m] of the straight muscle at `strain` [-]."""
-        return self._evaluate(_radius, validate_strain(strain, self.law))
+        eps = validate_strain(strain, self.law)
+        return self.braid.radius_at(self.ends.strain_ratio(self.length) * eps)
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """Deflection of the axis in the middle $y_{max}$ [m] at `pressure` [Pa] and `strain` [-];
         after collapse the hinged shape's, with a jump there.
         """
-        return self._evaluate_at(PressurizedMuscle.deflection, pressure, strain)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).deflection(eps)
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment $M_b$ [N·m] in the bladder at `pressure` [Pa] and `strain` [-];
         after collapse the hinge's.
         """
-        return self._evaluate_at(PressurizedMuscle.moment, pressure, strain)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).moment(eps)
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline [m] of at least 3 `points` at `pressure` [Pa] and `strain` [-]."""
         count = check_whole_number(points, "points", 3)
-        return self._evaluate_at(PressurizedMuscle.shape, pressure, strain, count)
-
-    def _evaluate_law(self, method: Callable, pressure: Values) -> Batch:
-        pressure = validate_pressure(pressure, self.tuning)
-        return self._evaluate(_at_pressure, pressure, static=(method,))
-
-    def _evaluate_at(self, method: Callable, pressure: Values, strain: Values, *static: Any) -> Any:
-        arrays = validate_point(self, pressure, strain)
-        return self._evaluate(_at_point, *arrays, static=(method, *static))
-
-    def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
-        if not self.is_single or max(map(np.ndim, arrays)):
-            check_broadcast(*arrays, batch=() if self.is_single else batch_shape(self))
-        return evaluate(law, self, *arrays, static=static)
+        P, eps = validate_point(self, pressure, strain)
+        return self.law.at(P).shape(eps, count)
 
     @cached_property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Shape of rows of muscles; `()` of one muscle."""
+        tables = [self.tuning.pressures, self.tuning.c1, self.tuning.c2]
+        bare = with_fields(self.tuning, pressures=None, c1=None, c2=None)
+        numbers = tree_leaves(with_fields(self, tuning=bare))
+        # a table's last axis is one of rows even in a single muscle
+        shapes = [*map(np.shape, numbers), *(np.shape(table)[:-1] for table in tables)]
+        return np.broadcast_shapes(*shapes) if any(shapes) else ()
+
+    @property
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
-        others, tables = _split_leaves(self)
-        return not any(map(np.ndim, others)) and tables[0].ndim == 1
-
-
-def batch_shape(muscle: Muscle) -> tuple[int, ...]:
-    """Shape of rows of muscles; `()` of one muscle, and where a law has arrays of other shapes."""
-    others, tables = _split_leaves(muscle)
-    try:
-        return np.broadcast_shapes(*map(np.shape, others), *(np.shape(x)[:-1] for x in tables))
-    except ValueError:
-        return ()
-
-
-def _split_leaves(muscle: Muscle) -> tuple[list[Any], list[Any]]:
-    """Numbers of a `muscle` [SI], and the columns of its tuning's table, which are arrays even of a
-    single muscle.
-    """
-    tuning = muscle.tuning
-    bare = with_fields(muscle, tuning=with_fields(tuning, pressures=None, c1=None, c2=None))
-    return tree_leaves(bare), [tuning.pressures, tuning.c1, tuning.c2]
+        return self.batch_shape == ()
 
 
 def map_numbers(number: Callable, table: Callable, *muscles: Muscle) -> Muscle:
@@ -417,36 +401,3 @@ def map_numbers(number: Callable, table: Callable, *muscles: Muscle) -> Muscle:
     mapped = tree_map(number, *bare)
     columns = {name: table(*(getattr(m.tuning, name) for m in muscles)) for name in none}
     return with_fields(mapped, tuning=with_fields(mapped.tuning, **columns))
-
-
-# what `evaluate` runs: functions of the module, by whose identity JAX finds a compiled one
-
-
-def _at_point(
-    muscle: Muscle, pressure: Batch, strain: Batch, method: Callable, *static: Any
-) -> Any:
-    """A `method` of the muscle at a `pressure` [Pa], at `strain` [-]."""
-    return method(muscle.law.at(pressure), strain, *static)
-
-
-def _at_pressure(muscle: Muscle, pressure: Batch, method: Callable) -> Any:
-    """A `method` of the muscle's law at `pressure` [Pa]."""
-    return method(muscle.law, pressure)
-
-
-def _at_strain(muscle: AtPressure, strain: Batch, method: Callable, *static: Any) -> Any:
-    """A `method` of a muscle at its pressure, at `strain` [-]."""
-    return method(muscle.state, strain, *static)
-
-
-def _volume(muscle: Muscle, strain: Batch) -> Batch:
-    """Volume of the fluid [m³] at `strain` [-]: the braid's less the bladder's."""
-    volume, bladder = muscle.braid.volume, muscle.bladder.volume
-    if muscle.ends.is_compliant:
-        s, V0 = muscle.ends.strain_ratio(muscle.length), volume(0.0)
-        return V0 + (volume(s * strain) - V0) / s - bladder
-    return volume(strain) - bladder
-
-
-def _radius(muscle: Muscle, strain: Batch) -> Batch:
-    return muscle.braid.radius_at(muscle.ends.strain_ratio(muscle.length) * strain)

@@ -39,6 +39,7 @@ from .tension import Pull
 from .tuning import TunedTension
 
 
+_untaken = np.errstate(all="ignore")  # of branches that aren't taken
 TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3  # as results and files count them
 REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
@@ -98,6 +99,7 @@ class Piecewise(Module):
         moment = self.collapse.moment(self.tension.bladder, self.youngs_modulus, pressure)
         return self.tension.tuning.collapse_moment_factor * moment
 
+    @_untaken
     def free_strain(self, pressure: Batch) -> Batch:
         """Strain [-] of no force at `pressure` [Pa]."""
         return self.tension.free_strain(pressure)
@@ -111,6 +113,7 @@ class Piecewise(Module):
         """Strain [-] at which the bladder collapses at `pressure` [Pa]; inf where it never does."""
         return self.at(pressure).collapse_strain
 
+    @_untaken
     def at(self, pressure: Batch, free_strain: Batch | None = None) -> "PressurizedMuscle":
         """Laws at `pressure` [Pa]; the `free_strain` [-] is computed if it is left out."""
         E, bladder = self.youngs_modulus, self.tension.bladder
@@ -160,6 +163,7 @@ class PressurizedMuscle(NamedTuple):
         """Free strain, onset of buckling and collapse strain [-], on a new first axis."""
         return stack([self.column.free_strain, self.onset, self.collapse_strain])
 
+    @_untaken
     def force(self, strain: Batch) -> tuple[Batch, Batch]:
         """Force [N] and its slope in strain [N], at `strain` [-]."""
         (mesh, bladder, bending), slope, _ = self._forces(strain)
@@ -173,6 +177,7 @@ class PressurizedMuscle(NamedTuple):
         """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]."""
         return -self.force(strain)[1] / self.column.rest_length
 
+    @_untaken
     def response(self, strain: Batch) -> Response:
         """Force, its components [N] and the region at `strain` [-], (26) and (27)."""
         (mesh, bladder, bending), _, (in_tension, collapsed, straight) = self._forces(strain)
@@ -182,6 +187,7 @@ class PressurizedMuscle(NamedTuple):
         several = xp.logical_and(self.law.buckling.several(self.column, strain), buckled)
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
+    @_untaken
     def deflection(self, strain: Batch) -> Batch:
         """Deflection of the axis [m] at `strain` [-]."""
         in_tension, collapsed, buckled_strain = self._regions(strain)
@@ -190,12 +196,14 @@ class PressurizedMuscle(NamedTuple):
         hinged = self.law.post_collapse.deflection(self.column, hinge_strain)
         return where(in_tension, 0.0, where(collapsed, hinged, bowed))
 
+    @_untaken
     def moment(self, strain: Batch) -> Batch:
         """Bending moment [N·m] at `strain` [-]: zero in tension, the hinge's after collapse."""
         in_tension, collapsed, buckled_strain = self._regions(strain)
         _, moment = self.law.buckling.bow(self.column, buckled_strain)
         return where(in_tension, 0.0, where(collapsed, self.hinge_moment, moment))
 
+    @_untaken
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
         strain = strain + 0.0 * self.column.free_strain

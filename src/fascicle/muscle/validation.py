@@ -11,7 +11,6 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
 from ..core.validation import (
-    FAINT_PRESSURE,
     HIGHEST_PRESSURE,
     LARGEST_STRAIN,
     NEUTRAL_ANGLE,
@@ -84,18 +83,11 @@ def check_active_length(ends: AbstractEnds, length: Batch) -> None:
 
 
 def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-    """Return `pressure` [Pa] and `strain` [-] of a muscle, if they are in its domain."""
-    # of two floats at once: the full check, which names an array's worst value, takes longer than
-    # the law
-    if isinstance(pressure, float) and isinstance(strain, float):
-        table = muscle.tuning.pressures
-        measured = table.size < 2 or (is_concrete(table) and pressure <= np.asarray(table)[-1])
-        plausible = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
-        # the end of extensions depends on the braid
-        if measured and plausible and 0.0 <= strain <= LARGEST_STRAIN:
-            return np.float64(pressure), np.float64(strain)
-    pressure = validate_pressure(pressure, muscle.tuning)
-    return pressure, validate_strain(strain, muscle.law)
+    """`pressure` [Pa] and `strain` [-] as floats, if in a muscle's domain and broadcasting."""
+    P = validate_pressure(muscle, pressure)
+    eps = validate_strain(strain, muscle.law)
+    check_broadcast(P, eps, batch=muscle.batch_shape)
+    return P, eps
 
 
 def check_broadcast(*arrays: Batch, batch: tuple[int, ...] = ()) -> None:
@@ -107,10 +99,10 @@ def check_broadcast(*arrays: Batch, batch: tuple[int, ...] = ()) -> None:
     broadcast_shape(**shapes)
 
 
-def validate_pressure(value: Values, tuning: Tuning) -> Batch:
-    """Return a gauge pressure [Pa] of the domain; warn of one above the range of the `tuning`."""
+def validate_pressure(muscle: Any, value: Values) -> Batch:
+    """Return a gauge pressure [Pa] of the domain; warn of one above the range of the tuning."""
     pressure = check_gauge_pressure(value)
-    tuning.warn_extrapolation(pressure)
+    muscle.tuning.warn_extrapolation(pressure)
     return pressure
 
 
