@@ -31,42 +31,39 @@ its largest moment is
 
 $$\hat m = \frac{M_b L_{fs}}{4 \pi EI} = \sqrt{\xi u}\, (1 - \xi)^{-3/2}. \tag{16b}$$
 
-It rises with $\xi$ to one peak, at a $\xi$ that depends on $c$ alone, and falls to zero where
-the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for
-$\tau = \xi/\kappa$ with $\kappa = \hat m/\sqrt c$, the compression of a small moment,
+It rises with $\xi$ to one peak and falls to zero where the ends meet. Given $\hat m$, (16b) says
+$u$, and (16a) the slenderness at which this moment is reached at $\xi$,
+
+$$c(\xi) = \frac{(1 + \xi) \hat m^2 \sqrt{1 - g/(2 - \xi)}}{\xi g (1 - \xi) (1 - g)}, \qquad
+  g = w \xi = \xi - \hat m^2 (1 - \xi)^3. \tag{16c}$$
+
+A more slender column reaches it, first at a smaller $\xi$, a stubbier one than the least $c(\xi)$
+never does. Of a small moment $g$ and $\xi$ are nearly equal, and the compression
+$\kappa = \hat m/\sqrt c$: with $\tau = \xi/\kappa$,
 
 $$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g)
   = (1 + \xi) \sqrt{1 - \kappa \hat g/(2 - \xi)}, \qquad
-  \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
+  \hat g = \frac{g}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16d}$$
 
-in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another.
+is (16c) in a variable that tends to 1 as the moment vanishes, and loses no digit there.
 
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$.
 **Assumes** the first mode's shape, small slopes; against the exact elastica (12) is 1.4
 times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2,
-(8)-(16); (16a) to (16c) rearranged here.
+(8)-(16); (16a) to (16d) rearranged here.
 """
 
 from typing import ClassVar
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebval
 
-from ...core.array_namespace import array_namespace, sqrt, where
-from ...core.roots import root, stop_gradient
+from ...core.array_namespace import maximum, sqrt, where
+from ...core.roots import find_root, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from . import BRAID_SHARE, SHEAR, AbstractBuckling, BucklingColumn, Push
 
 
-_LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
 _TINY_MOMENT = 1e-100  # instead of none: the ratio of compression to moment stays finite
-# Chebyshev series of the peak's compression in 1/(1 + c^(1/4)), fitted to a search on ever finer
-# grids: right to 6e-6, and so the peak's height to 1e-8 of itself (a test checks it)
-_PEAK_SERIES = (
-    0.64266812, -0.21418739, 0.08224031, -0.00212971, -0.01147222, 0.00214270, 0.00213243,
-    -0.00074331, -0.00045913, 0.00024879, 0.00010188, -0.00008287, -0.00002187, 0.00002835,
-    0.00000410, -0.00001198,
-)  # fmt: skip
 
 
 class Kim2021(AbstractBuckling):
@@ -88,20 +85,20 @@ class Kim2021(AbstractBuckling):
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""
         eps_f, EA = column.free_strain, column.axial_stiffness
         xi = (strain - eps_f) / (1 - eps_f)  # x/L_fs
-        v = bow_ratio(_slenderness(column), xi)  # (16a)
-        shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
-        arc = eps_f + shortening * (1 - eps_f)
+        v = bow_ratio(_slenderness(column), xi)
+        s, s_slope = xi * (1 - xi * v), shortening_slope(xi, v)  # 2l/L_fs = ξ w
+        arc = eps_f + s * (1 - eps_f)
         pull = column.pull(arc)
-        bending = -EA * shortening * (1 - xi) / (1 - shortening)  # -F'_b of (16)
-        growth = shortening_slope(xi, v)
-        stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
+        cos, cos_slope = (1 - xi) / (1 - s), (s_slope * (1 - xi) / (1 - s) - 1) / (1 - s)  # (14)
+        F_b = EA * s * cos  # 2 k2 l cos θ's, (16)
+        F_b_slope = EA * (s_slope * cos + s * cos_slope) / (1 - eps_f)
         return Push(
             mesh=pull.mesh,
-            bladder=column.branch + 0.0 * shortening,
-            bending=bending,
-            slope=pull.mesh_slope * growth - EA * stiffening / (1 - eps_f),
+            bladder=column.branch + 0.0 * s,
+            bending=-F_b,
+            slope=pull.mesh_slope * s_slope - F_b_slope,
             arc_strain=arc,
-            straight=shortening < -np.inf,  # never
+            straight=s < -np.inf,  # never
         )
 
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -167,21 +164,39 @@ def shortening_slope(xi: BatchLike, v: BatchLike) -> Batch:
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
     """First compression [-] of a reduced moment `target` [-] at slenderness `c` [-], if any."""
     fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
-    xp = array_namespace(c, target)
-    root_c = sqrt(fixed_c)
-    peak = _peak_compression(fixed_c)
-    # at the peak's compression (16c) says whether the moment there is larger than the target
-    scale = xp.maximum(fixed_target, _TINY_MOMENT) / root_c
-    exists = _residual_of_tau((fixed_c, scale), peak / scale)[0] <= 0
+    peak, least = _peak(fixed_target)
+    exists = least <= fixed_c
     m = where(exists, target, 0.0)
     kappa = m / sqrt(c)
-    fixed_m = xp.maximum(stop_gradient(m), _TINY_MOMENT)
-    high = peak * root_c / fixed_m
+    fixed_m = maximum(where(exists, fixed_target, 0.0), _TINY_MOMENT)
+    high = peak * sqrt(fixed_c) / fixed_m
     return kappa * root(_residual_of_tau, (c, kappa), 1.0, high, 1.0 + 0.0 * high), exists
 
 
+def _peak(target: BatchLike) -> tuple[Batch, Batch]:
+    """Compression [-] at which the slenderness (16c) of a moment `target` [-] is least, and it."""
+    m2 = target**2
+    xi = find_root(_peak_residual, m2, 0.0, 1.0, 0.5 + 0.0 * m2)
+    g = xi - m2 * (1 - xi) ** 3
+    return xi, (1 + xi) * m2 * sqrt(1 - g / (2 - xi)) / (xi * g * (1 - xi) * (1 - g))
+
+
+def _peak_residual(m2: Batch, xi: Batch) -> tuple[Batch, Batch]:
+    """Fall of ln c, (16c), with $\\xi$, times g, which is regular where g vanishes; its slope."""
+    g, g_slope, g_bend = xi - m2 * (1 - xi) ** 3, 1 + 3 * m2 * (1 - xi) ** 2, -6 * m2 * (1 - xi)
+    exists = g > 0  # below, no slenderness gives the moment
+    g = where(exists, g, 0.5)
+    a, b, g_1 = 2 - xi - g, 2 - xi, g_slope / (1 - g)
+    rise = 0.5 / b - 0.5 * (1 + g_slope) / a + 1 / (1 + xi) - 1 / xi + 1 / (1 - xi) + g_1
+    rise_slope = 0.5 / b**2 - 0.5 * g_bend / a - 0.5 * ((1 + g_slope) / a) ** 2
+    rise_slope = rise_slope - 1 / (1 + xi) ** 2 + 1 / xi**2 + 1 / (1 - xi) ** 2
+    rise_slope = rise_slope + g_bend / (1 - g) + g_1**2
+    value, slope = g_slope - g * rise, g_bend - g_slope * rise - g * rise_slope
+    return where(exists, value, 1.0), where(exists, slope, 0.0)
+
+
 def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """Right side of (16c) less its left at $\\tau$ [-], and its slope."""
+    """Right side of (16d) less its left at $\\tau$ [-], and its slope."""
     c, kappa = theta
     xi = kappa * tau
     g_hat, g_slope = tau - c * kappa * (1 - xi) ** 3, 1 + 3 * c * kappa**2 * (1 - xi) ** 2
@@ -192,18 +207,3 @@ def _residual_of_tau(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
     left_slope = left_slope - kappa * tau * g_hat * (1 - g + (1 - xi) * g_slope)
     h_slope = -kappa * (g_slope + g / (2 - xi)) / (2 * h * (2 - xi))
     return right - left, kappa * h + (1 + xi) * h_slope - left_slope
-
-
-def _peak_coordinate(c: BatchLike) -> Batch:
-    """Variable $1/(1 + c^{1/4})$ [-] of `_PEAK_SERIES` at slenderness `c` [-]."""
-    return 1 / (1 + sqrt(sqrt(c)))
-
-
-_LOW, _HIGH = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
-
-
-def _peak_compression(c: BatchLike) -> Batch:
-    """Compression $\\xi$ [-] of the largest moment at slenderness `c` [-]."""
-    xp = array_namespace(c)
-    z = _peak_coordinate(xp.minimum(xp.maximum(c, _LEAST), _MOST))
-    return chebval((2 * z - _LOW - _HIGH) / (_HIGH - _LOW), _PEAK_SERIES)
