@@ -17,8 +17,8 @@ from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
 from ..core.validation import RANGES, check_choice, check_finite, check_positive
 from ..muscle import Muscle
-from ..muscle.fitted_length import END_PARAMETERS, FittedLength
 from ..muscle.tuning import Tuning
+from ..muscle.validation import END_PARAMETERS, FittedLength
 from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
 from .data import FitData, Grid, pulling_only, select_fit_data

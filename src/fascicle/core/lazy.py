@@ -7,7 +7,7 @@ names is, and imports nothing for it.
 import importlib
 import sys
 from collections.abc import Callable, Mapping
-from types import MethodType, ModuleType
+from types import ModuleType
 from typing import Any
 
 
@@ -29,23 +29,6 @@ def attach_lazy(
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return get_attribute, lambda: sorted({*vars(sys.modules[package]), *homes})
-
-
-def import_late(name: str) -> Any:
-    """Import an object of a higher layer, such as "plot.curves.force_strain", when it is needed."""
-    module, _, attribute = name.rpartition(".")
-    return getattr(_import(f".{module}", "fascicle"), attribute)
-
-
-class late_method:  # noqa: N801 as `property`
-    """Method that is a function of a higher layer by its `name`, imported when it is needed."""
-
-    def __init__(self, name: str):
-        self.name = name
-
-    def __get__(self, instance: object, owner: type | None = None) -> Callable[..., Any]:
-        function = import_late(self.name)
-        return function if instance is None else MethodType(function, instance)
 
 
 def _import(name: str, package: str) -> ModuleType:

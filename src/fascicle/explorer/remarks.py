@@ -6,9 +6,9 @@ import numpy as np
 
 from ..bundle.pressurized import muscle_strain
 from ..muscle import Muscle
-from ..muscle.fitted_length import fitted_length_mismatch
 from ..muscle.validation import (
     extension_message,
+    fitted_length_mismatch,
     lowest_strain,
     proportions_message,
     published_range_message,

@@ -20,8 +20,8 @@ from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..calibrate.readings import static_force
 from ..core.module import tree_leaves, tree_replace, with_fields
 from ..muscle import Muscle
-from ..muscle.fitted_length import END_PARAMETERS
 from ..muscle.laws import LAWS
+from ..muscle.validation import END_PARAMETERS
 from ..units import DIMENSIONS, exact, parse, pretty
 from .muscle_files import calibration_text, dumps, load_muscle, provenance
 

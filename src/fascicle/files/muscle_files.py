@@ -15,11 +15,12 @@ from ..core.module import with_fields
 from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
 from ..io.input_file import parse_toml, read_bytes
-from ..muscle import Muscle, fitted_length
+from ..muscle import Muscle
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
+from ..muscle.validation import fit_info_entries
 from ..table_model import TableModel, did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
 from .schema import (
@@ -155,7 +156,7 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     text = tomlkit.dumps({"format": 1} | data)
     if calibration is None:
         # a bundle of equal fitted muscles has their fitted length
-        entries = [fitted_length.fit_info_entries(muscle) for muscle in muscles]
+        entries = [fit_info_entries(muscle) for muscle in muscles]
         equal = all(muscle == muscles[0] for muscle in muscles) and entries[1:] == entries[:-1]
         calibration = (entries[0] if equal else None) or None
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"

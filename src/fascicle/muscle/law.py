@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
-from types import MappingProxyType, ModuleType
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import attrs
@@ -60,41 +60,61 @@ Law = TypeVar("Law", bound=AbstractLaw)
 class LawRegistry(Mapping[str, type[Law]]):
     """Laws of one kind by name: the default law, then the others in alphabetical order.
 
-    A law's module is imported at its first use: the module of its name, else all of the folder,
-    else the entry point of its name. Listing imports all of them, and warns of those that fail.
+    Modules of the kind's folder are imported at the first use of a law, other packages when their
+    law is asked for by name. Listing imports all, and warns of packages that fail.
     """
 
     def __init__(self, kind: type[Law], default: str) -> None:
         """Laws of the package of a `kind`, their base class; `default`: name of a new muscle's."""
         self._kind, self._default, self._package = kind, default, kind.__module__
-        self._laws: dict[str, type[Law]] = {}
-        self._installed: dict[str, type[Law]] = {}  # of other packages
-        self._add(sys.modules[self._package])
-        self._listed = False
-
-    def __getitem__(self, name: str) -> type[Law]:
-        if name not in self._laws and name in self._modules():
-            self._add(importlib.import_module(f"{self._package}.{name}"))
-        laws = self._laws if name in self._laws else self.shipped
-        if name in laws:
-            return laws[name]
-        if name not in self._installed and (law := self._load_installed(name)) is not None:
-            self._installed[name] = law
-        return self._installed[name]
-
-    def __iter__(self) -> Iterator[str]:
-        self._load_all_installed()
-        return iter(self._in_order({*self.shipped, *self._installed}))
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
+        self._argument = self._package.rpartition(".")[2]  # the folder has the kind's name
 
     @cached_property
     def shipped(self) -> Mapping[str, type[Law]]:
         """Laws of fascicle itself, in the same order: no other package is imported."""
-        for name in self._modules():
-            self._add(importlib.import_module(f"{self._package}.{name}"))
-        return MappingProxyType({name: self._laws[name] for name in self._in_order(self._laws)})
+        package, laws = sys.modules[self._package], {}
+        files = pkgutil.iter_modules(package.__path__, f"{self._package}.")
+        for module in (package, *(importlib.import_module(file.name) for file in files)):
+            for law in vars(module).values():
+                if not (isinstance(law, type) and issubclass(law, self._kind)):
+                    continue
+                if law.__module__ != module.__name__ or not hasattr(law, "name"):
+                    continue
+                if laws.setdefault(law.name, law) is not law:
+                    rule = f"names two laws of {self._package}"
+                    raise InvalidInputError(law.name, rule, None, "rename one of them")
+        return MappingProxyType({name: laws[name] for name in self._in_order(laws)})
+
+    @cached_property
+    def _installed(self) -> Mapping[str, type[Law]]:
+        """Laws of this kind of other packages; a warning for each that can't be used."""
+        laws = {}
+        for name in dict.fromkeys(point.name for point in _entry_points()):
+            try:
+                law = self._load_installed(name)
+                if law is not None and name in self.shipped:
+                    package = _package_of(_entry_points(name=name)[0])
+                    rule = f"{name!r} of the package {package} is a law of fascicle"
+                    raise InvalidInputError(self._argument, rule, None, "rename it")
+            except InvalidInputError as error:
+                warnings.warn(f"law left out: {error}", stacklevel=4)
+                continue
+            if law is not None:
+                laws[name] = law
+        return laws
+
+    def __getitem__(self, name: str) -> type[Law]:
+        if name in self.shipped:
+            return self.shipped[name]
+        if (law := self._load_installed(name)) is None:
+            raise KeyError(name)
+        return law
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._in_order({*self.shipped, *self._installed}))
+
+    def __len__(self) -> int:
+        return len({*self.shipped, *self._installed})
 
     @property
     def default(self) -> type[Law]:
@@ -106,8 +126,7 @@ class LawRegistry(Mapping[str, type[Law]]):
 
         def get_class(class_name: str) -> type[Law]:
             if not class_name.startswith("_"):
-                # laws that are loaded first: others need their modules
-                for law in [*self._laws.values(), *self.shipped.values()]:
+                for law in self.shipped.values():
                     if law.__name__ == class_name:
                         return law
             raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
@@ -132,41 +151,19 @@ class LawRegistry(Mapping[str, type[Law]]):
     def _in_order(self, names: Iterable[str]) -> list[str]:
         return sorted(names, key=lambda name: (name != self._default, name))
 
-    def _modules(self) -> list[str]:
-        """Names of the modules in the registry's package, sorted."""
-        path = sys.modules[self._package].__path__
-        return sorted(module.name for module in pkgutil.iter_modules(path))
-
     def _load_installed(self, name: str) -> type[Law] | None:
-        """Law of another package, refused if two have it; `None` if none has one of this kind."""
+        """Law of another package; `None` if none has one of this kind; `InvalidInputError` if two
+        have it, and if an entry point names something else.
+        """
         points = _entry_points(name=name)
+        if not points:
+            return None
+        point, remedy = points[0], "repair or uninstall it"
         if len({point.value for point in points}) > 1:
             packages = " and ".join(map(_package_of, points))
             rule = f"{name!r} is a law of two packages"
             raise InvalidInputError(self._argument, rule, None, f"uninstall {packages}, or one")
-        return self._class_of(points[0]) if points else None
-
-    def _load_all_installed(self) -> None:
-        if self._listed:
-            return
-        self._listed = True
-        for name in dict.fromkeys(point.name for point in _entry_points()):
-            try:
-                law = self._load_installed(name)
-                if law is not None and name in self.shipped:
-                    package = _package_of(_entry_points(name=name)[0])
-                    rule = f"{name!r} of the package {package} is a law of fascicle"
-                    raise InvalidInputError(self._argument, rule, None, "rename it")
-            except InvalidInputError as error:
-                warnings.warn(f"law left out: {error}", stacklevel=4)
-                continue
-            if law is not None:
-                self._installed[name] = law
-
-    def _class_of(self, point: "EntryPoint") -> type[Law] | None:
-        """Class that an entry point names; `None` if it is a law of another kind."""
-        label = f"{point.name!r} of the package {_package_of(point)}"
-        remedy = "repair or uninstall it"
+        label = f"{name!r} of the package {_package_of(point)}"
         try:
             law = point.load()
         except Exception as error:  # another package's module may raise anything
@@ -176,25 +173,10 @@ class LawRegistry(Mapping[str, type[Law]]):
         if not (isinstance(law, type) and issubclass(law, AbstractLaw)):
             rule = f"{label} must be a subclass of an abstract law, such as {self._kind.__name__}"
             raise InvalidInputError(self._argument, rule, None, remedy)
-        if getattr(law, "name", None) != point.name:
+        if getattr(law, "name", None) != name:
             rule = f"{label} must have the name of its entry point"
             raise InvalidInputError(self._argument, rule, getattr(law, "name", None), remedy)
         return law if issubclass(law, self._kind) else None
-
-    @property
-    def _argument(self) -> str:
-        return self._package.rpartition(".")[2]  # the folder has the kind's name
-
-    def _add(self, module: ModuleType) -> None:
-        """Add the final laws that are written in a module."""
-        for law in vars(module).values():
-            if not (isinstance(law, type) and issubclass(law, self._kind) and hasattr(law, "name")):
-                continue
-            if law.__module__ != module.__name__:
-                continue
-            if self._laws.setdefault(law.name, law) is not law:
-                rule = f"names two laws of {self._package}"
-                raise InvalidInputError(law.name, rule, None, "rename one of them")
 
 
 def package_of(law: type[AbstractLaw]) -> str:

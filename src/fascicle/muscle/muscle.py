@@ -43,7 +43,6 @@ from .buckling import BUCKLING_LAWS, AbstractBuckling, Centerline
 from .coenergy import conjugate_volume
 from .collapse import COLLAPSE_LAWS, AbstractCollapse
 from .ends import ENDS_LAWS, AbstractEnds
-from .fitted_length import FittedLength, fitted_length_mismatch
 from .materials import LATEX, AbstractMaterial
 from .piecewise import Piecewise, PressurizedMuscle, Response
 from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
@@ -53,10 +52,12 @@ from .table import MuscleTable, tabulate
 from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
 from .validation import (
+    FittedLength,
     check_broadcast,
     check_muscle,
     choose_material,
     choose_tuning,
+    fitted_length_mismatch,
     validate_braid_angle,
     validate_point,
     validate_pressure,

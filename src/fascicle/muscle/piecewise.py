@@ -35,7 +35,6 @@ from ..repr_table import ReprTable, format_number, title_with_shape, with_table_
 from .buckling import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
 from .collapse import AbstractCollapse
 from .post_collapse import AbstractPostCollapse, hinge_moment
-from .tension import Pull
 from .tuning import TunedTension
 
 
@@ -225,30 +224,29 @@ class PressurizedMuscle(NamedTuple):
         """Components and slope of the force [N], and masks of tension, collapse, straightness."""
         rate, L0 = self.law.rate, self.column.rest_length
         in_tension, collapsed, buckled_strain = self._regions(strain)
-        library = array_namespace(in_tension, collapsed)
-        pull = Pull(0.0, 0.0, 0.0, 0.0)
-        if library is not np or np.any(in_tension):
-            pull = self.column.pull(library.where(in_tension, strain, self.column.free_strain))
+        where = array_namespace(in_tension, collapsed).where
+        pull = self.column.pull(where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)
-        past = strain - library.where(collapsed, self.collapse_strain, 1.0)
-        decay = exp(-rate * library.where(collapsed, past, 0.0))  # 1 before collapse
+        past = strain - where(collapsed, self.collapse_strain, 1.0)
+        decay = exp(-rate * where(collapsed, past, 0.0))  # 1 before collapse
         growth = 1 - decay
         x = (self._hinge_strain(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge_moment, x)
 
-        mesh = library.where(in_tension, pull.mesh, push.mesh * decay)
-        bladder = library.where(in_tension, pull.bladder, push.bladder * decay)
-        hinge = library.where(collapsed, F_c, 0.0) * growth
-        bending = library.where(in_tension, 0.0, push.bending * decay - hinge)
+        mesh = where(in_tension, pull.mesh, push.mesh * decay)[()]
+        bladder = where(in_tension, pull.bladder, push.bladder * decay)[()]
+        hinge = where(collapsed, F_c, 0.0) * growth
+        bending = where(in_tension, 0.0, push.bending * decay - hinge)[()]
         force_at_collapse = push.mesh + push.bladder + push.bending
         slope = -rate * decay * (force_at_collapse + F_c) - growth * F_c_slope * L0
-        slope = library.where(in_tension, pull.slope, library.where(collapsed, slope, push.slope))
+        slope = where(in_tension, pull.slope, where(collapsed, slope, push.slope))[()]
         return (mesh, bladder, bending), slope, (in_tension, collapsed, push.straight)
 
     def _regions(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
         """Masks of tension and collapse, and the buckled state's strain [-], up to collapse."""
         eps_f, eps_c = self.column.free_strain, self.collapse_strain
         in_tension, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
+        where = array_namespace(in_tension, collapsed).where
         return in_tension, collapsed, where(in_tension, eps_f, where(collapsed, eps_c, strain))
 
     def _hinge_strain(self, collapsed: BoolBatch, strain: Batch) -> Batch:

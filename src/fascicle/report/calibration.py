@@ -15,7 +15,7 @@ from ..calibrate.diagnostics import ALPHA
 from ..calibrate.findings import calibration_findings, judge
 from ..calibrate.model_selection import Selection
 from ..files.calibration_files import calibrated_files, laws_of
-from ..muscle.fitted_length import fitted_length_note
+from ..muscle.validation import fitted_length_note
 from ..plot import to_bytes
 from ..records.record import dumps as record_text
 from ..units import pretty

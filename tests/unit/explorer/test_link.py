@@ -10,7 +10,7 @@ import fascicle as fs
 from fascicle.explorer.link import LONGEST, from_query, pack, to_query, unpack
 from fascicle.explorer.state import CHANGED, Session, Unit, view_of
 from fascicle.files import dumps, loads
-from fascicle.muscle.fitted_length import FittedLength
+from fascicle.muscle.validation import FittedLength
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")

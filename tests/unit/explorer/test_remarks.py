@@ -8,7 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle.explorer.remarks import remarks_html, validity_warnings
 from fascicle.explorer.state import TABS, Unit, view_of
-from fascicle.muscle.fitted_length import FittedLength
+from fascicle.muscle.validation import FittedLength
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.muscle.buckling.elliptic import elliptic, jacobi
+from fascicle.muscle.buckling.elastica import elliptic, jacobi
 
 
 @pytest.mark.parametrize("m", [-0.5, -1e-9, 0.0, 1e-12, 0.1, 0.5, 0.8261147659879693, 0.9])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.muscle.fitted_length import FittedLength, fitted_length_mismatch
+from fascicle.muscle.validation import FittedLength, fitted_length_mismatch
 
 
 SIZES = (0.15, 6e-3, 1e-3, np.radians(25))

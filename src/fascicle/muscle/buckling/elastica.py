@@ -49,13 +49,12 @@ from numpy.polynomial import chebyshev
 from numpy.polynomial.polynomial import polyder, polyval
 
 from ...core import array_namespace as xp
-from ...core.array_namespace import expand_nodes, logical_and, node_axis, where
+from ...core.array_namespace import arcsin, expand_nodes, logical_and, node_axis, sin, sqrt, where
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension import Pull
 from . import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, BucklingColumn, Centerline, Push
-from .elliptic import elliptic, jacobi
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
@@ -64,6 +63,7 @@ _ONSET_CELLS = 32  # of the search for the onset: enough to separate loads that 
 _CURVE_CELLS = 24  # of the curve: enough to separate its folds
 _SECANT_STEPS = 4  # to the extremum of strain or load in a cell, which leave an error of 1e-12
 _DEGREE = 16  # of the polynomials: right to 2e-15
+_AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
 
 
 class Elastica(AbstractBuckling):
@@ -355,3 +355,37 @@ def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     curved = logical_and(bent, m > 0)
     k = where(curved, xp.sqrt(guarded(curved, m)), 0.0)
     return k, elliptic(k**2).K
+
+
+class Elliptic(NamedTuple):
+    """Complete elliptic integrals by the arithmetic-geometric mean, and its steps for incomplete
+    ones: Abramowitz and Stegun (1964), 17.6.
+    """
+
+    K: Batch
+    E: Batch
+    means: tuple[Batch, ...]
+    differences: tuple[Batch, ...]
+
+
+def elliptic(m: BatchLike) -> Elliptic:
+    """$K(m)$ and $E(m)$ of parameter $m = k^2$ in [0, 0.9], smooth at $m = 0$."""
+    a, b = 1.0 + 0.0 * m, sqrt(1.0 - m)
+    means, differences, total = [a], [0.0 * m], 0.5 * m
+    for n in range(_AGM_STEPS):
+        a, b, c = (a + b) / 2, sqrt(a * b), (a - b) / 2
+        means.append(a)
+        differences.append(c)
+        total = total + 2**n * c**2
+    K = np.pi / (2 * a)
+    return Elliptic(K, K * (1 - total), tuple(means), tuple(differences))
+
+
+def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
+    r"""Jacobi's amplitude $\varphi = \mathrm{am}(u)$ and the incomplete integral $E(\varphi)$."""
+    phase = 2.0**_AGM_STEPS * integrals.means[-1] * u
+    epsilon = u * integrals.E / integrals.K
+    for a, c in zip(integrals.means[:0:-1], integrals.differences[:0:-1], strict=True):
+        epsilon = epsilon + c * sin(phase)
+        phase = (phase + arcsin(c / a * sin(phase))) / 2
+    return phase, epsilon
