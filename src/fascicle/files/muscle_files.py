@@ -20,7 +20,12 @@ from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
-from ..muscle.validation import END_PARAMETERS, FittedLength, fit_info_entries
+from ..muscle.validation import (
+    END_PARAMETERS,
+    FittedLength,
+    fit_info_entries,
+    fitted_length_mismatch,
+)
 from ..table_model import TableModel, did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
 from .schema import (
@@ -265,7 +270,7 @@ def _with_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) ->
     ends = calibration.get("fitted_ends") is True
     ends = ends or not END_PARAMETERS.isdisjoint(names)
     muscle = with_fields(muscle, fitted_length=FittedLength(length, ends))
-    warn_user(fitted_length.fitted_length_mismatch(muscle))
+    warn_user(fitted_length_mismatch(muscle))
     return muscle
 
 
