@@ -9,6 +9,13 @@ $$\tau = r\,(F_1 - F_2), \qquad
     = -r^2 \left(\frac{\partial F_1}{\partial x_1} + \frac{\partial F_2}{\partial x_2}\right).
   \tag{K9}$$
 
+With shut valves the mass of gas $m \propto (P + p_a) V^*$ stays, which adds to each
+$-\partial F/\partial x$
+
+$$\left(\frac{\partial F}{\partial P}\right)^2
+  \frac{P + p_a}{V^* + (P + p_a)\, \partial V^*/\partial P}, \qquad
+  \frac{\partial V^*}{\partial x} = -\frac{\partial F}{\partial P}. \tag{K10}$$
+
 Along the curve of constant torque the antagonist's pressure follows from the agonist's, on its
 rising branch; of the agonist's pressures that give the stiffness the least is taken.
 
@@ -26,11 +33,19 @@ from scipy.optimize import elementwise
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values, Whole
-from ..core.validation import HIGHEST_PRESSURE, check_finite, check_positive
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    check_choice,
+    check_finite,
+    check_interval,
+    check_positive,
+)
+from ..fluid.fields import ROOM_PRESSURE
 from ..muscle import Muscle
 from .dip import unit_strain
 
 
+_STEP = 100.0  # Pa, of slopes: far above rounding, far below a fold
 _EDGE = 1e-9  # of a curve
 _BEYOND = 1e12  # N·m/rad, stiffer than any joint
 _NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends most at low pressure
@@ -129,6 +144,36 @@ class Joint:
         result = P1, P2, *self._evaluate(P1, P2, theta), status
         return JointPressures(*(np.reshape(row, rows[0].shape)[()] for row in result))
 
+    def stiffness(
+        self, agonist: Values, antagonist: Values, angle: Values, valves: str = "open"
+    ) -> Numbers:
+        """Stiffness at pressures and an angle.
+
+        **Arguments:**
+
+        - `agonist`, `antagonist`: their gauge pressures [Pa].
+        - `angle`: of the joint [rad]; the three broadcast.
+        - `valves`: "open", at constant pressures, or "shut": the gas in the muscles is kept, at the
+          temperature of the room.
+
+        **Returns:** stiffness [N·m/rad].
+
+        **Raises:** `InvalidInputError` for values off the domain.
+        """
+        check_choice(valves, ("open", "shut"), "valves")
+        pressures = (
+            check_interval(P, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+            for name, P in (("agonist", agonist), ("antagonist", antagonist))
+        )
+        *sides, theta = np.broadcast_arrays(*pressures, check_finite(angle, "angle", "rad"))
+        bundles = self.agonist, self.antagonist
+        total = 0.0 * theta
+        for bundle, P, eps in zip(bundles, sides, self._strains(theta), strict=True):
+            total = total + _pull(bundle, P, eps)[1]
+            if valves == "shut":
+                total = total + _gas_stiffness(bundle, P, eps)
+        return self.moment_arm**2 * total
+
     def stiffness_range(self, angle: float, torque: float) -> tuple[float, float]:
         """Least and largest stiffness [N·m/rad] at an `angle` [rad] and a `torque` [N·m]; NaN if
         the torque is out of reach.
@@ -213,3 +258,26 @@ def _pull(bundle: Bundle, pressure: Numbers, strain: Numbers) -> tuple[Numbers, 
             force = force + unit.count * pull
             stiffness = stiffness - unit.count * slope / float(unit.muscle.length)
     return force, stiffness
+
+
+def _gas_stiffness(bundle: Bundle, pressure: Numbers, strain: Numbers) -> Numbers:
+    """Stiffness [N/m] that the gas adds to a bundle at a `pressure` [Pa] and a `strain` [-] where
+    its mass stays, (K10).
+    """
+
+    def volume(P: Numbers) -> Numbers:
+        units = enumerate(bundle.motor_units, start=1)
+        return sum(
+            unit.count * unit.muscle.conjugate_volume(P, unit_strain(bundle, number, strain))
+            for number, unit in units
+        )
+
+    # a shortening does work on the gas: the slope of the volume by it is that of the force by
+    # pressure, with the other sign
+    P = np.maximum(pressure, _STEP)
+    by_pressure = (_pull(bundle, P + _STEP, strain)[0] - _pull(bundle, P - _STEP, strain)[0]) / (
+        2 * _STEP
+    )
+    compliance = (volume(P + _STEP) - volume(P - _STEP)) / (2 * _STEP)
+    absolute = pressure + ROOM_PRESSURE
+    return by_pressure**2 * absolute / (volume(pressure) + absolute * compliance)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.optimize import brentq
 
 import fascicle as fs
 from fascicle.control import JointStatus
@@ -53,6 +54,31 @@ def test_batches_come_back(joint):
     # mirrored demands have mirrored pressures
     other = joint.pressures(-angle, -torque, 120.0)
     assert_allclose(other.agonist, result.antagonist, rtol=1e-6)
+
+
+def test_shut_valves_keep_the_gas(thick, joint):
+    pressures = np.array([134.406e3, 86.442e3])
+    strains = STRAIN + np.array([1, -1]) * ARM * ANGLE / 0.3
+    room = 101325.0
+
+    def torque(turn):
+        """Torque [N·m] after a small turn [rad], at the pressures that keep P V*."""
+        forces = []
+        for sign, P, eps in zip((1, -1), pressures, strains, strict=True):
+            moved = eps + sign * ARM * turn / 0.3
+            content = (P + room) * thick.conjugate_volume(P, eps)
+
+            def excess(p, moved=moved, content=content):
+                return (p + room) * thick.conjugate_volume(p, moved) - content
+
+            forces.append(thick.force(brentq(excess, 0.5 * P, 2 * P, xtol=1e-6), moved))
+        return ARM * (forces[0] - forces[1])
+
+    slope = (torque(1e-3) - torque(-1e-3)) / 2e-3
+    shut = joint.stiffness(*pressures, ANGLE, valves="shut")
+    assert_allclose(shut, -slope, rtol=1e-4)
+    assert_allclose(joint.stiffness(*pressures, ANGLE), 60.0, rtol=1e-4)
+    assert shut > 60.0
 
 
 def test_out_of_reach_is_a_status_and_the_nearest(joint):
