@@ -310,6 +310,8 @@ def init(
         autocompletion=complete_target,
     ),
     task: bool = flag("Task file for `fascicle design`.", "--task"),
+    mass: str | None = option("Mass that a task lifts: 25kg.", metavar="MASS"),
+    stroke: str | None = option("Stroke that a task lifts it by: 40mm.", metavar="LENGTH"),
     scenario: bool = flag("Scenario file for `fascicle simulate`.", "--scenario"),
     fluid: str | None = option(
         "Fluid of a scenario: air or oil; default: air.", metavar="NAME", autocompletion=_fluids
@@ -339,6 +341,8 @@ def init(
     if sleeve is not None and (task or scenario or example is not None):
         raise UserError("--sleeve: makes a muscle: drop --task, --scenario and --from.")
 
+    if (mass is None) != (stroke is None) or (mass is not None and not task):
+        raise UserError("--mass and --stroke: give both, with --task.")
     if task and example is not None:
         raise UserError("--task and --from: a task has no example to copy, drop one.")
     if task and scenario:
@@ -361,10 +365,25 @@ def init(
         text = example_text(example) if example else template(kind)
         if sleeve is not None and tube is not None:
             text = _with_product(text, sleeve, tube)
+        if mass is not None and stroke is not None:
+            text = _with_load(text, mass, stroke)
     write_text("", path, overwrite, text)
     is_scenario = scenario or example in scenarios()
     command = "design" if task else "simulate" if is_scenario else "free-strain"
     print_line(f"wrote {path}: edit it, then run `fascicle {command} {path}`")
+
+
+def _with_load(text: str, mass: str, stroke: str) -> str:
+    """Template of a task with the weight of a `mass`, lifted by a `stroke`, as its load case."""
+    from ..design.summary import STANDARD_GRAVITY
+    from ..units import parse
+
+    weight = parse(mass, "mass", "--mass") * STANDARD_GRAVITY
+    travel = 1e3 * parse(stroke, "length", "--stroke")
+    load = f'force = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
+    lines = text.splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("example = "))
+    return "\n".join([*lines[:first], f'name = "lift"\n{load}', *lines[first + 2 :]]) + "\n"
 
 
 def _write_protractor(path: str, overwrite: bool) -> None:

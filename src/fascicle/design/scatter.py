@@ -9,7 +9,6 @@ muscles, which average out over a bundle, aren't drawn: so the same muscles are 
 unit as in several.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -27,9 +26,7 @@ from .designs import Designs
 from .evaluation import MIXED, evaluate
 from .objectives import (
     Limits,
-    as_minimization,
     check_objectives,
-    non_dominated,
     with_reach_limits,
     within_limits,
 )
@@ -112,22 +109,6 @@ class Spread:
     def quantile(self, fraction: float) -> dict[str, Float[np.ndarray, " design"]]:
         """A quantile of every objective [SI]; `fraction`: of the draws below it [-]."""
         return {name: np.quantile(draws, fraction, axis=1) for name, draws in self.values.items()}
-
-    def front(
-        self, senses: Mapping[str, str], confidence: float = 0.9
-    ) -> Bool[np.ndarray, " design"]:
-        """Mask of the designs that no other dominates in sure values, those that most draws attain.
-
-        **Arguments:**
-
-        - `senses`: "min" or "max" by objective.
-        - `confidence`: share of the draws that do at least as well as a sure value [-].
-
-        **Returns:** the mask.
-        """
-        low, high = self.quantile(1 - confidence), self.quantile(confidence)
-        sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
-        return non_dominated(as_minimization(sure, senses))
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,11 +77,6 @@ class Cases:
         return self.spare / self.task.reference
 
     @property
-    def tightest(self) -> int:
-        """The load case with the least force to spare, counted from 0."""
-        return int(np.argmin(self.spare))
-
-    @property
     def worst(self) -> int:
         """The load case with the least force to spare over what is demanded [-], counted from 0."""
         return int(np.argmin(self.relative))
@@ -178,13 +173,6 @@ class Summary:
         """
         relative = self.cases.relative[self.cases.reached]
         return float(relative.min()) if relative.size else np.nan
-
-    @property
-    def load_factor(self) -> float:
-        """Factor by which all loads could be multiplied together [-]; infinite without a load."""
-        loaded = self.cases.task.force > 0
-        ratio = self.cases.largest[loaded] / self.cases.task.force[loaded]
-        return float(np.min(ratio, initial=np.inf))
 
     @property
     def flow(self) -> float:
