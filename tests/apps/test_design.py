@@ -180,7 +180,8 @@ def test_a_task_is_written_for_a_load(fascicle, refused, tmp_path):
     assert "--mass and --stroke" in refused("init", "--task", "--mass", "25kg")
     assert fascicle("init", "--task", "--mass", "25kg", "--stroke", "40mm")[0] == 0
     task = load_task(tmp_path / "task.toml").task
-    assert task.force == pytest.approx([245.16625], rel=1e-5) and task.stroke == pytest.approx([0.04])
+    assert task.force == pytest.approx([245.16625], rel=1e-5)
+    assert task.stroke == pytest.approx([0.04])
 
 
 @pytest.mark.parametrize(
