@@ -402,7 +402,8 @@ def _try_constants(
         # a constant that went far beyond its weak prior and has no effect there is at its bound
         far = np.abs(point - problem.center) > problem.deviation
         lost = np.diag(minimum.covariance) > (KNOWN * problem.deviation / WEAK) ** 2
-        if not violation[0] and np.any(far & lost):
+        weak = [not p.of_gauge and p.name not in priors for p in problem.parameters]
+        if not violation[0] and np.any(far & lost & weak):
             violation = "bound", float("nan")
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force
