@@ -184,3 +184,32 @@ def test_curves_of_a_fit_with_gauges_have_bands(fitted):
     # curves have other strains than the readings, and neither their times nor their loop
     data = fit_plot(fitted)
     assert np.all(np.isfinite(data.half_width)) and np.all(data.half_width > 0)
+
+
+def turning_bench(seed=0, zero=5.0, pressure_zero=2e3):
+    """Synthetic sweeps both ways, whose friction builds up over 0.8 % of strain after a turn."""
+    rng = np.random.default_rng(seed)
+    one_way = np.linspace(0, 0.2, 120)
+    strain = np.tile(np.append(one_way, one_way[::-1]), 4)
+    P, branch = np.repeat([1e5, 2e5, 3e5, 4e5], 240), np.tile(np.repeat([1, -1], 120), 4)
+    pull = np.asarray(MUSCLE.force(P, strain))
+    since_turn = np.where(branch > 0, strain, 0.2 - strain)
+    friction = branch * (1.5 + 0.04 * pull) * np.clip(2 * since_turn / 0.008 - 1, -1, 1)
+    force = pull - friction + zero + 0.5 * rng.normal(size=P.size)
+    pressure = P + pressure_zero + 600 * rng.normal(size=P.size)
+    time = 0.1 * np.arange(P.size)
+    return Record.of(pressure, strain, force, branch=branch, time=time, rest_length=0.2)
+
+
+def test_zeros_are_found_beside_a_loop_that_builds_up_after_turns():
+    record = turning_bench()
+    data = select_fit_data(record, MUSCLE)
+    # the five readings of each build-up, and twice its distance but for the fit's error
+    near = np.abs(np.diff(record.branch, prepend=-1)) > 0
+    assert data.turning[near].all() and 8 * 5 <= data.turning.sum() <= 8 * 12
+    fitted = fit(record, MUSCLE, ["c10", "c01", "force_zero", "pressure_zero"], whole=False)
+    estimates = {estimate.name: estimate for estimate in fitted.parameters}
+    assert fitted.diagnosis.noise < 0.6
+    for name, truth in (("force_zero", 5.0), ("pressure_zero", 2e3)):
+        assert estimates[name].low < truth < estimates[name].high
+    assert estimates["force_zero"].high - estimates["force_zero"].low < 2.0
