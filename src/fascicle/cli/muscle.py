@@ -250,11 +250,14 @@ def laws(
     from ..muscle.law import package_of
     from ..muscle.laws import LAWS
 
-    named = {name for laws in LAWS.values() for name in laws}
-    explains = kind in named
-    with user_errors():
-        check_choice(kind or "tension", [*LAWS, *sorted(named)], "kind")
-    kinds = list(LAWS) if kind is None or explains else [kind]
+    asked = "" if kind is None or kind in LAWS else kind  # one law, by its name
+    kinds = [name for name in LAWS if kind in (None, name)]
+    laws = [(name, law) for name in kinds for law in LAWS[name].values()]
+    if asked:
+        laws = [(name, by_name[asked]) for name, by_name in LAWS.items() if asked in by_name]
+        with user_errors():
+            names = {name for by_name in LAWS.values() for name in by_name.shipped}
+            check_choice(asked, [*LAWS, *sorted(names | {law.name for _, law in laws})], "kind")
     entries = [
         {
             "kind": name,
@@ -263,16 +266,14 @@ def laws(
             "source": law.source,
             "package": package_of(law),
         }
-        for name in kinds
-        for law in LAWS[name].values()
-        if not explains or law.name == kind
+        for name, law in laws
     ]
     if as_json:
         print(json.dumps(entries))
         return
-    if explains:
-        for entry in entries:
-            _print_law(entry["kind"], LAWS[entry["kind"]][entry["law"]])
+    if asked:
+        for name, law in laws:
+            _print_law(name, law)
         return
     for name in kinds:
         print(f"{name} laws, default: {LAWS[name].default.name}")
