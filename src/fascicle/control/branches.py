@@ -170,9 +170,10 @@ class Branches(Module):
         p = _iterate(step, self._initial_pressure(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
         status = xp.where(
-            ~gains, HELPLESS,
+            ~gains,
+            HELPLESS,
             xp.where(fraction < 0, TOO_LITTLE, xp.where(fraction > 1, TOO_MUCH, REACHED)),
-        )  # fmt: skip
+        )
         return BranchPressures(where(inside, p, ends), status)
 
     def _table_column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:

@@ -169,10 +169,18 @@ class Cascade(Module):
         zero, n = jnp.zeros(()), self.plant.units
         policies = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
         return CascadeMemory(
-            zero, zero, zero, zero, zero,
-            jnp.zeros((n, self.friction.count if self.friction else 0)), zero,
-            jax.tree.map(jnp.asarray, policies), jnp.zeros(n), zero, zero,
-        )  # fmt: skip
+            zero,
+            zero,
+            zero,
+            zero,
+            zero,
+            jnp.zeros((n, self.friction.count if self.friction else 0)),
+            zero,
+            jax.tree.map(jnp.asarray, policies),
+            jnp.zeros(n),
+            zero,
+            zero,
+        )
 
     def __call__(
         self, memory: CascadeMemory, measurement: Measurement, reference: Any
@@ -206,9 +214,12 @@ class Cascade(Module):
             before = jnp.where(started, memory.reference, reference)
             prediction, friction = self._predict_friction(memory, reference, before, measurement)
             force = (
-                -plant.load.force(reference) + prediction
-                + gains.position * error - gains.velocity * measurement.velocity + memory.integral
-            )  # fmt: skip
+                -plant.load.force(reference)
+                + prediction
+                + gains.position * error
+                - gains.velocity * measurement.velocity
+                + memory.integral
+            )
             integral = memory.integral + gains.integral * error * dt
             last = jnp.asarray(reference, float)
         else:
@@ -237,11 +248,15 @@ class Cascade(Module):
             indices, arm = plant.unit_indices(side), plant.load.arms[side][1]
             force_ratio = (1 / (2 * arm)) if joint else 1 / arm
             unit_demand = UnitDemand(
-                demand * force_ratio + (self.co_contraction if joint else 0.0), rate * force_ratio,
-                strains[indices], measurement.pressures[indices],
-                minimum(measurement.supply_pressure, self.highest_pressure), gains.pressure_time,
-                correction, dt,
-            )  # fmt: skip
+                demand * force_ratio + (self.co_contraction if joint else 0.0),
+                rate * force_ratio,
+                strains[indices],
+                measurement.pressures[indices],
+                minimum(measurement.supply_pressure, self.highest_pressure),
+                gains.pressure_time,
+                correction,
+                dt,
+            )
             capability = evaluate_capability(units, unit_demand)
             step = policy(memory.policies[side], units, unit_demand, capability)
             policies.append(step.memory)
@@ -261,9 +276,13 @@ class Cascade(Module):
         return memory._replace(
             integral=without_windup(integral, memory.integral),
             force_integral=without_windup(force_integral, memory.force_integral),
-            disturbance=disturbance, demand=command, rate=rate,
-            friction=friction, reference=last, policies=tuple(policies),
-        ), commands  # fmt: skip
+            disturbance=disturbance,
+            demand=command,
+            rate=rate,
+            friction=friction,
+            reference=last,
+            policies=tuple(policies),
+        ), commands
 
     def _valve_commands(
         self, target: Numbers, measurement: Measurement, strains: Numbers, speed: Numbers
@@ -371,10 +390,17 @@ def cascade(
     period_steps = _whole_steps(period, step, "sample_time")
     dead_time = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
     supply = plant.supply_pressure
-    highest = float(check_interval(
-        supply if highest_pressure is None else highest_pressure, 0.0, supply, "highest_pressure",
-        "Pa", "of the supply", (False, True),
-    ))  # fmt: skip
+    highest = float(
+        check_interval(
+            supply if highest_pressure is None else highest_pressure,
+            0.0,
+            supply,
+            "highest_pressure",
+            "Pa",
+            "of the supply",
+            (False, True),
+        )
+    )
     limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
     units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
     if band is None:
@@ -397,10 +423,19 @@ def cascade(
     gains = Gains(*map(np.float64, gains))
     tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
     controller = Cascade(
-        plant, units, policies, gains, np.float64(highest), np.float64(limit),
-        plant.hysteresis if compensate else None, np.float64(tension), np.float64(dead_time),
-        np.float64(step), of, period_steps,
-    )  # fmt: skip
+        plant,
+        units,
+        policies,
+        gains,
+        np.float64(highest),
+        np.float64(limit),
+        plant.hysteresis if compensate else None,
+        np.float64(tension),
+        np.float64(dead_time),
+        np.float64(step),
+        of,
+        period_steps,
+    )
     if derived:
         pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
         return attrs.evolve(controller, gains=gains._replace(pressure_time=pressure_time))

@@ -205,11 +205,15 @@ def crossing(
     last = transition(bundle, eps, unit, supply)
     F_start, first = hand_over.demand(np.array([start]))
     return Crossing(
-        deadline, start, end,
+        deadline,
+        start,
+        end,
         float(_fill_time(bundle, unit, per_unit[unit - 1], last.onset_pressure, eps)),
-        eps, float(last.dip), float(last.onset_pressure),
+        eps,
+        float(last.dip),
+        float(last.onset_pressure),
         float(first.largest_force[0] - F_start[0]),
-    )  # fmt: skip
+    )
 
 
 def crossings_on_reference(
@@ -287,10 +291,12 @@ class _HandOver:
             # the demand at the step's end, if it takes as long as the one before
             ok, content, gain = self._step(np.minimum(t + duration, last), fraction)
             if before:
-                duration = np.maximum(*(
-                    self.slack * np.maximum(m - m_before, 0.0) / np.maximum(flow, _NO_FLOW)
-                    for (m, flow), (m_before, _) in zip(content, before, strict=True)
-                ))  # fmt: skip
+                duration = np.maximum(
+                    *(
+                        self.slack * np.maximum(m - m_before, 0.0) / np.maximum(flow, _NO_FLOW)
+                        for (m, flow), (m_before, _) in zip(content, before, strict=True)
+                    )
+                )
             t, before = t + duration, content
             # a step near the supply's pressure takes far longer than the one before
             F, state = self.demand(np.minimum(t, last))
@@ -325,11 +331,17 @@ class _HandOver:
         P[:, k - 1] = self.branches.pressure(demand, eps).pressure[:, k - 1]
         V = self.branches.muscles.at(P, eps).volume * n
         # a demand below an empty unit's force is no fault of the hand-over
-        return gains & (spare >= 0), [
-            (np.asarray(self.valves[i].content(P[:, i], V[:, i])),
-             np.asarray(self.valves[i].flow(P[:, i])))
-            for i in (k - 1, k)
-        ], gain  # fmt: skip
+        return (
+            gains & (spare >= 0),
+            [
+                (
+                    np.asarray(self.valves[i].content(P[:, i], V[:, i])),
+                    np.asarray(self.valves[i].flow(P[:, i])),
+                )
+                for i in (k - 1, k)
+            ],
+            gain,
+        )
 
 
 def _fill_time(

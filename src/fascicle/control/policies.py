@@ -39,7 +39,6 @@ band.
 """
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,14 +47,7 @@ from ..core.array_namespace import absolute, array_namespace, maximum, minimum, 
 from ..core.module import Module
 from ..core.types import Batch, Numbers
 from ..core.validation import check_positive
-from .units import (
-    SLACK,
-    ControlledUnits,
-    UnitCapability,
-    UnitDemand,
-    select_unit,
-    share_demand,
-)
+from .units import SLACK, ControlledUnits, UnitCapability, UnitDemand, select_unit, share_demand
 
 
 ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
@@ -210,8 +202,9 @@ class HandOverPolicy(Module):
         way = path.deepest / path.speed
         needed = path.dip + rate * (way + demand.lag)
         begins = path.adds_force & (reserve <= needed) & (reserve >= path.dip)
-        late = path.adds_force & (select_unit(_unit(indices, k - 1), capability.largest)
-                                  < demand.force)  # fmt: skip
+        late = path.adds_force & (
+            select_unit(_unit(indices, k - 1), capability.largest) < demand.force
+        )
         back = self._path(units, demand, capability, parked, k - 1, True)
         released = back.dip + rate * (back.deepest / back.speed + demand.lag) + self.band
         down = (k > 1) & ~walking & (back.reserve > released)
@@ -244,9 +237,14 @@ class HandOverPolicy(Module):
         return PolicyStep(HandOverState(recruited, direction, withheld), target, withheld)
 
     def _path(
-        self, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability,
-        parked: Numbers, k: Batch, falls: Any,
-    ) -> _Path:  # fmt: skip
+        self,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
+        parked: Numbers,
+        k: Batch,
+        falls: Any,
+    ) -> _Path:
         """Path from unit `k`, counted from 1, to the next one; `falls`: true if it is vented."""
         xp = array_namespace(demand.strains, demand.force)
         indices = xp.arange(units.count)
@@ -274,9 +272,8 @@ class HandOverPolicy(Module):
         deepest = minimum(select_unit(next_, capability.dip_pressure) / length, 1.0)
         floor = 1e-3  # 1/s: a path takes a quarter of an hour at most
         return _Path(
-            reserve, dip, ahead, deepest, maximum(speed, floor), maximum(fastest, floor),
-            adds_force,
-        )  # fmt: skip
+            reserve, dip, ahead, deepest, maximum(speed, floor), maximum(fastest, floor), adds_force
+        )
 
 
 def _unit(indices: Numbers, index: Batch) -> Numbers:
@@ -306,9 +303,9 @@ def hand_over(band: Any, tolerance: float = TOLERANCE) -> HandOverPolicy:
 
 
 Policy = SequentialPolicy | BatchPolicy | HandOverPolicy
-POLICIES: Mapping[str, Callable[[Any], Policy]] = MappingProxyType({
+POLICIES: Mapping[str, Callable[[Any], Policy]] = {
     "orderly": orderly,
     "batch": batch,
     "threshold": threshold,
     "hand_over": hand_over,
-})  # fmt: skip
+}

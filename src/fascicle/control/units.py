@@ -177,9 +177,13 @@ class ControlledUnits(Module):
             for component in (plant.chamber, plant.valve, plant.exhaust_valve)
         )
         return cls(
-            bundle.cache[key], plant.counts[indices], chamber, valve, exhaust,
+            bundle.cache[key],
+            plant.counts[indices],
+            chamber,
+            valve,
+            exhaust,
             np.float64(plant.supply.temperature_at(plant.supply.initial_state())),
-        )  # fmt: skip
+        )
 
     @property
     def count(self) -> int:
@@ -267,9 +271,18 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     rise = maximum(full - shortfall - n * units.branches.force(level, eps), 0.0)
     growth = rise / maximum(climb, 1e-9)  # s: without a supply above it a unit takes no time
     return UnitCapability(
-        full, empty, adds_force, onset, n * depth, dip_pressure, largest, time, vent, growth,
+        full,
+        empty,
+        adds_force,
+        onset,
+        n * depth,
+        dip_pressure,
+        largest,
+        time,
+        vent,
+        growth,
         shortfall,
-    )  # fmt: skip
+    )
 
 
 def _climb_time(

@@ -95,8 +95,12 @@ class BundleTables(NamedTuple):
         """
         low, high = self.strains
         lowest, highest = self.pressures
-        return {"low": f"{low:.6f}", "high": f"{high:.6f}", "lowest_pressure": f"{lowest:.0f}",
-                "highest": f"{highest:.0f}"}  # fmt: skip
+        return {
+            "low": f"{low:.6f}",
+            "high": f"{high:.6f}",
+            "lowest_pressure": f"{lowest:.0f}",
+            "highest": f"{highest:.0f}",
+        }
 
     def code(self, name: str) -> tuple[str, str]:
         """Header and source in C; `name`: prefix of all names."""
@@ -260,10 +264,15 @@ def nodes(surface: MuscleTable) -> np.ndarray:
     for a, rows in ((1, slice(1, None)), (0, slice(None, -1))):
         for b, cols in ((1, slice(1, None)), (0, slice(None, -1))):
             u, w = 2 * a, 2 * b
-            tables[rows, cols] = np.stack([
-                corner[..., u, w], corner[..., u, w + 1],
-                corner[..., u + 1, w] / by_P[a], corner[..., u + 1, w + 1] / by_P[a],
-            ], axis=-1)  # fmt: skip
+            tables[rows, cols] = np.stack(
+                [
+                    corner[..., u, w],
+                    corner[..., u, w + 1],
+                    corner[..., u + 1, w] / by_P[a],
+                    corner[..., u + 1, w + 1] / by_P[a],
+                ],
+                axis=-1,
+            )
     return tables
 
 

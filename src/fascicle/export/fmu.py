@@ -41,9 +41,12 @@ _COMPILERS = ("gcc", "cc", "clang")  # the first that is installed builds the bi
 _CROSS_COMPILERS = {"win64": (("x86_64-w64-mingw32-gcc",), "mingw-w64")}
 _DATE = (2020, 1, 1, 0, 0, 0)  # of all files in the archive: equal numbers give equal files
 _UNITS: dict[str, dict[str, str]] = {
-    "Pa": {"kg": "1", "m": "-1", "s": "-2"}, "N": {"kg": "1", "m": "1", "s": "-2"},
-    "m3": {"m": "3"}, "1/s": {"s": "-1"}, "1": {},
-}  # fmt: skip
+    "Pa": {"kg": "1", "m": "-1", "s": "-2"},
+    "N": {"kg": "1", "m": "1", "s": "-2"},
+    "m3": {"m": "3"},
+    "1/s": {"s": "-1"},
+    "1": {},
+}
 
 
 class UnbuiltUnitError(Exception):
@@ -179,15 +182,19 @@ def _supply_pressure(tables: BundleTables) -> float:
 def _description(tables: BundleTables, name: str, guid: str, step: float) -> bytes:
     """The FMU's `modelDescription.xml`."""
     root = ET.Element(
-        "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=name,
+        guid=guid,
         description="Fluidic artificial muscles, force and volume from one table of co-energy",
-        version=__version__, generationTool=f"fascicle {__version__}",
-        variableNamingConvention="flat", numberOfEventIndicators="0",
-    )  # fmt: skip
+        version=__version__,
+        generationTool=f"fascicle {__version__}",
+        variableNamingConvention="flat",
+        numberOfEventIndicators="0",
+    )
     simulation = ET.SubElement(
-        root, "CoSimulation", modelIdentifier=name,
-        canHandleVariableCommunicationStepSize="true",
-    )  # fmt: skip
+        root, "CoSimulation", modelIdentifier=name, canHandleVariableCommunicationStepSize="true"
+    )
     files = ET.SubElement(simulation, "SourceFiles")
     for file in ("fmu.c", f"{name}.c"):
         ET.SubElement(files, "File", name=file)
@@ -202,11 +209,14 @@ def _description(tables: BundleTables, name: str, guid: str, step: float) -> byt
     for index, variable in enumerate(variables(tables), start=1):
         kind = "Real" if variable.unit else "Integer"
         scalar = ET.SubElement(
-            model_variables, "ScalarVariable", name=variable.name,
-            valueReference=str(references[kind]), description=variable.description,
+            model_variables,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(references[kind]),
+            description=variable.description,
             variability="continuous" if variable.unit else "discrete",
             causality="input" if variable.is_input else "output",
-        )  # fmt: skip
+        )
         references[kind] += 1
         number = ET.SubElement(scalar, kind, {"unit": variable.unit} if variable.unit else {})
         if variable.is_input:

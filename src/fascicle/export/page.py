@@ -57,12 +57,16 @@ def page_text(
     bundle = as_bundle(target)
     values = _page_values(bundle, title, pressures)
     data = values.pop("data") | {
-        "theme": {"light": _theme(LIGHT), "dark": _theme(DARK)}, "font": SANS,
-    }  # fmt: skip
+        "theme": {"light": _theme(LIGHT), "dark": _theme(DARK)},
+        "font": SANS,
+    }
     environment = Environment(
-        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+        loader=FileSystemLoader(FOLDER),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
     scripts = [(FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS]
     script = "\n".join(scripts)
     # "<" ends no script in JSON; the scripts are fascicle's own
@@ -156,10 +160,16 @@ def _table_data(table: MuscleTable) -> dict[str, Any]:
         return base64.b64encode(np.asarray(values, "<f8").tobytes()).decode("ascii")
 
     return {
-        "lines": lines, "columns": columns, "rootStep": float(table.root_step),
-        "low": low, "high": high, "length": float(table.rest_length),
-        "nodes": encode(nodes(table)), "kinks": encode(table.kinks), "bows": encode(table.bows),
-    }  # fmt: skip
+        "lines": lines,
+        "columns": columns,
+        "rootStep": float(table.root_step),
+        "low": low,
+        "high": high,
+        "length": float(table.rest_length),
+        "nodes": encode(nodes(table)),
+        "kinks": encode(table.kinks),
+        "bows": encode(table.bows),
+    }
 
 
 def _theme(colors: Any) -> dict[str, Any]:
@@ -167,8 +177,10 @@ def _theme(colors: Any) -> dict[str, Any]:
     from ..plot.theme import VERMILION, mix
 
     return {
-        **{name: getattr(colors, name) for name in
-           ("ink", "soft", "edge", "line", "paper", "bad", "curves")},
+        **{
+            name: getattr(colors, name)
+            for name in ("ink", "soft", "edge", "line", "paper", "bad", "curves")
+        },
         "mark": VERMILION,
         "family": [mix(colors.curves[3], colors.good, i / 7) for i in range(8)],
-    }  # fmt: skip
+    }
