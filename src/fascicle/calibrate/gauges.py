@@ -3,7 +3,7 @@ r"""Errors of a bench's gauges, estimated from readings without pressure, and fa
 A load cell with a zero $F_0$, a scale $s$ and a drift $d$, a transducer with a zero $P_0$ and a
 ruler with a zero $x_0$ read of a muscle that pulls with $F(P, x)$, at the time $t$,
 
-$$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_0. \tag{C15}$$
+$$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_0. \tag{C16}$$
 
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
@@ -53,7 +53,7 @@ _DISPLACEMENT_ZERO = 0.005  # of the length: a ruler held against the fittings
 
 @dataclass(frozen=True)
 class Gauge:
-    """Errors of a bench's gauges, (C15).
+    """Errors of a bench's gauges, (C16).
 
     - `force_zero`: reading of the load cell without a force, at the time `start` [N].
     - `force_gain`: change of its reading over the change of the force [-].
