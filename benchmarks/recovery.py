@@ -26,6 +26,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -93,7 +94,7 @@ def recover(title: str, options: argparse.Namespace) -> list[dict]:
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
     first = machine.record(truth, seed=0)
-    exact = replace(machine, noise=0.0).record(truth, seed=0).force
+    exact = attrs.evolve(machine, noise=0.0).record(truth, seed=0).force
     influence, sigma = None, machine.noise * float(np.abs(exact).max())
     for seed in (seed for seed in range(options.seeds) if seed not in rows):
         force = machine.record(truth, seed).force
