@@ -238,9 +238,11 @@ def recruit(
     """
     if force is None:
         joint = {
-            "--torque": torque, "--stiffness": stiffness, "--angle": angle,
+            "--torque": torque,
+            "--stiffness": stiffness,
+            "--angle": angle,
             "--moment-arm": moment_arm,
-        }  # fmt: skip
+        }
         if missing := [name for name, value in joint.items() if value is None]:
             raise UserError(f"recruit needs --force, or of a joint {', '.join(missing)}, too.")
         outputs = Outputs(as_json, as_csv, out, None, overwrite)

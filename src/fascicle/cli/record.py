@@ -45,8 +45,12 @@ _CRITERIA = (
     " where a reading is clipped; AIC, BIC: by the likelihood of all readings, also of clipped ones"
 )
 _TUNING = "tuning"  # among names to fit: the paper's method
-_SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
-          "braid_angle": "angle"}  # fmt: skip
+_SIZES = {
+    "length": "length",
+    "outer_radius": "length",
+    "wall_thickness": "length",
+    "braid_angle": "angle",
+}
 DATA = argument(
     "DATA",
     "Files of a dynamometer, or patterns such as 'runs/*.csv', all of one muscle: text, .xlsx,"
@@ -403,11 +407,21 @@ def calibrate(
         raise UserError("--notebook: name its folder with --out, or drop --json.")
     stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
     folder = result_folder(out, f"calibrated-{stem or 'record'}", as_json, overwrite)
-    start = read_start(muscle, {
-        "length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
-        "braid_angle": braid_angle, "material": material, "tension": tension,
-        "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
-    })  # fmt: skip
+    start = read_start(
+        muscle,
+        {
+            "length": length,
+            "outer_radius": outer_radius,
+            "wall_thickness": wall_thickness,
+            "braid_angle": braid_angle,
+            "material": material,
+            "tension": tension,
+            "buckling": buckling,
+            "collapse": collapse,
+            "post_collapse": post_collapse,
+            "ends": ends,
+        },
+    )
     measured = read_record(data, settings_of_reading, float(start.length))
     _check(names, loss, posterior)
     settings = {"loss": loss, "starts": starts, "seed": seed}
@@ -431,9 +445,15 @@ def calibrate(
             calibration = fitting.fit(measured, start, free, priors, **settings, whole=False)
         result = _add_analyses(
             CalibrationResult(uncertainty.with_profiles(calibration), choice),
-            measured, start, priors, settings, update, profile=False if folder is None else profile,
-            posterior=posterior, compare=compare,
-        )  # fmt: skip
+            measured,
+            start,
+            priors,
+            settings,
+            update,
+            profile=False if folder is None else profile,
+            posterior=posterior,
+            compare=compare,
+        )
     written: list[str] = []
     if folder is not None:
         with status("drawing the report"):
@@ -638,13 +658,26 @@ def _print_details(result: "CalibrationResult") -> None:
         _print_choice(result.choice)
     if result.comparison is not None:
         rows = [
-            [textwrap.fill(row.label, _LABEL_WIDTH), str(row.free), f"{row.rmse:.4g}",
-             f"{row.left_out_rmse:.4g}", f"{row.clipped_pull:.4g}", f"{row.aic:.1f}",
-             f"{row.bic:.1f}"]
+            [
+                textwrap.fill(row.label, _LABEL_WIDTH),
+                str(row.free),
+                f"{row.rmse:.4g}",
+                f"{row.left_out_rmse:.4g}",
+                f"{row.clipped_pull:.4g}",
+                f"{row.aic:.1f}",
+                f"{row.bic:.1f}",
+            ]
             for row in result.comparison.rows
-        ]  # fmt: skip
-        heads = ["law", "fitted constants", "rms error [N]", "left-out error [N]",
-                 "pull at clipped [N]", "AIC", "BIC"]  # fmt: skip
+        ]
+        heads = [
+            "law",
+            "fitted constants",
+            "rms error [N]",
+            "left-out error [N]",
+            "pull at clipped [N]",
+            "AIC",
+            "BIC",
+        ]
         print_table("Laws compared", heads, rows, _CRITERIA)
     for line in words.search_lines(fit.solutions):
         print_line(f"Search: {line}.")
@@ -668,12 +701,16 @@ def _print_choice(choice: "Selection") -> None:
     titles = {"pulling": "readings that pull", "all": "all readings"}
     for readings, title in titles.items():
         rows = [
-            [textwrap.fill(candidate_label(candidate), _LABEL_WIDTH), str(candidate.constants),
-             percent(candidate.relative_rmse), percent(candidate.relative_left_out_rmse),
-             "selected" if candidate.chosen else ""]
+            [
+                textwrap.fill(candidate_label(candidate), _LABEL_WIDTH),
+                str(candidate.constants),
+                percent(candidate.relative_rmse),
+                percent(candidate.relative_left_out_rmse),
+                "selected" if candidate.chosen else "",
+            ]
             for candidate in choice.candidates
             if candidate.readings == readings
-        ]  # fmt: skip
+        ]
         if rows:
             heads = ["fitted constants", "number", "rms error [%]", "cross-validated error [%]", ""]
             print_table(f"Candidates, fitted to {title}", heads, rows, _SHARE)

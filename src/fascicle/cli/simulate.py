@@ -213,10 +213,13 @@ def _print_balances(balances: Any) -> None:
     for balance in balances:
         smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
         sides = (
-            "\n".join(f"{name} {value:.3g} {balance.unit}" for name, value in terms.items()
-                      if abs(value) > smallest)
+            "\n".join(
+                f"{name} {value:.3g} {balance.unit}"
+                for name, value in terms.items()
+                if abs(value) > smallest
+            )
             for terms in (balance.inputs, balance.outputs)
-        )  # fmt: skip
+        )
         verdict = f"{balance.relative_residual:.0e}\n" + (
             "closes" if balance.closes else "DOES NOT\nCLOSE"
         )

@@ -125,10 +125,14 @@ class Designs:
         n = pad_rows([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
         return cls(
-            {name: muscle}, np.zeros(len(n), int), n, np.full(len(n), float(muscle.length)),
-            float(muscle.outer_radius) * size, float(muscle.wall_thickness) * size,
+            {name: muscle},
+            np.zeros(len(n), int),
+            n,
+            np.full(len(n), float(muscle.length)),
+            float(muscle.outer_radius) * size,
+            float(muscle.wall_thickness) * size,
             float(muscle.braid_angle) * size,
-        )  # fmt: skip
+        )
 
     def __len__(self) -> int:
         return len(self.counts)
@@ -161,9 +165,14 @@ class Designs:
     def take(self, index: np.ndarray | slice, units: int | None = None) -> "Designs":
         """Designs with an `index`, a mask or a slice; their first `units` alone."""
         return Designs(
-            self.drawings, self.kind[index], self.counts[index, :units], self.length[index],
-            self.radius[index, :units], self.wall[index, :units], self.angle[index, :units],
-        )  # fmt: skip
+            self.drawings,
+            self.kind[index],
+            self.counts[index, :units],
+            self.length[index],
+            self.radius[index, :units],
+            self.wall[index, :units],
+            self.angle[index, :units],
+        )
 
     def sizes(self, index: int) -> Sizes:
         """Sizes of the muscles of each unit of the design with an `index`."""

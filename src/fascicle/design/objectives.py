@@ -20,7 +20,7 @@ from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Float, Numbers
 from ..core.validation import check_choice, distinct_texts
-from .outcome import FORCE_TOLERANCE, Outcome
+from .outcome import Outcome
 
 
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
@@ -339,18 +339,6 @@ def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
 def other_limits(limits: Limits) -> dict[str, Limit]:
     """The `limits` [SI] on other objectives than the shares that may be missed."""
     return {name: limit for name, limit in limits.items() if name not in SHARES}
-
-
-def within_miss_limit(
-    spare: Float[np.ndarray, "*any point"], weight: Float[np.ndarray, " point"], may_miss: float
-) -> Any:
-    """True if no larger share of the task is missed than allowed [-], by weight and by points.
-
-    `spare`: force to spare at each point [N], negative where it isn't reached.
-    """
-    missed, limit = spare < -FORCE_TOLERANCE, Limit(most=may_miss)
-    by_weight = np.sum(missed * weight, axis=-1) / np.sum(weight)
-    return limit.holds(missed.mean(axis=-1)) & limit.holds(by_weight)
 
 
 def as_minimization(values: Values, senses: Mapping[str, str]) -> Matrix:

@@ -260,10 +260,19 @@ def outcome(
         bulge = where(units > 1, where(exists, table.bulge, 0.0).max(axis=0), 0.0)
         size = 2 * (packed_radius((table.radius + 0.0 * counts).T, counts.T) + bulge)
     return Outcome(
-        with_axes(demand.force, axes), with_axes(demand.weight, axes),
-        with_axes(demand.work(length), axes), choice.reached, choice.shortfall, choice.spare,
-        demand.supply * choice.fluid, counts * table.blocked, units, size, depth, overlap,
-    )  # fmt: skip
+        with_axes(demand.force, axes),
+        with_axes(demand.weight, axes),
+        with_axes(demand.work(length), axes),
+        choice.reached,
+        choice.shortfall,
+        choice.spare,
+        demand.supply * choice.fluid,
+        counts * table.blocked,
+        units,
+        size,
+        depth,
+        overlap,
+    )
 
 
 def with_axes(points: Numbers | Marks, axes: int) -> Any:

@@ -252,9 +252,11 @@ def _calibrated_designs(designs: Designs, muscles: Muscle, index: int) -> Design
 
     muscle = tree_map(pick, muscles, drawing)
     return Designs(
-        {"calibrated": muscle}, np.zeros(len(designs), int), designs.counts,
+        {"calibrated": muscle},
+        np.zeros(len(designs), int),
+        designs.counts,
         designs.length * float(muscle.length / drawing.length),
         designs.radius * float(muscle.outer_radius / drawing.outer_radius),
         designs.wall * float(muscle.wall_thickness / drawing.wall_thickness),
         designs.angle + float(muscle.braid_angle - drawing.braid_angle),
-    )  # fmt: skip
+    )

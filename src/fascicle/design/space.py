@@ -246,9 +246,15 @@ class Space:
         )
         length, radius, ratio, angle = np.where(np.isnan(sizes), defaults, sizes).T
         return scaled_designs(
-            self.drawings, np.asarray(kind), counts[shape], factor[shape], length,
-            radius * scale[shape], ratio, angle,
-        )  # fmt: skip
+            self.drawings,
+            np.asarray(kind),
+            counts[shape],
+            factor[shape],
+            length,
+            radius * scale[shape],
+            ratio,
+            angle,
+        )
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
         """Index in `drawings` of each design's drawing; an `index` of -1, a design off the grid,

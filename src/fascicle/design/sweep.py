@@ -5,7 +5,6 @@ A worker writes its block as one file, which appears whole: a block is missing i
 worker can compute any block, again if need be, to the same bits.
 """
 
-import asyncio
 import contextlib
 import copy
 import logging
@@ -82,12 +81,20 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
         raise ValueError(f"{folder}: {fault}.")
     if not exists:
         zarr.create_array(
-            path, shape=(len(study.space), len(names)), chunks=(study.block, len(names)),
-            dtype="float64", compressors=None, fill_value=np.nan,
+            path,
+            shape=(len(study.space), len(names)),
+            chunks=(study.block, len(names)),
+            dtype="float64",
+            compressors=None,
+            fill_value=np.nan,
             dimension_names=("design", "objective"),
-            attributes={"study": digest, "fascicle": __version__, "objectives": names,
-                        "units": [OBJECTIVES[name].unit for name in names]},
-        )  # fmt: skip
+            attributes={
+                "study": digest,
+                "fascicle": __version__,
+                "objectives": names,
+                "units": [OBJECTIVES[name].unit for name in names],
+            },
+        )
     return path
 
 
@@ -166,14 +173,7 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
     that only its own workers have. Raises `ConnectionError` if there are no workers.
     """
     from dask import config
-    from distributed import Client, LocalCluster, Security
-    from distributed.comm.core import connect
-
-    async def check_scheduler(address: str) -> None:
-        """Connect once: a client that can't connect prints errors until this process ends."""
-        arguments = Security().get_connection_args("client")
-        connection = connect(address, timeout=_CONNECTION_TIME, **arguments)
-        await (await asyncio.wait_for(connection, _CONNECTION_TIME)).close()
+    from distributed import Client, LocalCluster
 
     cluster: Any = scheduler
     with contextlib.ExitStack() as stack, config.set(_NO_PAGES if scheduler is None else {}):
@@ -182,13 +182,17 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
                 make: Any = LocalCluster
                 with _without_interrupts():
                     cluster = make(
-                        n_workers=workers, threads_per_worker=1, memory_limit=0, security=True,
-                        dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False},
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        memory_limit=0,
+                        security=True,
+                        dashboard_address="127.0.0.1:0",
+                        scheduler_kwargs={"dashboard": False},
                         silence_logs=logging.CRITICAL,
-                    )  # fmt: skip
+                    )
                 stack.enter_context(cluster)
-            else:
-                asyncio.run(check_scheduler(scheduler))
+            else:  # a client that can't connect logs errors until this process ends
+                logging.getLogger("distributed").setLevel(logging.CRITICAL)
             client = Client(cluster, timeout=_CONNECTION_TIME, set_as_default=False)
             stack.enter_context(client)
             client.wait_for_workers(1, timeout=_QUEUE_TIME)

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.objectives import (
-    within_limits,
-    within_miss_limit,
-)
+from fascicle.design.objectives import reaches_task, with_reach_limits, within_limits
 
 
 @pytest.mark.parametrize(
@@ -23,8 +20,12 @@ from fascicle.design.objectives import (
     ],
 )
 def test_both_shares_must_be_small(missed, weight, share, expected):
-    spare = np.where(missed, -1.0, 1.0)
-    assert bool(within_miss_limit(spare, np.array(weight, float), share)) is expected
+    values = {
+        "not_reached": np.array([np.average(missed, weights=weight)]),
+        "points_not_reached": np.array([np.mean(missed)]),
+    }
+    limits = with_reach_limits({"not_reached": Limit(most=share)})
+    assert bool(reaches_task(values, limits)[0]) is expected
 
 
 def test_rounding_breaks_no_limit():
