@@ -16,8 +16,6 @@ that distance at rest.
 **Sign:** as for a muscle. **Assumes** that the muscles don't touch.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
-# pyright: reportImportCycles=false
-# modules below import this one's class, or are imported by it, for their types alone
 
 from collections.abc import Sequence
 from functools import cached_property, partial, reduce

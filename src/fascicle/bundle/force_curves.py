@@ -41,7 +41,8 @@ _BATCH = 2**13  # searches at once: their forces at all nodes take 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
 _STEP = 1e-8  # of the supply: the root of rounding, for a difference quotient
-_SHARE = 1e-3  # of a window: differences this wide find an extremum to a millionth of it
+_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level: where the search for a jump ends
+_KINK_SHARE = 1e-11  # of a kink's distance at the end of its cell: it is at the kink
 TIE = 1e-10  # N: forces this near to each other are equal
 _SIDE = 1e-9  # of the supply: levels this far apart give forces that differ by more than rounding
 _KINK_INSET = 1e-2  # of a cell: nodes this far from a kink show the slopes on its two sides
@@ -353,7 +354,8 @@ def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array)
             if len(i := np.flatnonzero(is_cell)):
                 left, right = points.level[i], points.level[i + 1]
                 distance = partial(muscle.kink_distance, kink)
-                level = _find_level(distance, plates[i], (left, right), (miss[i], miss[i + 1]))
+                ends = (left, right), (miss[i], miss[i + 1])
+                level, _ = _find_level(distance, plates[i], *ends, _KINK_SHARE * np.abs(miss[i]))
                 rows.append(np.tile(points.row[i], 3))
                 levels += [level + _KINK_INSET * (end - level) for end in (left, level, right)]
                 kinked.append(np.repeat([False, True, False], len(i)))
@@ -401,17 +403,16 @@ def find_extrema(
     i = np.flatnonzero(is_turn)
     if not len(i):
         return row[i], x[i]
-    row, sign, (start, x, end) = row[i + 1], sign[i], (x[window][i] for window in windows)
-    step = _SHARE * np.minimum(x - start, end - x)
+    from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
 
-    def falling_slope(theta: tuple, x: Array) -> tuple[Array, Array]:
-        """Slope of the curve by central differences, and its own slope."""
-        row, sign, step = theta
-        points = np.stack([x - step, x, x + step])
-        before, here, after = function(np.stack([row] * 3), points)
-        return sign * (before - after) / (2 * step), sign * (2 * here - before - after) / step**2
-
-    return row, find_root(falling_slope, (row, sign, step), start, end, x)
+    turn = elementwise.find_minimum(
+        lambda x, row, sign: sign * function(row, x),
+        tuple(x[window][i] for window in windows),
+        args=(row[i + 1], sign[i]),
+        tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
+    ).x
+    exists = np.isfinite(turn)  # else, to rounding, a neighbor is lower
+    return row[i + 1][exists], turn[exists]
 
 
 def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
@@ -430,8 +431,9 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
     row = points.row[i]
     ends = tuple((x[i], x[i + 1]) for x in (points.level, points.excess))
-    level = _find_level(lambda level, row: searches.excess(row, level), row, *ends)
-    crosses = np.abs(searches.excess(row, level)) <= tolerance[i]  # else it jumps past the target
+    tolerance = tolerance[i]
+    level, miss = _find_level(lambda x, row: searches.excess(row, x), row, *ends, tolerance)
+    crosses = np.abs(miss) <= tolerance  # else the force jumps past the target
     return (
         np.append(points.row[first], row[crosses]),
         np.append(points.level[first], level[crosses]),
@@ -440,10 +442,13 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
 
 def _find_level(
     function: Callable[..., Array], argument: Array, ends: tuple[Array, Array],
-    values: tuple[Array, Array],
-) -> Array:  # fmt: skip
-    """Levels [-] between two `ends` [-] at which a `function` of level and `argument` changes sign;
-    `values`: at the ends, to rounding.
+    values: tuple[Array, Array], tolerance: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Levels [-] between two `ends` [-] at which a `function` of level and `argument` changes sign,
+    and its values there; `values`: at the ends; `tolerance`: of a value that is zero.
+
+    Newton's method, by difference quotients, takes half as many values as one without slopes. It
+    ends short of a root that lies beside a kink, for which the slower one is there.
     """
     sign = np.where(values[0] > 0, 1.0, -1.0)
 
@@ -452,7 +457,16 @@ def _find_level(
         return sign * value, sign * (beyond - value) / _STEP
 
     secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1])
-    return refine_root(falling, argument, find_root(falling, argument, *ends, secant))
+    level = refine_root(falling, argument, find_root(falling, argument, *ends, secant))
+    level = np.clip(level, *ends)
+    value = function(level, argument)
+    if len(i := np.flatnonzero(np.abs(value) > tolerance)):
+        from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
+
+        bracket = ends[0][i], ends[1][i]
+        result = elementwise.find_root(function, bracket, args=(argument[i],))
+        level[i], value[i] = result.x, result.f_x
+    return level, value
 
 
 def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:

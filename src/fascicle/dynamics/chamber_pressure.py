@@ -25,8 +25,6 @@ pressure includes the wall's work.
 
 **Source** of (T6): the first law, by parts.
 """
-# pyright: reportImportCycles=false
-# modules below import this one's class, or are imported by it, for their types alone
 
 from typing import TYPE_CHECKING, NamedTuple
 

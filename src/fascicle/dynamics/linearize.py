@@ -10,8 +10,6 @@ held, so that its load has no state.
 **Valid near** the state: kinks of muscles, stops and Coulomb's friction have no slope. At a shut
 valve the slope by its command is the mean of filling and venting. A dead time is left out.
 """
-# pyright: reportImportCycles=false
-# modules below import this one's class, or are imported by it, for their types alone
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple

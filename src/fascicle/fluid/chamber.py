@@ -47,7 +47,6 @@ from .fields import component_field, nonnegative_field, room_pressure_field, tem
 from .media import AIR, OIL, Gas, Liquid
 
 
-_STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 two would do
 _DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)  # usual hoses and fittings hold less than 10 L
 
 
@@ -75,6 +74,7 @@ class AbstractChamber(Module):
     units: ClassVar[tuple[str, ...]]
     gas: ClassVar[Any]
     liquid: ClassVar[Any]
+    newton_steps: ClassVar[int] = 1  # to the pressure: a gas's residual is linear in it
 
     dead_volume: Batch = nonnegative_field(
         "dead_volume", _DEAD, "leave it out if there is none", default=0.0, kw_only=True
@@ -108,9 +108,15 @@ class AbstractChamber(Module):
         `pressure` [Pa] in a `volume` [m³].
         """
 
-    @abc.abstractmethod
     def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, by Newton's
+        method, at a gas in one step.
+        """
+        P = 0.0 * (state[..., 0] + volume)
+        for _ in range(self.newton_steps):
+            residual = self.state_residual(state, P, volume)
+            P = P - residual.value / residual.by_pressure
+        return P
 
     @abc.abstractmethod
     def rates(
@@ -160,6 +166,10 @@ class AbstractMassChamber(AbstractChamber):
         """
         del pressure, energy_in, volume_rate
         return stack_last(mass_in + 0.0 * state[..., 0])
+
+    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
+        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
+        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
         """Zero [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
@@ -242,11 +252,6 @@ class AdiabaticWall(AbstractGasChamber):
         zero = 0.0 * value
         return StateResidual(value, stack_last(zero, -ratio + zero), V + zero, p + zero)
 
-    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-        V = volume + self.dead_volume
-        return (self.gas.heat_capacity_ratio - 1) * state[..., 1] / V - self.room_pressure
-
     def rates(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
@@ -274,7 +279,7 @@ class AdiabaticWall(AbstractGasChamber):
         return self.conductance * (self.temperature(state) - self.room_temperature)
 
 
-class Isothermal(AbstractGasChamber, AbstractMassChamber):
+class Isothermal(AbstractMassChamber, AbstractGasChamber):
     """Chamber of gas as warm as the room, equation (F14)."""
 
     source: ClassVar[str] = "ideal gas at one temperature"
@@ -282,10 +287,6 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
     def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
         return stack_last(self._room_mass(pressure, volume))
-
-    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
-        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
     def state_residual(
         self, state: Numbers, pressure: BatchLike, volume: BatchLike
@@ -297,10 +298,6 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         value = p * V - self._RT * state[..., 0]
         zero = 0.0 * value
         return StateResidual(value, stack_last(-self._RT + zero), V + zero, p + zero)
-
-    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
-        return state[..., 0] * self._RT / (volume + self.dead_volume) - self.room_pressure
 
     def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
@@ -318,6 +315,7 @@ class LiquidChamber(AbstractMassChamber):
     """
 
     source: ClassVar[str] = "Merritt (1967)"
+    newton_steps: ClassVar[int] = 4  # each squares the error: from P/K of some 1e-3 two would do
 
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
     compliance: Batch = nonnegative_field(
@@ -334,10 +332,6 @@ class LiquidChamber(AbstractMassChamber):
         V = volume + self.dead_volume + self.compliance * pressure
         return stack_last(self.liquid.density(pressure) * V)
 
-    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
-        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
-
     def state_residual(
         self, state: Numbers, pressure: BatchLike, volume: BatchLike
     ) -> StateResidual:
@@ -349,16 +343,6 @@ class LiquidChamber(AbstractMassChamber):
         value = rho * V - state[..., 0]
         by_pressure = rho * (V / self.liquid.bulk_modulus + c)
         return StateResidual(value, stack_last(-1.0 + 0.0 * value), by_pressure, rho + 0.0 * value)
-
-    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, by Newton's
-        method: exact to rounding where it is above the vapor pressure, not limited to it.
-        """
-        P = 0.0 * (state[..., 0] + volume)
-        for _ in range(_STEPS):
-            residual = self.state_residual(state, P, volume)
-            P = P - residual.value / residual.by_pressure
-        return P
 
     def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch

@@ -1,27 +1,14 @@
 r"""Sonic conductance from the other figures of a valve's data sheet, and valves on sale.
 
-**Nominal flow** $Q_n$ is measured, mostly from 6 to 5 bar gauge. By (F4), for a volume at the
-reference of ISO 8778 (20 °C, 100 kPa: ANR),
+From a nominal flow $Q_n$, mostly from 6 to 5 bar gauge, and from a flow coefficient $K_v$ of
+water,
 
 $$C = \frac{Q_n}{p_1\, \psi(p_2/p_1)}, \tag{F24}$$
-
-with absolute pressures. A volume at 0 °C and 101 325 Pa (DIN 1343) holds more air, by the ratio
-of densities, 1.292/1.185 = 1.09.
-
-**Flow coefficients**: $K_v$ is the flow of water in m³/h at 1 bar, $C_v$ that in US gallons a
-minute at 1 psi. A valve that resists by its shape alone passes
-$\dot m = K_v \sqrt{\rho\, \rho_w\, \Delta p / \Delta p_w}$ of any fluid of density $\rho$ at a
-small difference of pressure $\Delta p$, with $\rho_w$ of water and $\Delta p_w$ = 1 bar. There (F4)
-is $\dot m = C \rho_0 \sqrt{2 p_1 \Delta p / (1 - b)}$, and $\rho = \rho_0\, p_1 / p_0$ at $T_0$, so
-that
-
 $$C = K_v \sqrt{\frac{1 - b}{2}\, \frac{\rho_w}{\rho_0\, p_0\, \Delta p_w}}, \tag{F25}$$
 
-$p_0$ = 100 kPa. In units: $K_v$ is a volume per time, the root's argument a density over a density
-and two pressures, so that $C$ is a volume per time and pressure. With $b$ = 0.3 a valve of $K_v$ =
-1 m³/h has $C$ = 4.77 L/(s·bar), one of $C_v$ = 1 has 4.13. **Assumes** what water and gas have in
-common at small differences, and that $b$ holds up to there: valves with soft seats or long ducts
-differ by tens of percent, so that a $C$ of the data sheet is better.
+with absolute pressures, $p_0$ = 100 kPa and $\Delta p_w$ = 1 bar. **Assumes** of (F25) that water
+and gas meet the same resistance at small differences, and that $b$ holds up to there: a valve with
+soft seats or long ducts differs by tens of percent, so that a $C$ of the data sheet is better.
 
 **Source:** ISO 6358 (2013) for (F4); VDI/VDE 2173 and IEC 60534 define $K_v$; (F24) and (F25)
 derived here. A test holds (F24) to an example of SMC's data sheets, and (F25) to IEC 60534's choked
@@ -86,14 +73,8 @@ def conductance_from_nominal_flow(
 def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
     """Sonic conductance of a valve for air from its flow coefficient, equation (F25).
 
-    **Arguments:**
-
-    - `Kv`: flow of water at 1 bar [m³/s]; 1 m³/h is 2.778e-4.
-    - `b`: critical pressure ratio [-].
-
-    **Returns:** $C$ [m³/(s·Pa)].
-
-    **Raises:** `InvalidInputError` for values off their domains.
+    `Kv`: flow of water at 1 bar [m³/s]; 1 m³/h is 2.778e-4. `b`: critical pressure ratio [-].
+    Returns $C$ [m³/(s·Pa)]; `InvalidInputError` for values off their domains.
     """
     Kv, b = check_positive(Kv, "Kv", "m³/s"), check_interval(b, 0.0, 1.0, "b", "-")
     air = REFERENCE_DENSITY * _REFERENCE_PRESSURE * _BAR
@@ -103,14 +84,8 @@ def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
 def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
     """Sonic conductance of a valve for air from its flow coefficient in US units, equation (F25).
 
-    **Arguments:**
-
-    - `Cv`: flow of water at 1 psi [US gallons a minute], as data sheets print it.
-    - `b`: critical pressure ratio [-].
-
-    **Returns:** $C$ [m³/(s·Pa)].
-
-    **Raises:** `InvalidInputError` for values off their domains.
+    `Cv`: flow of water at 1 psi [US gallons a minute], as data sheets print it; others as of
+    `conductance_from_kv`.
     """
     Cv = check_positive(Cv, "Cv", "-")
     return conductance_from_kv(Cv * _GALLON / 60 * (_BAR / _PSI) ** 0.5, b)

@@ -17,7 +17,6 @@ from ..core.validation import (
     check_plausible,
     check_positive,
     is_concrete,
-    match_array_type,
 )
 
 
@@ -95,16 +94,3 @@ def room_pressure_field(**options: Any) -> Any:
 def temperature_field(name: str = "room_temperature", **options: Any) -> Any:
     """Field of a temperature [K]; `options` of `record`."""
     return positive_field(name, _TEMPERATURE, default=ROOM_TEMPERATURE, **options)
-
-
-def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
-    """Gauge pressure [Pa] of an `absolute` pressure [Pa] in a room of `room_pressure` [Pa,
-    absolute]; `InvalidInputError` unless it lies above the room's.
-    """
-    p = check_positive(absolute, "absolute", "Pa")
-    room = check_positive(room_pressure, "room_pressure", "Pa")
-    if is_concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
-        rule, low = f"must lie above the room's {float(np.max(room)):g} Pa", float(np.min(p))
-        remedy = "give an absolute pressure here, or a gauge pressure as `pressure`"
-        raise InvalidInputError("absolute", rule, low, remedy, shown=f"{low:g} Pa")
-    return match_array_type(absolute, p - room)

@@ -13,9 +13,8 @@ $$\Delta p = a \dot m + c \dot m^2, \qquad a = \frac{128 \mu L}{\pi d^4 \rho}, \
 exact where one of them is small, too much by up to the smaller one where they are alike.
 
 **Assumes** a smooth, round, straight hose, no inertia, no volume: its volume belongs to a
-chamber's `dead_volume`. **Source:** (F6) as commonly cited from Eckersten's measurements of
-plastic hoses (the text wasn't at hand; a test holds it to within 17 % of Fanno's equation);
-(F7) Hagen and Poiseuille, Darcy and Weisbach.
+chamber's `dead_volume`. **Source:** (F6) as commonly cited from Eckersten's measurements (a test
+holds it to within 17 % of Fanno's equation); (F7) Hagen and Poiseuille, Darcy and Weisbach.
 
 `Orifice`: a liquid through an orifice, and a hose behind it.
 
@@ -23,9 +22,7 @@ $$\dot m = \frac{2 \Delta p}{a + \sqrt{a^2 + 4 c \sqrt{\Delta p^2 + \Delta p_{cr
   c = \frac{1}{2 \rho (C_d A z)^2} + c_l, \qquad a = a_l. \tag{F8}$$
 
 Without a hose that is $C_d A z \sqrt{2 \rho \Delta p}$ well above $\Delta p_{cr}$, the transition
-to laminar flow, and linear below it; with one, whose resistances are $a_l$ and $c_l$ (F7), it is
-the root of $\Delta p = a \dot m + c \dot m^2$. It is smooth everywhere, and zero where the opening
-$z$ is.
+to laminar flow, and linear below it. It is smooth everywhere, and zero where the opening $z$ is.
 
 **Sign:** positive from 1 to 2. **Assumes** the density that is given on both sides. **Valid for**
 pressures above the vapor's. **Source:** Merritt (1967), Hydraulic Control Systems, for the root
@@ -51,8 +48,7 @@ $$C = C_2\, \frac{b_1 + (1 - b_1) \sqrt{1 + q^2 (1 - 2 b_1)}}{1 + q^2 (1 - b_1)^
   \frac{1 - b}{C^2} = \frac{1 - b_1}{C_1^2} + \frac{1 - b_2}{C_2^2}, \tag{F5}$$
 
 and $C = C_1$ where $q$ is larger. Between, the pair is within 2 % of what the pressure between
-them gives (60 random pairs, a test); next to equal pressures, beyond 0.998, up to 41 % more flows
-than through two linear ends. Flow back meets the hose first, and is another.
+them gives. Flow back meets the hose first, and is another.
 
 **Sign:** positive from 1 to 2. **Assumes** the temperature kept through the valve, as an ideal
 gas does. **Valid for** air as printed: $\rho_0$ = 1.185 kg/m³ at $T_0$ = 293.15 K and 100 kPa,
@@ -141,15 +137,9 @@ class Orifice(Module):
         temperature_2: BatchLike = 0.0,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, negative back, equation (F8).
-
-        **Arguments:**
-
-        - `absolute_1`, `absolute_2`: pressures on both sides [Pa], both absolute or both gauge.
-        - `temperature_1`, `temperature_2`: of a gas [K]; a liquid's don't count.
-        - `opening`: share $z$ of the orifice that is open [-], from 0 to 1.
-
-        **Returns:** mass flow [kg/s], negative from 2 to 1.
+        """Mass flow [kg/s] from 1 to 2, negative back, equation (F8), at pressures `absolute_1`
+        and `absolute_2` [Pa], both absolute or both gauge; `opening`: $z$ [-], from 0 to 1.
+        `temperature_1`, `temperature_2` of a gas [K] don't count.
         """
         del temperature_1, temperature_2
         drop, z = absolute_1 - absolute_2, opening
@@ -199,15 +189,9 @@ class SonicValve(Module):
         temperature_2: BatchLike,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, negative back, equation (F4).
-
-        **Arguments:**
-
-        - `absolute_1`, `absolute_2`: pressures on both sides, absolute [Pa].
-        - `temperature_1`, `temperature_2`: of the gas there [K]; that upstream counts.
-        - `opening`: share of the valve that is open [-], from 0, where nothing flows, to 1.
-
-        **Returns:** mass flow [kg/s], negative from 2 to 1.
+        """Mass flow [kg/s] from 1 to 2, negative back, equation (F4), at pressures `absolute_1`
+        and `absolute_2` [Pa] and temperatures `temperature_1` and `temperature_2` [K], of which
+        that upstream counts; `opening`: of the valve [-], from 0 to 1.
         """
         onward = absolute_1 >= absolute_2
         high = where(onward, absolute_1, absolute_2)
@@ -232,14 +216,8 @@ class SonicValve(Module):
 
 
 def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Batch]:
-    """Conductance [m³/(s·Pa)] and critical ratio [-] of one element behind another, equation (F5).
-
-    **Arguments:**
-
-    - `C_1`, `b_1`: of the first, upstream: conductance [m³/(s·Pa)] and critical ratio [-].
-    - `C_2`, `b_2`: of the second [m³/(s·Pa)], [-]; one of both conductances may be zero.
-
-    **Returns:** those of the pair [m³/(s·Pa)], [-].
+    """Conductance [m³/(s·Pa)] and critical ratio [-] of two elements in series, (F5), from those of
+    the first, `C_1` and `b_1`, and the second, `C_2` and `b_2`; one conductance may be zero.
     """
     narrow_end = b_1 * C_2 < C_1  # else the first one alone decides where they choke
     q = where(narrow_end, C_2 / guarded(narrow_end, C_1), 1 / b_1)

@@ -20,9 +20,7 @@ from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
 from .chamber import AdiabaticWall, Isothermal
 from .fields import (
-    ROOM_PRESSURE,
     component_field,
-    gauge_from,
     positive_field,
     room_pressure_field,
     temperature_field,
@@ -112,15 +110,6 @@ class ConstantSupply(AbstractSupply):
     pressure: Batch = supply_pressure_field()
     supply_temperature: Batch = temperature_field("supply_temperature")
     room_pressure: Batch = room_pressure_field()
-
-    @classmethod
-    def from_absolute(
-        cls, absolute: Values, room_pressure: Values = ROOM_PRESSURE
-    ) -> "ConstantSupply":
-        """Supply of `absolute` pressure [Pa] in a room of `room_pressure` [Pa, absolute];
-        `InvalidInputError` unless it is above the room's.
-        """
-        return cls(gauge_from(absolute, room_pressure), room_pressure=room_pressure)
 
     def initial_state(self) -> Numbers:
         """Empty initial state [SI]: it has no variables."""

@@ -37,12 +37,6 @@ def test_what_is_drawn_is_missing(of):
         assert of.stored_energy(state) > of.stored_energy(state + 0.1 * rates)
 
 
-def test_a_constant_supply_may_be_told_absolute():
-    of = fluid.ConstantSupply.from_absolute(7e5)
-    assert of == fluid.ConstantSupply(7e5 - ROOM)
-    assert fluid.ConstantSupply.from_absolute(7e5, 8e4).room_pressure == 8e4
-
-
 def test_a_tank_empties_to_the_room():
     of = fluid.Tank(fluid.Isothermal(), 1e-2, 6e5)
     left = of.chamber.state_at(0.0, 1e-2)
