@@ -3,7 +3,7 @@
 from .answer import Answer, Remedy, answer_search
 from .designs import Designs
 from .evaluation import evaluate
-from .exhaustive_search import SearchResult, hypervolume, judge_safety, non_dominated, search
+from .exhaustive_search import SearchResult, judge_safety, non_dominated, search
 from .genetic import evolve
 from .objectives import OBJECTIVES, Limit, objective
 from .outcome import Outcome
@@ -38,7 +38,6 @@ __all__ = [
     "evaluate",
     "evolve",
     "example_task",
-    "hypervolume",
     "judge_safety",
     "non_dominated",
     "objective",

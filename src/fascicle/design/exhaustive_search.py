@@ -2,8 +2,7 @@
 
 A design dominates another if it is at least as good in every objective and better in one; where all
 prices are known, the price of muscles and valves is an objective, too. The front is the set that
-none dominates; its *hypervolume* is that of the points which it dominates, up to a reference point
-that is worse than all. Both are moocore's (López-Ibáñez and others).
+none dominates, found by moocore (López-Ibáñez and others).
 
 Designs that break a limit are left out of the front, not out of the record; to reach the whole
 task is a limit that every search has. Where no design reaches the task, none is recommended; the
@@ -23,7 +22,7 @@ recommended: the surest of those that were judged is the nearest.
 Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
@@ -63,21 +62,6 @@ _DEVIATIONS = 4.0  # of the share in few draws, by which it may be off: 3 of 100
 _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
 _SLOWER = 8  # times as long a draw takes if it has a muscle of its own, as of a calibration
-
-
-def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
-    """Volume dominated by points, up to a reference.
-
-    **Arguments:**
-
-    - `points`: smaller is better [-], a row each; those beyond the reference don't count.
-    - `reference`: worse than what counts [-], one number for each objective.
-
-    **Returns:** the volume [-], product of the objectives' units.
-    """
-    import moocore
-
-    return float(moocore.hypervolume(points, ref=np.asarray(reference, float)))
 
 
 @dataclass(frozen=True, eq=False)
