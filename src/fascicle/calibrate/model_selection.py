@@ -379,11 +379,12 @@ def _pulling_trials(
         if names and not trial.violation:
             ends[frozenset(names)] = end
     first, *others = trials.values()
-    # a tuning needs curves of force, and can't take prior knowledge of constants into account
-    if constants_with_priors or data.reads_contraction:
+    if data.reads_contraction:  # no curves of force
         return [first, *others], 0.0
     noise = read_curves(muscle, on_length(data, muscle)).noise
     noise = min(noise, reading_noise(data.record.force))
+    if constants_with_priors:  # a tuning can't take prior knowledge of constants into account
+        return [first, *others], noise
     tuning = _try_tuning(data, muscle, options.loss, fits_loop(data, (), options))
     return [first, *tuning, *others], noise
 
