@@ -1,7 +1,7 @@
 """One muscle: sizes at rest, a material, a choice of laws, and its forces and shapes.
 
 The physics is in the parts and in the piecewise law that joins them; values are
-checked here, and the law is evaluated by NumPy, or compiled by JAX where arrays are JAX's.
+checked here, once, and the law is evaluated in the array library of its arguments.
 `muscle.at(pressure)` solves for free strain and collapse strain, which depend on pressure alone;
 forces and shapes at any strain are closed forms from there.
 
