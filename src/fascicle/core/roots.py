@@ -6,6 +6,7 @@ any order, $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$. No iteration is ever d
 and a law stays a pure function.
 """
 
+import importlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -51,9 +52,7 @@ def find_root(
     # bracket or fails to halve its step; to 1e-7 only where the slope is wrong
     value, slope = residual(theta, start)
     if array_namespace(value, slope, low, high, start) is not np:
-        from . import jax_backend
-
-        return jax_backend.search_root(residual, *stop_gradient((theta, low, high, start)))
+        return _jax_backend().search_root(residual, *stop_gradient((theta, low, high, start)))
     zero = 0.0 * value
     search = search_step(init_search(low + zero, high + zero, start + zero), value, slope)
     for _ in range(STEPS):
@@ -68,18 +67,20 @@ def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     value, slope = residual(theta, x)
     if array_namespace(value, slope, x) is np:
         return polish_root(value, slope, x)
-    from . import jax_backend
+    return _jax_backend().refine_root(residual, theta, x)
 
-    return jax_backend.refine_root(residual, theta, x)
+
+def _jax_backend() -> Any:
+    """Module `core.jax_backend`, which imports this one."""
+    return importlib.import_module("fascicle.core.jax_backend")
 
 
 def stop_gradient(tree: Any) -> Any:
     """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
     if not any(map(is_jax_array, tree_leaves(tree))):
         return tree
-    from . import jax_backend
-
-    return tree_map(lambda x: jax_backend.stop_gradient(x) if is_jax_array(x) else x, tree)
+    stop = _jax_backend().stop_gradient
+    return tree_map(lambda x: stop(x) if is_jax_array(x) else x, tree)
 
 
 def polish_root(value: Batch, slope: Batch, x: Batch) -> Batch:

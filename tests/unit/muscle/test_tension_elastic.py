@@ -71,8 +71,7 @@ def test_held_fibers_leave_no_jump_and_no_slope_that_is_not_finite():
     assert u[0] < u[1] < u[2]
     force = muscle.force(top * (1 + np.array([-1e-9, 1e-9])), 0.0)
     assert_allclose(*force, rtol=1e-7)
-    # one by one NumPy follows them, which needs no compiler
-    slopes = jax.grad(elastic_force, (0, 1, 2))
+    slopes = jax.jit(jax.grad(elastic_force, (0, 1, 2)))
     for P in PRESSURE.ravel():
         for eps in STRAIN[::16]:
             assert np.all(np.isfinite(slopes(2e7, P, eps))), (P, eps)
