@@ -268,6 +268,8 @@ def facts(answer: Answer) -> dict[str, str]:
         source = f"; figures: {product.source}" if product.source else ""
         design = result.all_designs(np.array([answer.index]))
         name = list(design.drawings)[int(design.kind[0])]
+        if not name.startswith(product.name):  # a file's drawings have the nominal length
+            name = f"{product.name}, {pretty(cases.length, 'length')}"
         lines["product"] = f"{summary.muscles} × {name}{source}"
     if summary.mass is not None:
         whole = product is not None and product.mass is not None
