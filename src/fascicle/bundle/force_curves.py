@@ -430,9 +430,9 @@ def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
     change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
     i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
     row = points.row[i]
-    ends = tuple((x[i], x[i + 1]) for x in (points.level, points.excess))
+    level, excess = ((x[i], x[i + 1]) for x in (points.level, points.excess))
     tolerance = tolerance[i]
-    level, miss = _find_level(lambda x, row: searches.excess(row, x), row, *ends, tolerance)
+    level, miss = _find_level(lambda x, row: searches.excess(row, x), row, level, excess, tolerance)
     crosses = np.abs(miss) <= tolerance  # else the force jumps past the target
     return (
         np.append(points.row[first], row[crosses]),
