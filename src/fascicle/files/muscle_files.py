@@ -167,15 +167,22 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
+def _inline_table(**values: Any) -> Any:
+    """A table of a file on one line."""
+    import tomlkit  # as above
+
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
+
+
 def calibration_text(calibration: Mapping[str, Any]) -> str:
     """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
     import tomlkit  # its import takes as long as reading a file
 
     table = {key: _plain_entry(value, key) for key, value in calibration.items()}
     if "intervals_of" in table:  # one line, so that the muscle's file stays short
-        intervals = tomlkit.inline_table()
-        intervals.update(table["intervals_of"])
-        table["intervals_of"] = intervals
+        table["intervals_of"] = _inline_table(**table["intervals_of"])
     return tomlkit.dumps({_CALIBRATION: table})
 
 
@@ -407,7 +414,7 @@ def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
     key = "hinge_stiffness_factor"
     if slope := _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope"):
         constant = _scalar(tuning.hinge_stiffness_factor, key)
-        entries[key] = {"constant": constant, "slope": exact(slope, "inverse_pressure")}
+        entries[key] = _inline_table(constant=constant, slope=exact(slope, "inverse_pressure"))
     if tuning.transition_rate is not None:
         entries["transition_rate"] = _plain_number(tuning.transition_rate, "transition_rate")
     if _scalar(tuning.dead_band, "dead_band"):
