@@ -1,8 +1,14 @@
 """What an import costs: laws and the commands for them load no JAX."""
 
+import ast
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import fascicle
 
 
 HEAVY = {
@@ -11,6 +17,7 @@ HEAVY = {
 }  # fmt: skip
 
 
+SOURCE = Path(fascicle.__file__).parent
 WITHOUT = {"jax", "jaxlib", "equinox", "diffrax", "jaxtyping"}
 BUNDLE, MUSCLE = "kim2021_bundle_1_4", "kim2021_figure_6"
 
@@ -88,3 +95,34 @@ def test_importing_leaves_the_environment_alone():
         "import fascicle as fs\nfs.example('kim2021_figure_6').force(1e5, 0.1)\n"
         "assert dict(os.environ) == before"
     )
+
+
+def imports_at_the_top(path: Path) -> Iterator[str]:
+    """Modules that a module of fascicle imports as it is imported, without those for types."""
+    package = [*path.relative_to(SOURCE.parent).with_suffix("").parts]
+    nodes = list(ast.parse(path.read_text(encoding="utf-8")).body)
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            nodes += node.orelse
+        elif isinstance(node, ast.If | ast.Try | ast.With):
+            nodes += [entry for entry in ast.iter_child_nodes(node) if isinstance(entry, ast.stmt)]
+        elif isinstance(node, ast.ImportFrom) and node.level:
+            home = [*package[: -node.level], *(node.module.split(".") if node.module else [])]
+            yield ".".join(home)
+            yield from (".".join([*home, name.name]) for name in node.names)
+
+
+def test_no_modules_import_one_another_in_a_circle():
+    """The layers hold it between rooms, this inside; imports for types alone don't count."""
+    paths = {
+        ".".join(path.relative_to(SOURCE.parent).with_suffix("").parts): path
+        for path in SOURCE.rglob("*.py")
+    }
+    graph = {
+        name: {target for target in imports_at_the_top(path) if target in paths and target != name}
+        for name, path in paths.items()
+        if path.stem != "__init__"
+    }
+    assert sum(map(len, graph.values())) > 500
+    TopologicalSorter(graph).prepare()  # raises `CycleError` with the circle
