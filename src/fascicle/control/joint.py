@@ -52,7 +52,7 @@ _NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends 
 
 
 class JointStatus(IntEnum):
-    """Whether a joint reaches a demand."""
+    """Outcome of a demand on a joint: reached, or out of reach."""
 
     REACHED = 0
     STIFFNESS_TOO_HIGH = 1

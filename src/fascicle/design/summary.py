@@ -276,7 +276,7 @@ class Splits:
 
 
 def best_splits(result: SearchResult, index: int) -> Splits | None:
-    """What more motor units buy and cost at the task: the muscles of the recorded design with an
+    """Gain and cost of more motor units at the task: the muscles of the recorded design with an
     `index`, split otherwise; `None` for unlike muscles, and for too many of them.
     """
     design, most = result.all_designs(np.array([index])), result.space.most_units

@@ -39,7 +39,7 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class Export:
-    """What a tab shows, as a table of `variables` and a `figure`; `stem` of the files' names."""
+    """Content of a tab, as a table of `variables` and a `figure`; `stem` of the files' names."""
 
     stem: str
     variables: Table

@@ -492,7 +492,7 @@ def _build_offer(
 
 
 def _borrowed_sizes(section: ProductSection) -> str:
-    """What a product takes from the muscle that it is based on, in words."""
+    """Sizes and laws that a product has from the muscle that it is based on, in words."""
     if _is_calibrated(section):
         return "calibration, scaled by the active length,"
     sizes = {"wall": section.wall_thickness, "braid angle": section.braid_angle}

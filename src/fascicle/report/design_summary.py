@@ -311,7 +311,7 @@ def facts(answer: Answer) -> dict[str, str]:
 
 
 def _valves_text(answer: Answer) -> str:
-    """What holds the pressures, and valves and hoses for the cycle."""
+    """Valves that hold the pressures, and valves and hoses for the cycle, in words."""
     summary = answer.summary
     sizing = summary.sizing
     partial = np.any(

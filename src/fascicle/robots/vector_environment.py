@@ -177,16 +177,16 @@ class VectorEnvironment(VectorEnv):
             for i, (qpos, qvel, goal) in zip(indices, episodes, strict=True):
                 self._positions[i], self._speeds[i] = qpos, qvel
                 jax.tree.map(lambda rows, x, i=i: rows.__setitem__(i, x), self._goals, goal)
-        begun = self._start(self._drives, self._positions, self._speeds)
+        first_state = self._start(self._drives, self._positions, self._speeds)
         if self._state is None:
-            self._state = begun
+            self._state = first_state
             return
         fresh = np.isin(np.arange(self.num_envs), indices)
 
         def choose(first: jax.Array, x: jax.Array) -> jax.Array:
             return jnp.where(fresh.reshape((-1,) + (1,) * (x.ndim - 1)), first, x)
 
-        self._state = jax.tree.map(choose, begun, self._state)
+        self._state = jax.tree.map(choose, first_state, self._state)
 
     def _start_one(self, drive: Drive, qpos: Any, qvel: Any) -> tuple[Any, Fluid]:
         """Data and fluid of one environment as an episode begins."""
