@@ -201,7 +201,8 @@ def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
         bow = float(muscle.deflection(pressure, strain))
         return (
             f"Contracted past its free strain, {free:#.3g}, to {strain:#.3g}, the muscle bows out"
-            f" by {text(bow, 'length')}, as a slender column does. It resists: it pushes with"
+            f" by {text(bow, 'length')}, as a slender column does. Its rubber is bent, and bent"
+            " rubber stores energy: every bit of shortening costs a push, here"
             f" {text(-force, 'force')}. A model that ends at the free strain has no such force."
         )
     if region == _COLLAPSED:
@@ -237,6 +238,8 @@ def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
         lines.append(
             f"With {text(second, 'pressure')} in unit 2 it reaches only {reach:#.3g}: its muscles"
             f" are contracted past their own free strain and push with {text(push, 'force')}."
+            " Pressure keeps their walls from folding, so that they push harder at first; more of"
+            " it makes them pull."
         )
     else:
         lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {reach:#.3g}.")
