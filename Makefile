@@ -35,7 +35,7 @@ picture: reproduce browser
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint
-	$(MAKE) --jobs=4 layers types unit core docs QUIET=-q
+	$(MAKE) --jobs=4 layers types unit docs QUIET=-q
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -75,8 +75,8 @@ core: $(CORE)/.installed
 		tests/unit/core tests/unit/io
 	.ci/package core
 
-# wheel and sdist in fresh environments, with each extra
-package: $(STAMP)
+# tests of the core alone, then wheel and sdist in fresh environments, with each extra
+package: core
 	.ci/package
 
 # compiled as a user's programs are, where `unit` spares the compiler
