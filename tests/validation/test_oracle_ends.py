@@ -128,10 +128,8 @@ def test_files_write_it_and_leave_rigid_ends_unsaid(tmp_path):
     muscle = MUSCLE.replace(ends=Compliant(0.012, 2.5e-5))
     fs.save(muscle, tmp_path / "m.toml")
     text = (tmp_path / "m.toml").read_text()
-    assert (
-        'ends = { law = "compliant", inactive_length = "12 mm", end_compliance = "25 mm/kN" }'
-        in text
-    )
+    lines = ('law = "compliant"', 'inactive_length = "12 mm"', 'end_compliance = "25 mm/kN"')
+    assert "\n".join(["[muscle.ends]", *lines]) in text
     assert fs.load(tmp_path / "m.toml") == muscle
     fs.save(MUSCLE, tmp_path / "rigid.toml")
     assert "ends" not in (tmp_path / "rigid.toml").read_text()

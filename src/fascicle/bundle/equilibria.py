@@ -58,9 +58,10 @@ def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilib
     arrays, shape = flatten_batch(bundle, pressures, *force)
     count, _, units = arrays[1].shape
     parts = []
-    for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2))):
-        block, P, load = tree_map(lambda x, i=i: x[i] if np.ndim(x) > 1 else x, arrays)
-        parts.append(_equilibria_of_block(pressurize(block, P), load if force else None))
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        for i in slices(count, max(1, min(_BATCH, _PAIRS // units**2))):
+            block, P, load = tree_map(lambda x, i=i: x[i] if np.ndim(x) > 1 else x, arrays)
+            parts.append(_equilibria_of_block(pressurize(block, P), load if force else None))
     found, strain, falls = (np.concatenate(x) for x in zip(*parts, strict=True))
     slots = max(usual_count(units), int(found.max(initial=0)))
     exists = np.arange(slots) < found[:, None]
@@ -145,7 +146,7 @@ def _smooth_ends(muscle: PressurizedMuscle) -> Numbers:
     """
     fold = next(iter(muscle.law.buckling.folds(muscle.column)), np.inf)
     decays = [muscle.collapse_strain + count / muscle.law.rate for count in _DECAYS]
-    return stack([fold + 0.0 * decays[0], *decays])
+    return stack([fold, *decays])
 
 
 def _separating_nodes(
