@@ -12,8 +12,10 @@ $$F(P, \varepsilon) = \begin{cases}
 with the free strain $\varepsilon_f$, where the force vanishes, and the collapse strain
 $\varepsilon_c$, where the buckled bladder's moment first reaches $M_{collapse}$. The middle
 line is the paper's; another buckling law puts its own there. The force is continuous
-[R12]; its slope jumps at both strains, which is physics. Both strains depend on pressure
-alone, and are solved for at the pressure's own shape, before strain broadcasts.
+[R12]; its slope jumps at both strains: at collapse since the wall folds, at the free strain since
+the law goes over from the bladder's to a column's, which is the model's and no physics. Both
+strains depend on pressure alone, and are solved for at the pressure's own shape, before strain
+broadcasts.
 
 **Components:** after collapse mesh and bladder force keep their values at $\varepsilon_c$
 times the same exponential, and bending is the rest.
