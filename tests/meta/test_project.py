@@ -34,8 +34,7 @@ def test_what_is_imported_is_declared_and_the_core_imported():
         for name, owners in metadata.packages_distributions().items()
         for owner in owners
     }
-    # python-control's state space is made where a user has it; nothing here needs it
-    found = {whose[name] for name in imported() - {"control"}}
+    found = {whose[name] for name in imported()}
     core = {re.split(r"[><=\[]", one)[0].lower() for one in PROJECT["dependencies"]}
     extras = {
         re.split(r"[><=\[]", one)[0].lower()

@@ -12,6 +12,7 @@ valve the slope by its command is the mean of filling and venting. A dead time i
 """
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
@@ -53,7 +54,7 @@ class LinearModel(NamedTuple):
 
     def to_control(self) -> Any:
         """The model as a `StateSpace` of python-control, which must be installed."""
-        import control  # no dependency of fascicle
+        control = import_module("control")  # no dependency: a type checker may not find it
 
         names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
         lists = {key: list(value) for key, value in names.items()}
