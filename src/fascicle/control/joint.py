@@ -47,7 +47,7 @@ from .dip import unit_strain
 
 _STEP = 100.0  # Pa, of slopes: far above rounding, far below a fold
 _EDGE = 1e-9  # of a curve
-_BEYOND = 1e12  # N·m/rad, stiffer than any joint
+_STIFFEST = 1e12  # N·m/rad, stiffer than any joint
 _NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends most at low pressure
 
 
@@ -138,9 +138,9 @@ class Joint:
         )
         status = np.where(reached, JointStatus.REACHED, status)
         # a torque that no pair of pressures gives: one of them full, the other empty
-        beyond, full = ~feasible.any(axis=0), np.where(tau > 0, self._top, 0.0)
-        status = np.where(beyond, JointStatus.TORQUE_OUT_OF_REACH, status)
-        P1, P2 = np.where(beyond, full, P1), np.where(beyond, self._top - full, P2)
+        unreachable, full = ~feasible.any(axis=0), np.where(tau > 0, self._top, 0.0)
+        status = np.where(unreachable, JointStatus.TORQUE_OUT_OF_REACH, status)
+        P1, P2 = np.where(unreachable, full, P1), np.where(unreachable, self._top - full, P2)
         result = P1, P2, *self._evaluate(P1, P2, theta), status
         return JointPressures(*(np.reshape(row, rows[0].shape)[()] for row in result))
 
@@ -178,7 +178,7 @@ class Joint:
         """Least and largest stiffness [N·m/rad] at an `angle` [rad] and a `torque` [N·m]; NaN if
         the torque is out of reach.
         """
-        ends = self.pressures(angle, torque, np.array([-_BEYOND, _BEYOND]))
+        ends = self.pressures(angle, torque, np.array([-_STIFFEST, _STIFFEST]))
         low, high = np.where(ends.status == JointStatus.TORQUE_OUT_OF_REACH, np.nan, ends.stiffness)
         return float(low), float(high)
 
@@ -200,12 +200,7 @@ class Joint:
         no such curve.
         """
         empty, full = 0.0 * torque, 0.0 * torque + self._top
-
-        def excess(
-            pressure: Numbers, antagonist: Numbers, angle: Numbers, torque: Numbers
-        ) -> Numbers:
-            return self._evaluate(pressure, antagonist, angle)[0] - torque
-
+        excess = self._excess_torque
         low, high = (
             elementwise.find_root(excess, (empty, full), args=(antagonist, angle, torque)).x
             for antagonist in (empty, full)
@@ -213,8 +208,8 @@ class Joint:
         low = np.where(excess(empty, empty, angle, torque) >= 0, 0.0, low)
         high = np.where(excess(full, full, angle, torque) <= 0, self._top, high)
         # just inside: at an end itself rounding decides whether the antagonist's pressure exists
-        share = _EDGE + (1 - 2 * _EDGE) * np.linspace(0.0, 1.0, _NODES)[:, None] ** 2
-        return low + share * (high - low)
+        fraction = _EDGE + (1 - 2 * _EDGE) * np.linspace(0.0, 1.0, _NODES)[:, None] ** 2
+        return low + fraction * (high - low)
 
     def _antagonist_pressure(self, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
         """Pressure of the antagonist [Pa] with which a pressure of the `agonist` [Pa] gives a
@@ -222,7 +217,7 @@ class Joint:
         """
 
         def excess(pressure: Numbers, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
-            return self._evaluate(agonist, pressure, angle)[0] - torque
+            return self._excess_torque(agonist, pressure, angle, torque)
 
         arguments = np.broadcast_arrays(agonist, angle, torque)
         # an empty muscle pulls at least as much as a dip, so that the root on the rising branch is
@@ -230,10 +225,16 @@ class Joint:
         ends = 0.0 * arguments[0], 0.0 * arguments[0] + self._top
         return elementwise.find_root(excess, ends, args=arguments).x
 
+    def _excess_torque(
+        self, agonist: Numbers, antagonist: Numbers, angle: Numbers, torque: Numbers
+    ) -> Numbers:
+        """Torque above a demanded one [N·m] at two pressures [Pa] and an `angle` [rad]."""
+        return self._evaluate(agonist, antagonist, angle)[0] - torque
+
     def _excess(
         self, agonist: Numbers, angle: Numbers, torque: Numbers, stiffness: Numbers
     ) -> Numbers:
-        """Stiffness beyond a demanded one [N·m/rad] along the curve of a `torque` [N·m]."""
+        """Stiffness above a demanded one [N·m/rad] along the curve of a `torque` [N·m]."""
         antagonist = self._antagonist_pressure(agonist, angle, torque)
         return self._evaluate(agonist, antagonist, angle)[1] - stiffness
 

@@ -102,8 +102,8 @@ def linearize(
     u_0, unpack_inputs = ravel_pytree([defaults[name] for name in inputs])
 
     def evaluate(x: Numbers, u: Numbers) -> tuple[tuple[Numbers, Numbers], Numbers]:
-        given = dict(zip(inputs, unpack_inputs(u), strict=True))
-        rates, values = _rates_and_outputs(plant, state, unpack(x), **{**defaults, **given})
+        chosen = dict(zip(inputs, unpack_inputs(u), strict=True))
+        rates, values = _rates_and_outputs(plant, state, unpack(x), **{**defaults, **chosen})
         rate, y = (ravel_pytree(x)[0] for x in (rates, [values[name] for name in outputs]))
         return (rate, y), rate
 
@@ -136,11 +136,11 @@ def _rates_and_outputs(
     springs = 0 if plant.hysteresis is None else plant.hysteresis.count
     memory = FrictionMemory(jnp.zeros((plant.units, springs)), state.position, state.pressures)
     point = State(q, v, spool, chambers, P, supply)
-    now = evaluate_plant(plant, 0.0, point, command, memory)
-    rate = time_derivative(plant, point, now, command)
+    evaluation = evaluate_plant(plant, 0.0, point, command, memory)
+    rate = time_derivative(plant, point, evaluation, command)
     outputs = {
-        "position": q, "velocity": v, "pressure": P, "strain": now.strains,
-        "force": plant.counts * now.fluid.muscles.force, "flow": now.flows.mass,
+        "position": q, "velocity": v, "pressure": P, "strain": evaluation.strains,
+        "force": plant.counts * evaluation.fluid.muscles.force, "flow": evaluation.flows.mass,
     }  # fmt: skip
     motion_rate = (rate.position, rate.velocity + force / load.inertia) if motion else ()
     return (motion_rate, rate.spool, rate.pressures, rate.chambers[:, :-1], rate.supply), outputs

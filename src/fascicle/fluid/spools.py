@@ -151,21 +151,21 @@ class Solenoid(AbstractSpool):
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-], (F11), at a `command` [-] and clocks `spool` [-]."""
-        share, T = absolute(command), self.period
+        duty_cycle, T = absolute(command), self.period
         time = (spool - array_namespace(spool).floor(spool)) * T
 
         def opening(time: Numbers) -> Numbers:
-            rise, fall = time / (2 * self.opening_delay), (time - share * T)
+            rise, fall = time / (2 * self.opening_delay), (time - duty_cycle * T)
             return maximum(minimum(minimum(rise, 1 - fall / (2 * self.closing_delay)), 1.0), 0.0)
 
-        z = where(share >= 1, 1.0, maximum(opening(time), opening(time + T)))
+        z = where(duty_cycle >= 1, 1.0, maximum(opening(time), opening(time + T)))
         return Openings(where(command > 0, z, 0.0), where(command < 0, z, 0.0))
 
     def command_at(self, opening: Numbers) -> Numbers:
         """Command [-] for a mean `opening` [-], by (F11), zero where it is nearly shut."""
-        lost = (self.opening_delay - self.closing_delay) / self.period
-        share = minimum(maximum(absolute(opening) + lost, 0.0), 1.0)
-        return where(opening > 0, share, where(opening < 0, -share, 0.0))
+        correction = (self.opening_delay - self.closing_delay) / self.period
+        duty_cycle = minimum(maximum(absolute(opening) + correction, 0.0), 1.0)
+        return where(opening > 0, duty_cycle, where(opening < 0, -duty_cycle, 0.0))
 
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:
