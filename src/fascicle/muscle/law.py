@@ -72,43 +72,37 @@ class LawRegistry(Mapping[str, type[Law]]):
     @cached_property
     def shipped(self) -> Mapping[str, type[Law]]:
         """Laws of fascicle itself, in the same order: no other package is imported."""
-        package, laws = sys.modules[self._package], {}
+        package = sys.modules[self._package]
         files = pkgutil.iter_modules(package.__path__, f"{self._package}.")
-        for module in (package, *(importlib.import_module(file.name) for file in files)):
-            for law in vars(module).values():
-                if not (isinstance(law, type) and issubclass(law, self._kind)):
-                    continue
-                if law.__module__ != module.__name__ or not hasattr(law, "name"):
-                    continue
-                if laws.setdefault(law.name, law) is not law:
-                    rule = f"names two laws of {self._package}"
-                    raise InvalidInputError(law.name, rule, None, "rename one of them")
+        modules = [package, *(importlib.import_module(file.name) for file in files)]
+        classes = [value for module in modules for value in vars(module).values()]
+        laws = {law.name: law for law in classes if _is_law(law, self._kind)}
         return MappingProxyType({name: laws[name] for name in self._in_order(laws)})
 
     @cached_property
     def _installed(self) -> Mapping[str, type[Law]]:
         """Laws of this kind of other packages; a warning for each that can't be used."""
         laws = {}
-        for name in dict.fromkeys(point.name for point in _entry_points()):
+        for point in _entry_points():
             try:
-                law = self._load_installed(name)
-                if law is not None and name in self.shipped:
-                    package = _package_of(_entry_points(name=name)[0])
-                    rule = f"{name!r} of the package {package} is a law of fascicle"
-                    raise InvalidInputError(self._argument, rule, None, "rename it")
+                law = _load(point)
+                if point.name in self.shipped and issubclass(law, self._kind):
+                    rule = f"of the package {_package_of(point)} is a law of fascicle"
+                    raise InvalidInputError(point.name, rule, None, "rename it")
             except InvalidInputError as error:
                 warnings.warn(f"law left out: {error}", stacklevel=4)
                 continue
-            if law is not None:
-                laws[name] = law
+            if issubclass(law, self._kind):
+                laws[point.name] = law
         return laws
 
     def __getitem__(self, name: str) -> type[Law]:
         if name in self.shipped:
             return self.shipped[name]
-        if (law := self._load_installed(name)) is None:
-            raise KeyError(name)
-        return law
+        for law in map(_load, _entry_points(name=name)):
+            if issubclass(law, self._kind):
+                return law
+        raise KeyError(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._in_order({*self.shipped, *self._installed}))
@@ -151,33 +145,6 @@ class LawRegistry(Mapping[str, type[Law]]):
     def _in_order(self, names: Iterable[str]) -> list[str]:
         return sorted(names, key=lambda name: (name != self._default, name))
 
-    def _load_installed(self, name: str) -> type[Law] | None:
-        """Law of another package; `None` if none has one of this kind; `InvalidInputError` if two
-        have it, and if an entry point names something else.
-        """
-        points = _entry_points(name=name)
-        if not points:
-            return None
-        point, remedy = points[0], "repair or uninstall it"
-        if len({point.value for point in points}) > 1:
-            packages = " and ".join(map(_package_of, points))
-            rule = f"{name!r} is a law of two packages"
-            raise InvalidInputError(self._argument, rule, None, f"uninstall {packages}, or one")
-        label = f"{name!r} of the package {_package_of(point)}"
-        try:
-            law = point.load()
-        except Exception as error:  # another package's module may raise anything
-            cause = f"{type(error).__name__}: {error}".rstrip(".")
-            rule = f"{label} can't be imported ({cause})"
-            raise InvalidInputError(self._argument, rule, None, remedy) from error
-        if not (isinstance(law, type) and issubclass(law, AbstractLaw)):
-            rule = f"{label} must be a subclass of an abstract law, such as {self._kind.__name__}"
-            raise InvalidInputError(self._argument, rule, None, remedy)
-        if getattr(law, "name", None) != name:
-            rule = f"{label} must have the name of its entry point"
-            raise InvalidInputError(self._argument, rule, getattr(law, "name", None), remedy)
-        return law if issubclass(law, self._kind) else None
-
 
 def package_of(law: type[AbstractLaw]) -> str:
     """Name of the installed package whose entry point has a `law`; "fascicle" for its own."""
@@ -187,7 +154,25 @@ def package_of(law: type[AbstractLaw]) -> str:
     return _package_of(points[0]) if points else law.__module__.partition(".")[0]
 
 
-def _entry_points(**selection: Any) -> list["EntryPoint"]:
+def _is_law(value: object, kind: type[AbstractLaw]) -> bool:
+    return isinstance(value, type) and issubclass(value, kind) and hasattr(value, "name")
+
+
+def _load(point: "EntryPoint") -> type[Any]:
+    """Law of another package; `InvalidInputError` if it can't be imported or is something else."""
+    label, remedy = f"{point.name!r} of the package {_package_of(point)}", "repair or uninstall it"
+    try:
+        law = point.load()
+    except Exception as error:  # another package's module may raise anything
+        cause = f"{type(error).__name__}: {error}".rstrip(".")
+        raise InvalidInputError(label, f"can't be imported ({cause})", None, remedy) from error
+    if not _is_law(law, AbstractLaw) or law.name != point.name:
+        rule = "must be a subclass of an abstract law, with the name of its entry point"
+        raise InvalidInputError(label, rule, None, remedy)
+    return law
+
+
+def _entry_points(**selection: str) -> list["EntryPoint"]:
     from importlib import metadata  # takes longer to import than a law
 
     return list(metadata.entry_points(group=ENTRY_POINTS, **selection))
