@@ -88,8 +88,10 @@ def _usage_message(error: Exception) -> str:
 
 
 def _resource_message(error: Exception) -> str:
-    """Message if memory or JAX's device is missing; empty for any other error."""
+    """Message if memory, matplotlib's or JAX's device is missing; empty for any other error."""
     text, platforms = str(error), os.environ.get("JAX_PLATFORMS", "")
+    if (figures := os.environ.get("MPLBACKEND", "")) and f"{figures!r} is not a valid" in text:
+        return f"MPLBACKEND={figures}: matplotlib has no such backend; unset it, or write agg."
     if platforms and "backend" in text:  # JAX's words on a platform that it doesn't find
         return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."
     if not isinstance(error, MemoryError) and "RESOURCE_EXHAUSTED" not in text:  # XLA's status

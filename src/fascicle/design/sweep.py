@@ -5,6 +5,7 @@ A worker writes its block as one file, which appears whole: a block is missing i
 worker can compute any block, again if need be, to the same bits.
 """
 
+import asyncio
 import contextlib
 import copy
 import logging
@@ -193,13 +194,26 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
                 stack.enter_context(cluster)
             else:  # a client that can't connect logs errors until this process ends
                 logging.getLogger("distributed").setLevel(logging.CRITICAL)
+                asyncio.run(_try_connection(scheduler))
             client = Client(cluster, timeout=_CONNECTION_TIME, set_as_default=False)
             stack.enter_context(client)
             client.wait_for_workers(1, timeout=_QUEUE_TIME)
-        except (RuntimeError, OSError, ValueError, TimeoutError) as error:
+        except (RuntimeError, OSError, TypeError, ValueError, TimeoutError) as error:
             reason = " ".join(str(error).split())[:120] or type(error).__name__
             raise ConnectionError(f"{scheduler or 'this machine'}: {reason}") from None
         yield client
+
+
+async def _try_connection(scheduler: str) -> None:
+    """Raise an error if no `scheduler` answers at its address: a client would wait for ever."""
+    from distributed import Security
+    from distributed.comm import connect
+
+    arguments = Security().get_connection_args("client") if scheduler.startswith("tls") else {}
+    try:
+        await (await asyncio.wait_for(connect(scheduler, **arguments), _CONNECTION_TIME)).close()
+    except TimeoutError:
+        raise TimeoutError(f"no Dask scheduler answers within {_CONNECTION_TIME:g} s") from None
 
 
 @contextlib.contextmanager

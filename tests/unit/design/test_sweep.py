@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -121,6 +122,15 @@ def test_an_impossible_scheduler_is_one_line(address):
     with pytest.raises(ConnectionError) as raised, open_client(address):
         pass
     assert "\n" not in str(raised.value)
+
+
+def test_a_port_that_never_answers_is_no_scheduler(monkeypatch):
+    monkeypatch.setattr("fascicle.design.sweep._CONNECTION_TIME", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(ConnectionError) as raised, open_client(address):
+            pass
+    assert address in str(raised.value)
 
 
 def running_workers(process):
