@@ -24,10 +24,9 @@ _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted parameter: `value` and 90 % interval, `low` to `high` [SI unit of `dimension`].
+    """A fitted parameter: `value`, 90 % interval `low` to `high`, and `start`, the center of its
+    prior [SI unit of `dimension`].
 
-    - `name`, `about`: of the parameter, and its description.
-    - `start`: center of its prior [the same unit].
     - `deviation`: standard deviation of its coordinate [-].
     - `identifiable`: the data alone determine it within a factor of e.
     - `bound`: "upper" or "lower" if the data determine only that end of the interval.
@@ -47,12 +46,10 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """Profile likelihood of a parameter.
+    """Profile likelihood: `rise` $\\Delta$ [-] at held values of a parameter [its SI unit].
 
-    - `name`: of the parameter.
-    - `value`: fixed values of the parameter [its SI unit], rising; `rise`: $\\Delta$ there [-].
-    - `low`, `high`: values at which it crosses 2.71 [the same unit]; infinite if it does not.
-    - `known`: both ends lie within a factor of e.
+    `low`, `high`: values at which it crosses 2.71, infinite if it does not; `known`: both lie
+    within a factor of e.
     """
 
     name: str
@@ -69,8 +66,7 @@ class Trend:
 
     - `along`: "strain", "pressure", "strain and pressure", "branch" or "time".
     - `share`: fraction of the residuals' squares it explains [-], after more significant trends.
-    - `chance`: probability of at least this share in noise [-].
-    - `found`: the trend is significant.
+    - `chance`: probability of at least this share in noise [-]; `found`: it is significant.
     - `columns`: polynomials at the residuals' rows, of mean square 1.
     """
 
@@ -83,11 +79,8 @@ class Trend:
 
 @dataclass(frozen=True)
 class Runs:
-    """Result of a test for runs of one sign among neighboring residuals.
-
-    - `along`: "strain" or "pressure".
-    - `pairs`, `changes`: number of neighboring pairs, and of those that change sign.
-    - `chance`, `found`: as of a `Trend`.
+    """Result of a test for runs of one sign: numbers of neighboring `pairs` of residuals `along`
+    "strain" or "pressure", and of those that change sign; others as of a `Trend`.
     """
 
     along: str
@@ -99,11 +92,8 @@ class Runs:
 
 @dataclass(frozen=True)
 class Cause:
-    """A likely cause of the residuals.
-
-    - `code`: such as "compliance" or "friction".
-    - `share`: share of the residuals' squares that it would explain [-].
-    - `constant`: name of a constant that a fit may free because of it, or empty.
+    """A likely cause of the residuals, the share of their squares that it would explain [-], and
+    the name of a constant that a fit may free because of it, if any.
     """
 
     code: str
@@ -116,16 +106,13 @@ class Diagnosis:
     """Residual diagnostics of a fit.
 
     - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
-    - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
-      readings remain.
+    - `noise`: standard deviation of a reading [N] about fit and all trends; NaN of too few.
     - `inflation`: factor on the covariance from noise for correlated residuals [-].
-    - `from_pressure`: contribution of the pressures' scatter to the covariance of the coordinates.
-    - `covariance`: contribution of the model's error to it; `None` without a significant trend.
-    - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
-      standard normal deviate.
+    - `from_pressure`, `covariance`: contributions of the pressures' scatter and of the model's
+      error to the covariance of the coordinates [-].
+    - `discrepancy`: columns [N] of the model's error on the grid, for standard normal deviates.
     - `causes`: likely causes, the likeliest first.
-    - `confounded`: constants that were not fitted, and that the data can't distinguish from the
-      fitted ones.
+    - `confounded`: constants that were not fitted, and that the data can't tell from fitted ones.
     - `past_free_strain`: share of the significant trends' squares past the free strain [-].
     """
 
@@ -134,7 +121,7 @@ class Diagnosis:
     noise: float = float("nan")
     inflation: float = 1.0
     from_pressure: np.ndarray | float = 0.0
-    covariance: np.ndarray | None = None
+    covariance: np.ndarray | float = 0.0
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     causes: tuple[Cause, ...] = ()
     confounded: tuple[str, ...] = ()
@@ -142,9 +129,7 @@ class Diagnosis:
 
     @property
     def resisting_law_in_doubt(self) -> bool:
-        """The residuals' trends lie mainly past the free strain, where an error of a gauge alone
-        would not: the factors on the resisting force depend on a law that the data contradict.
-        """
+        """Trends lie mainly past the free strain, where an error of a gauge alone would not."""
         return self.past_free_strain > _MAJORITY
 
     @property
@@ -167,15 +152,12 @@ class Diagnosis:
 class Calibration:
     """A muscle fitted to a record, with diagnostics.
 
-    - `muscle`: the fitted muscle; `start`: the muscle that the fit began with.
-    - `fit_data`: the readings that were fitted, and what became of the rest.
+    - `start`: the muscle that the fit began with.
     - `problem`: the least-squares problem, its noise that of the residuals.
-    - `coordinates`: of the fitted parameters at the minimum [-].
+    - `coordinates`: of the fitted parameters at the `minimum` [-].
     - `readings`: of a tuning, blocked forces and free strains, or `None`.
-    - `minimum`: covariance and noise there, as far as noise goes.
     - `free_strain`: the fitted muscle's at each level of the grid [-].
     - `solutions`: ends of all starts.
-    - `diagnosis`: residual diagnostics, likely causes, and the model's own error.
     - `profiles`: of the parameters that the linear interval leaves undetermined.
     """
 
@@ -239,7 +221,7 @@ class Calibration:
 
     @property
     def residual(self) -> np.ndarray:
-        """Measured less fitted force [N] at the places of the grid, NaN where none was measured."""
+        """Measured less fitted force [N] on the grid, NaN where none was measured."""
         return np.where(self.grid.measured, self.grid.force - self.force, np.nan)
 
     @cached_property
@@ -264,9 +246,7 @@ class Calibration:
 
     @property
     def contraction_rmse(self) -> float:
-        """Root mean square error of contractions [m] where these were read under set loads; else
-        NaN.
-        """
+        """Root mean square error of contractions read under set loads [m]; else NaN."""
         if not self.fit_data.reads_contraction:
             return float("nan")
         errors = self.problem.contraction_errors(self.force, self.fit_data)
@@ -274,9 +254,7 @@ class Calibration:
 
     @property
     def relative_rmse(self) -> float:
-        """Root mean square error over the largest measured force [-]; over the largest contraction
-        where contractions were read under set loads.
-        """
+        """Root mean square error over the largest force [-], or the largest contraction."""
         if self.fit_data.reads_contraction:
             return self.contraction_rmse / (self.length * self.fit_data.largest_strain)
         return self.rmse / largest_force(self.record)
@@ -294,33 +272,26 @@ class Calibration:
 
     @cached_property
     def covariance(self) -> np.ndarray:
-        """Covariance of the coordinates [-]: the sum of four parts.
-
-        They come from noise of the forces, from the curves of blocked force and free strain, from
-        scatter of the pressures, and from the model's error.
+        """Covariance of the coordinates [-]: from noise of the forces, the curves of blocked force
+        and free strain, scatter of the pressures, and the model's error.
         """
-        noise = self.minimum.covariance - self.minimum.from_curves
-        total = self.diagnosis.inflation * noise + self.minimum.from_curves
-        total = total + self.diagnosis.from_pressure
-        model = self.diagnosis.covariance
-        return total if model is None else total + model
+        diagnosis, from_curves = self.diagnosis, self.minimum.from_curves
+        noise = diagnosis.inflation * (self.minimum.covariance - from_curves)
+        return noise + from_curves + diagnosis.from_pressure + diagnosis.covariance
 
     @cached_property
     def parameters(self) -> tuple[Estimate, ...]:
         """Estimates of the fitted parameters, in the order of the covariance."""
         rows = estimates(self.problem, self.coordinates, self.covariance)
         profiles = {profile.name: profile for profile in self.profiles}
-        low, high = (
-            value_of(self.problem, self.problem.center + side * NORMAL * self.problem.deviation)
-            for side in (-1, 1)
-        )
-        rows = tuple(
-            _with_profile(e, profiles.get(e.name), *ends)
+        center, half = self.problem.center, NORMAL * self.problem.deviation
+        low, high = value_of(self.problem, center - half), value_of(self.problem, center + half)
+        rows = [
+            _with_profile(e, profiles[e.name], *ends) if e.name in profiles else e
             for e, *ends in zip(rows, low, high, strict=True)
-        )
-        return tuple(
-            replace(e, identifiable=False, bound="") if e.name in self.doubtful else e for e in rows
-        )
+        ]
+        unknown = {"identifiable": False, "bound": ""}
+        return tuple(replace(e, **unknown) if e.name in self.doubtful else e for e in rows)
 
     @property
     def measured_constants(self) -> tuple[str, ...]:
@@ -337,17 +308,16 @@ class Calibration:
     @property
     def other_sizes(self) -> tuple[tuple[Estimate, float], ...]:
         """Fitted sizes whose whole interval contradicts the given ones, and those [SI]."""
+        fittings = self.record.rest_length or float(self.start.length)
         sizes = []
         for estimate in self.parameters:
-            size, name = getattr(self.start, estimate.name, None), estimate.name
-            if name == "active_length":
-                size = self.record.rest_length or float(self.start.length)
+            # an active length may be shorter than the distance of the fittings, never longer
+            is_length = estimate.name == "active_length"
+            size = fittings if is_length else getattr(self.start, estimate.name, None)
             if size is None or not estimate.identifiable or estimate.dimension not in _SIZES:
                 continue
-            larger = estimate.low > (1 + CALIPERS) * size
-            smaller = estimate.high < (1 - CALIPERS) * size
-            # an active length may be shorter than the distance of the fittings, never longer
-            if larger or (smaller and name != "active_length"):
+            smaller = estimate.high < (1 - CALIPERS) * size and not is_length
+            if smaller or estimate.low > (1 + CALIPERS) * size:
                 sizes.append((estimate, float(size)))
         return tuple(sizes)
 
@@ -403,16 +373,8 @@ class Calibration:
         return self.loop is not None and (self.friction is None or self.friction.law is not None)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
-        """Draw coordinates from the fit's normal approximation.
-
-        Parameters that the data do not determine stay at their fitted value.
-
-        **Arguments:**
-
-        - `count`: number of draws.
-        - `seed`: random seed.
-
-        **Returns:** the coordinates [-], a row for each draw.
+        """Coordinates [-] of a `count` of draws from the fit's normal approximation, in rows;
+        parameters that the data do not determine stay at their fitted value.
         """
         determined = np.array([estimate.identifiable for estimate in self.parameters])
         covariance = np.where(np.outer(determined, determined), self.covariance, 0.0)
@@ -438,13 +400,10 @@ def estimates(
         else:
             step = NORMAL * deviation * (np.arange(z.size) == i)
             low, high = (value_of(problem, z + side * step)[i] for side in (-1, 1))
-        identifiable = is_identifiable(parameter, deviation, prior[i])
-        rows.append(
-            Estimate(
-                parameter.name, parameter.dimension, parameter.about, float(fitted[i]),
-                float(low), float(high), float(start[i]), float(deviation), identifiable,
-            )
-        )  # fmt: skip
+        name = parameter.name, parameter.dimension, parameter.about
+        known = is_identifiable(parameter, deviation, prior[i])
+        value, low, high, center = (float(x) for x in (fitted[i], low, high, start[i]))
+        rows.append(Estimate(*name, value, low, high, center, float(deviation), known))
     return tuple(rows)
 
 
@@ -456,32 +415,24 @@ def _prior_deviations(problem: Problem) -> np.ndarray:
     return np.array([usual[p.name] / GAUGE_UNITS[p.name] if p.of_gauge else d for p, d in pairs])
 
 
-def _with_profile(
-    estimate: Estimate, profile: Profile | None, lowest: float, highest: float
-) -> Estimate:
+def _with_profile(estimate: Estimate, profile: Profile, lowest: float, highest: float) -> Estimate:
     """An `estimate` with the ends of its `profile`; without those beyond the 90 % interval of its
     prior, `lowest` to `highest`, unless the data determine it.
     """
-    if profile is None:
+    ends, known = {}, profile.known
+    if np.isfinite(profile.low) and (known or profile.low > lowest):
+        ends["low"] = min(profile.low, estimate.value)
+    if np.isfinite(profile.high) and (known or profile.high < highest):
+        ends["high"] = max(profile.high, estimate.value)
+    if not ends:
         return estimate
-    low = np.isfinite(profile.low) and (profile.known or profile.low > lowest)
-    high = np.isfinite(profile.high) and (profile.known or profile.high < highest)
-    if not (low or high):
-        return estimate
-    bound = "" if profile.known or (low and high) else "lower" if low else "upper"
-    return replace(
-        estimate,
-        low=min(profile.low, estimate.value) if low else estimate.low,
-        high=max(profile.high, estimate.value) if high else estimate.high,
-        identifiable=profile.known,
-        bound=bound,
-    )
+    bound = "" if known or len(ends) == 2 else "lower" if "low" in ends else "upper"
+    return replace(estimate, **ends, identifiable=known, bound=bound)
 
 
 def is_identifiable(parameter: Parameter, deviation: float, prior: float) -> bool:
-    """The data without the prior determine a coordinate within a factor of e.
-
-    `deviation`, `prior`: standard deviations of the coordinate and of its prior [-].
+    """The data without the prior determine a coordinate within a factor of e; `deviation`, `prior`:
+    standard deviations of the coordinate and of its prior [-].
     """
     information = 1 / deviation**2 - 1 / prior**2
     # of a gauge: the data alone determine it to a third of its usual deviation

@@ -46,9 +46,8 @@ _RESISTING = ("buckling", "collapse", "post_collapse")
 
 @dataclass(frozen=True)
 class Row:
-    """One law against a record.
+    """One law against a record, with a number of `free` constants.
 
-    - `label`: the law; `free`: number of fitted constants.
     - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to.
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
     - `aic`, `bic`: (C6), less the smallest of a table [-].
@@ -86,26 +85,16 @@ def compare(
     post_collapse: Sequence[str] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Fit every combination of buckling, collapse and post-collapse law to a record.
-
-    A law of the muscle keeps its constants.
-
-    **Arguments:**
-
-    - `record`, `muscle`, `parameters`, `priors`: as of `fit`.
-    - `buckling`, `collapse`, `post_collapse`: names of laws; left out, all.
-    - `options`: loss, starts and seed, as of `fit`.
+    """Fit every combination of laws, by default all, to a record; other arguments as of `fit`. A
+    law of the muscle keeps its constants.
     """
     data, fits = select_fit_data(record, muscle), {}
-    laws = [
-        names or list(LAWS[kind])
-        for kind, names in zip(_RESISTING, (buckling, collapse, post_collapse), strict=True)
-    ]
+    chosen = zip(_RESISTING, (buckling, collapse, post_collapse), strict=True)
+    laws = [names or list(LAWS[kind]) for kind, names in chosen]
     for names in itertools.product(*laws):
         pairs = zip(_RESISTING, names, strict=True)
-        variant = muscle.replace(
-            **{k: name for k, name in pairs if name != getattr(muscle, k).name}
-        )
+        others = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
+        variant = muscle.replace(**others)
         # constants of the replaced laws are left out; `fit_data` raises for unknown names
         dropped = parameters_of(muscle).keys() - parameters_of(variant).keys()
         free = None if parameters is None else [n for n in parameters if n not in dropped]
@@ -121,19 +110,8 @@ def compare_tension(
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Fit all tension laws to a record.
-
-    Each is fitted with its usual constants, with and without a dead band; laws whose constants
-    were published for one muscle are compared as published.
-
-    **Arguments:**
-
-    - `record`: the measured readings.
-    - `muscle`: nominal sizes.
-    - `parameters`: free parameters of the muscle's law, and of other laws that have them; left
-      out, each law's usual ones.
-    - `priors`: as of `fit`, for those laws that have the parameter.
-    - `options`: loss, starts and seed, as of `fit`.
+    """Fit all tension laws to a record, with their usual constants or the `parameters` that they
+    have, with and without a dead band; other arguments as of `fit`.
     """
     data, settings = select_fit_data(record, muscle), FitOptions(**options)
     fits, present, requested = {}, muscle.tension.name, list(parameters or ())
@@ -185,10 +163,7 @@ def _ranked(fits: Mapping[str, Calibration]) -> LawComparison:
 
 
 def deviance(grid: Grid, force: np.ndarray) -> float:
-    """(C13) of a law's `force` [N] on a `grid`, less the number of measured forces [-].
-
-    Without clipped readings that number times the logarithm of the mean square error.
-    """
+    """(C13) of a law's `force` [N] on a `grid`, less the number of measured forces [-]."""
     used, clipped = grid.measured, grid.used & grid.censored
     # never zero, for the logarithm below
     n, top = int(np.sum(used)), float(np.max(np.abs(grid.force[used]), initial=1e-300))

@@ -91,12 +91,9 @@ class FitData:
     - `faults`: of the record's channels.
     - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
     - `gauge`: errors of the gauges that the readings were corrected for.
-    - `gauge_deviations`: standard deviations of those that readings without pressure determine
-      [SI unit of each], by name.
-    - `turning`: mask of the readings after a turn of their sweep, where friction still builds up;
-      `None`: no such.
-    - `reads_contraction`: loads were set, as masses that hang or none, and contractions read: their
-      error counts, not that of the force.
+    - `gauge_deviations`: standard deviations [SI] of those that readings without pressure show.
+    - `turning`: mask of the readings after a turn of their sweep, where friction still builds up.
+    - `reads_contraction`: loads were set and contractions read: their error counts.
     """
 
     record: Record
@@ -134,9 +131,7 @@ class FitData:
 
     @property
     def pulls(self) -> bool:
-        """True if all measured forces pull, so that they depend on the tension law alone; a muscle
-        without load is where its pull ends.
-        """
+        """True if all measured forces pull, so that they depend on the tension law alone."""
         return self.reads_contraction or (not self.pushes and not np.all(self.record.censored))
 
     @property
@@ -208,14 +203,11 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     force = np.where(record.censored, 0.0, record.force)
     record = replace(record, force=force)
     faults, measured = channel_faults(record), ~record.censored
-    ends = {
-        fault.kind: measured & (force == fault.value)
-        for fault in faults
-        if fault.kind in ("floor", "ceiling")
-    }
-    at_ceiling = ends.get("ceiling", np.zeros(len(record), dtype=bool))
-    censored = record.censored | ends.get("floor", False) | at_ceiling
-    record = replace(record, censored=censored)
+    ends = {fault.kind: fault.value for fault in faults if fault.channel == "force"}
+    at_floor, at_ceiling = (
+        measured & (force == ends.get(kind, np.nan)) for kind in ("floor", "ceiling")
+    )
+    record = replace(record, censored=record.censored | at_floor | at_ceiling)
     branch, ramp = record.branch.copy(), np.zeros(len(record), dtype=bool)
     has_branches = bool(np.any(branch != UNKNOWN))
     for run in runs(record):
@@ -227,19 +219,16 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
         left_out = {"on ramps between sweeps": ramps}
         note = f"{ramps} readings of ramps between sweeps left out of the fit"
         record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
-    data = fit_table(
-        replace(record, branch=branch), read=read, left_out=left_out, faults=faults,
-        at_ceiling=at_ceiling if np.any(at_ceiling) else None,
-        reads_contraction=has_set_loads(record),
-    )  # fmt: skip
+    facts: dict[str, Any] = {"read": read, "left_out": left_out, "faults": faults}
+    facts |= {"at_ceiling": at_ceiling if np.any(at_ceiling) else None}
+    record = replace(record, branch=branch)
+    data = fit_table(record, **facts, reads_contraction=has_set_loads(record))
     if muscle is None:
         return data
-    vented = read_vented(data.record, muscle)
-    turning = after_turns(data.record, float(muscle.length))
+    length, vented = float(muscle.length), read_vented(data.record, muscle)
+    turning = after_turns(data.record, length)
     data = replace(data, gauge_deviations=vented.deviations, turning=turning)
-    if vented.gauge.faults:
-        return data.corrected(vented.gauge, float(muscle.length))
-    return replace(data, gauge=vented.gauge)
+    return data.corrected(vented.gauge, length)
 
 
 def has_set_loads(record: Record) -> bool:
@@ -257,8 +246,8 @@ def has_set_loads(record: Record) -> bool:
 
 
 def after_turns(record: Record, length: float) -> np.ndarray | None:
-    """Mask of the readings so soon after a turn of their sweep that friction still builds up, by
-    the springs fitted to the loops; `length`: reference of strains without one [m].
+    """Mask of the readings so soon after a turn of their sweep that friction still builds up;
+    `length`: reference of strains without one [m].
     """
     length = record.rest_length or length
     friction = fit_friction(record, length) if np.any(record.branch == DOWN) else None
@@ -275,25 +264,23 @@ def after_turns(record: Record, length: float) -> np.ndarray | None:
 
 
 def thin(data: FitData) -> FitData:
-    """Fewer readings for the comparison of candidates: those of evenly chosen levels, the first and
-    the last among them, averaged where a level still holds many.
-    """
+    """Fewer readings for the comparison of candidates: evenly chosen levels, averaged if long."""
     levels = len(data.grid.pressure)
     chosen = np.unique(np.linspace(0, levels - 1, min(levels, _THIN_LEVELS)).round().astype(int))
     limit = max(_THIN_ENTRIES // chosen.size, _MIN_ENTRIES)
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
     rows = np.isin(data.level, chosen)
-    masks = {
-        name: None if mask is None else mask[rows]
-        for name, mask in (("at_ceiling", data.at_ceiling), ("turning", data.turning))
-    }
-    return fit_table(data.record.only(rows), limit, data, **masks)
+    at_ceiling, turning = (
+        None if mask is None else mask[rows] for mask in (data.at_ceiling, data.turning)
+    )
+    record = data.record.only(rows)
+    return fit_table(record, limit, data, at_ceiling=at_ceiling, turning=turning)
 
 
 def pulling_only(data: FitData) -> FitData:
     """Data in which pushes, and noise past the free strain, only say that the force is not above
-    0 N, for the tension law alone.
+    0 N.
     """
     if data.reads_contraction:
         return data
@@ -306,12 +293,8 @@ def pulling_only(data: FitData) -> FitData:
     at_ceiling = False if data.at_ceiling is None else data.at_ceiling
     force = np.where(clipped & ~np.asarray(at_ceiling), 0.0, record.force)
     record = replace(record, force=force, censored=clipped)
-    return fit_table(
-        record,
-        previous=data,
-        noise_clipped=data.noise_clipped + int(np.sum(noise)),
-        pushes_clipped=data.pushes_clipped + int(np.sum(below)),
-    )
+    noises, pushes = data.noise_clipped + int(noise.sum()), data.pushes_clipped + int(below.sum())
+    return fit_table(record, previous=data, noise_clipped=noises, pushes_clipped=pushes)
 
 
 def fit_table(
@@ -320,12 +303,11 @@ def fit_table(
     previous: FitData | None = None,
     **changes: Any,
 ) -> FitData:
-    """Table of a `record` by level of pressure; with more than `max_readings`, a level is averaged
-    in steps of strain. Further fields are those of `previous` data, with `changes`.
+    """Table of a `record` by level of pressure; a level of more than `max_readings` is averaged in
+    steps of strain. Further fields are those of `previous` data, with `changes`.
     """
     level = assign_levels(record.pressure)
-    order = np.argsort(level, kind="stable")
-    rows = np.split(order, np.flatnonzero(np.diff(level[order])) + 1)
+    rows = _rows(level, np.arange(len(record)))
     column = np.zeros(len(record), dtype=int)
     for points in rows:
         column[points] = _assign_columns(record, points, max_readings)
@@ -337,26 +319,29 @@ def fit_table(
         total = np.bincount(flat, values, minlength=count.size).reshape(shape)
         return total / np.maximum(count, 1)
 
-    grid = Grid(
-        pressure=np.array([[np.mean(record.pressure[points])] for points in rows]),
-        strain=mean(record.strain),
-        force=mean(record.force),
-        count=count,
-        censored=mean(record.censored) > 0.5,
-    )
-    time = np.full(shape, np.nan) if record.time is None else mean(record.time)
+    pressure = np.array([[np.mean(record.pressure[points])] for points in rows])
+    censored = mean(record.censored) > 0.5
+    grid = Grid(pressure, mean(record.strain), mean(record.force), count, censored)
+    time = np.full(shape, np.nan)
     if record.time is not None:
         start = float(np.min(record.time)) if previous is None else previous.gauge.start
+        time = np.where(count > 0, mean(record.time), np.nan)
         grid = replace(grid, elapsed=np.where(count > 0, time - start, 0.0))
     at_ceiling = changes.get("at_ceiling", None if previous is None else previous.at_ceiling)
     if at_ceiling is not None:
         grid = replace(grid, at_least=mean(at_ceiling) > 0.5)
-    branch, time = np.round(mean(record.branch)).astype(int), np.where(count > 0, time, np.nan)
-    table = {"record": record, "grid": grid, "level": level, "column": column, "branch": branch,
-             "time": time}  # fmt: skip
+    branch = np.round(mean(record.branch)).astype(int)
     if previous is None:
-        return FitData(**table, **{"read": len(record), **changes})
-    return replace(previous, **table, **changes)
+        changes = {"read": len(record), **changes}
+        return FitData(record, grid, level, column, branch, time, **changes)
+    place = {"level": level, "column": column, "branch": branch, "time": time}
+    return replace(previous, record=record, grid=grid, **place, **changes)
+
+
+def _rows(level: np.ndarray, order: np.ndarray) -> list[np.ndarray]:
+    """Indices of the readings of each level, in the given `order`."""
+    order = order[np.argsort(level[order], kind="stable")]
+    return np.split(order, np.flatnonzero(np.diff(level[order])) + 1)
 
 
 def assign_levels(pressure: np.ndarray) -> np.ndarray:
@@ -380,9 +365,8 @@ def _assign_columns(record: Record, points: np.ndarray, max_readings: int) -> np
         return np.arange(points.size)
     strain = record.strain[points]
     # clipped readings are never averaged with others, nor is one branch with the other
-    _, kind = np.unique(
-        2 * record.branch[points].astype(int) + record.censored[points], return_inverse=True
-    )
+    kind = 2 * record.branch[points].astype(int) + record.censored[points]
+    kind = np.unique(kind, return_inverse=True)[1]
     kinds = int(kind.max()) + 1
     steps = max(max_readings // kinds, 1)
     low, high = strain.min(), strain.max()
@@ -392,23 +376,18 @@ def _assign_columns(record: Record, points: np.ndarray, max_readings: int) -> np
 
 
 def _noise_past_free_strain(data: FitData, clipped: np.ndarray) -> np.ndarray:
-    """Mask of the readings that are noise: small forces past the strain where the pull ends.
-
-    At each pressure, that strain best separates `clipped` readings (a mask) from the others: a
-    force that fell to zero does not return. Without pressure it is the least strain.
+    """Mask of the readings that are noise: small forces past the strain where the pull ends, which
+    best separates `clipped` readings (a mask) from others; the least strain without pressure.
     """
     force, strain = data.record.force, data.record.strain
     mask, top = np.zeros(force.size, dtype=bool), float(np.max(force))
     idle = data.record.pressure < _IDLE * float(np.max(data.record.pressure))
-    order = np.lexsort((strain, data.level))
-    for points in np.split(order, np.flatnonzero(np.diff(data.level[order])) + 1):
+    for points in _rows(data.level, np.argsort(strain, kind="stable")):
         zero = clipped[points]
         if np.all(zero) or not (np.any(zero) or idle[points[0]]):
             continue
         # the strain that best separates readings that pull from those that don't
-        correct = np.concatenate([[0], np.cumsum(~zero)]) + np.concatenate(
-            [np.cumsum(zero[::-1])[::-1], [0]]
-        )
+        correct = np.append(0, np.cumsum(~zero)) + np.append(np.cumsum(zero[::-1])[::-1], 0)
         end = 0 if idle[points[0]] else int(np.argmax(correct))
         small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
         noise = (np.arange(points.size) >= end) & ~zero & small

@@ -33,9 +33,8 @@ $$C_d = \tau^2 (t/1.645)^2\, G B B^T G^T, \qquad G = (J^T J)^{-1} J^T, \tag{C12}
 
 with Student's quantile $t$, since $\tau$ is estimated from a few orders only.
 
-Each known cause changes the force in its own way over strain and pressure. The share of the
-residuals' sum of squares that such a change would explain, after the fit, is computed to first
-order: it hints at a cause and is no fit.
+The share of the residuals' squares that each known cause would explain, after the fit, is computed
+to first order: it hints at a cause and is no fit.
 
 **Assumes** that the discrepancy is smooth, and no larger where the fit absorbed it than elsewhere.
 **Source:** Fisher (1922); Wald and Wolfowitz (1940) for runs, here about zero; Kennedy and O'Hagan
@@ -76,16 +75,14 @@ _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """Residuals of the measured readings, followed by rows of the priors.
-
-    The priors' rows show what a constant held by its prior has not absorbed.
+    """Residuals of the measured readings, followed by rows of the priors, which show what a
+    constant held by its prior has not absorbed.
 
     - `residual`: measured less fitted force [N], times the root of the number of readings averaged.
     - `slopes`: its Jacobian [N] by the coordinates, then by the curves of the readings.
     - `weight`: root of the number of readings averaged; 0 for a prior.
-    - `strain`, `pressure`, `branch`, `time`, `force`: the record's strain [-], pressure [Pa],
-      branch and time [s] and the model's force [N] of each reading; meaningless for priors.
-    - `level`: index of the level of pressure.
+    - `strain` [-], `pressure` [Pa], `branch`, `time` [s], the model's `force` [N] and the `level`
+      of each reading; meaningless for priors.
     """
 
     residual: np.ndarray
@@ -116,9 +113,7 @@ class Residuals:
 
     @property
     def trend_columns(self) -> dict[str, np.ndarray]:
-        """Columns to regress residuals on, by name: branch, also times pressure, if both branches
-        occur; time, if it is known.
-        """
+        """Columns to regress residuals on: "branch" if both occur; "time", if it is known."""
         columns = {}
         if {1, -1} <= set(np.unique(self.readings.branch)):
             # a loop's width grows with pressure
@@ -133,10 +128,8 @@ class Residuals:
         return span(self.slopes)
 
     def complement(self, basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Orthonormal basis of the part of `columns` outside the span of an orthonormal `basis`.
-
-        Directions that lie mainly in the priors' rows are left out: a constant would absorb them
-        but for its prior.
+        """Orthonormal basis of the part of `columns` outside the span of an orthonormal `basis`,
+        without directions that a constant would absorb but for its prior.
         """
         Q = span(project_out(basis, columns))
         return Q[:, np.sum(Q[self.is_reading] ** 2, axis=0) > _READING_SHARE]
@@ -150,10 +143,9 @@ class Residuals:
 def diagnose(fit: Calibration) -> Diagnosis:
     """Diagnose the residuals of a `fit`."""
     residuals = residuals_of(fit)
-    diagnosis = find_trends(residuals)
+    effects, diagnosis = _effects_of_constants(fit, residuals), find_trends(residuals)
     diagnosis = replace(diagnosis, past_free_strain=_share_past(fit, residuals, diagnosis))
     covariance, discrepancy = _model_error(fit, residuals, diagnosis)
-    effects = _effects_of_constants(fit, residuals)
     return replace(
         diagnosis,
         inflation=autocorrelation_inflation(residuals, diagnosis),
@@ -183,13 +175,10 @@ def residuals_of(fit: Calibration) -> Residuals:
     prior_residual = (fit.coordinates - problem.center) * noise / problem.deviation
     pressure, level = np.broadcast_to(grid.pressure, measured.shape), np.indices(measured.shape)[0]
     columns = (grid.strain, pressure, data.branch, data.time, linear.force, level)
+    rows = [np.concatenate([residual, prior_residual]), np.concatenate([slopes, priors])]
     zeros = np.zeros(k)
-    return Residuals(
-        np.concatenate([residual, prior_residual]),
-        np.concatenate([slopes, priors]),
-        np.concatenate([weight, zeros]),
-        *(np.concatenate([values[measured], zeros]) for values in columns),
-    )
+    rows += [np.append(row, zeros) for row in (weight, *(values[measured] for values in columns))]
+    return Residuals(*rows)
 
 
 def span(columns: np.ndarray) -> np.ndarray:
@@ -219,11 +208,9 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     freedom = len(residuals.readings.residual) - constants - trend_space.shape[1]
     runs = _count_runs(residuals.readings)
     tests = len(runs) + (len(columns) if freedom >= _MIN_FREEDOM else 0)
-    diagnosis = Diagnosis(
-        runs=tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs),
-    )
+    runs = tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs)
     if freedom < _MIN_FREEDOM:
-        return diagnosis
+        return Diagnosis(runs=runs)
     y, squares = residuals.residual, max(residuals.squares, 1e-300)  # of a perfect fit: 0
     remainder = y - model @ (model.T @ y) - trend_space @ (trend_space.T @ y)
     variance = float(np.sum(remainder**2)) / freedom
@@ -246,18 +233,16 @@ def find_trends(residuals: Residuals) -> Diagnosis:
             break
         trends.append(replace(best, found=True))
         basis = span(np.hstack([basis, columns.pop(best.along)]))
-    return replace(diagnosis, trends=tuple(trends), noise=float(np.sqrt(variance)))
+    return Diagnosis(tuple(trends), runs, float(np.sqrt(variance)))
 
 
 def _trend_columns(residuals: Residuals) -> dict[str, np.ndarray]:
     """Weighted polynomials of mean square 1, by the direction of the trend."""
     strain = _legendre(residuals, residuals.strain, _ORDERS)
     pressure = _legendre(residuals, residuals.pressure, _ORDERS)
-    products = [
-        strain[:, i] * pressure[:, j]
-        for i, j in ((0, 0), (1, 0), (0, 1))
-        if i < strain.shape[1] and j < pressure.shape[1]
-    ]
+    S, P = strain.T, pressure.T
+    # orders 1 and 1, 2 and 1, 1 and 2, as far as there are
+    products = [s * p for i, s in enumerate(S[:2]) for p in P[: 2 - i]]
     # a constant error counts as one along strain
     kinds = {"strain": np.insert(strain, 0, 1.0, axis=1), "pressure": pressure}
     if products:
@@ -268,7 +253,7 @@ def _trend_columns(residuals: Residuals) -> dict[str, np.ndarray]:
     weight, scaled = residuals.weight**2, {}
     for along, columns in kinds.items():
         # never divides by zero: if all weights are zero, no column is left
-        square = np.sum(weight[:, None] * columns**2, axis=0) / max(float(weight.sum()), 1e-300)
+        square = weight @ columns**2 / max(float(weight.sum()), 1e-300)
         if np.any(square > 0):
             unit = columns[:, square > 0] / np.sqrt(square[square > 0])
             scaled[along] = residuals.weighted(unit)
@@ -328,10 +313,8 @@ def _cells(strain: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> float:
-    """Factor by which correlation along a sweep widens a variance [-].
-
-    $(1 + \\rho)/(1 - \\rho)$ with the correlation $\\rho$ of neighboring residuals, after the
-    significant trends; 1 unless $\\rho$ is significant.
+    """Factor by which correlation along a sweep widens a variance [-]: $(1 + \\rho)/(1 - \\rho)$
+    with the correlation $\\rho$ of neighboring residuals, after the significant trends.
     """
     y, readings, mask = residuals.residual, residuals.readings, residuals.is_reading
     if diagnosis.significant:
@@ -347,10 +330,8 @@ def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> flo
 
 
 def pressure_covariance(fit: Calibration, residuals: Residuals) -> np.ndarray:
-    """Covariance of the coordinates [-] from the standard errors of the levels' mean pressures.
-
-    All readings of a level are fitted at its mean pressure, so its error is common to them: more
-    readings don't average it out.
+    """Covariance of the coordinates [-] from the standard errors of the levels' mean pressures,
+    which are common to all readings of a level.
     """
     data, problem, k = fit.fit_data, fit.problem, len(fit.coordinates)
     measured, P = problem.tested, problem.grid.pressure
@@ -384,14 +365,13 @@ def discrepancy_sizes(residuals: Residuals, diagnosis: Diagnosis) -> list[tuple[
 
 def _model_error(
     fit: Calibration, residuals: Residuals, diagnosis: Diagnosis
-) -> tuple[np.ndarray | None, np.ndarray]:
+) -> tuple[np.ndarray | float, np.ndarray]:
     """Covariance that the model's error adds to that of the coordinates, (C12), and columns of the
-    error on the grid [N]; `None` and no columns without a significant trend.
+    error on the grid [N].
     """
-    problem, k = fit.problem, len(fit.coordinates)
-    measured = problem.tested
+    problem, k, measured = fit.problem, len(fit.coordinates), fit.problem.tested
     if not diagnosis.significant:
-        return None, np.zeros((*measured.shape, 0))
+        return 0.0, np.zeros((*measured.shape, 0))
     n = int(np.sum(measured))
     J, mask = fit.minimum.linear.slopes[:, :k], measured.reshape(-1)
     # change of the scaled residuals with each newton of model error
@@ -412,9 +392,7 @@ def _model_error(
 def force_slopes_of(
     problem: Problem, point: np.ndarray, parameters: tuple[Parameter, ...]
 ) -> np.ndarray:
-    """Slopes of the forces [N] at a `point` by coordinates of other `parameters`, on the last
-    axis.
-    """
+    """Slopes of the forces [N] at a `point` by coordinates of other `parameters`, last axis."""
     muscle = put(problem.parameters, problem.muscle, point)
     varied = replace(problem, muscle=muscle, parameters=parameters)
     z = np.asarray(coordinates(parameters, muscle), float)
@@ -426,25 +404,22 @@ def _effects_of_constants(fit: Calibration, residuals: Residuals) -> dict[Parame
     problem = fit.problem
     constants = tuple(parameter for parameter in problem.held if parameter not in FACTORS)
     slopes = force_slopes_of(problem, fit.coordinates, constants)[problem.tested]
-    priors = residuals.weight.size - len(slopes)
-    return {
-        constant: np.pad(column, (0, priors))
-        for constant, column in zip(constants, slopes.T, strict=True)
-        if np.all(np.isfinite(column))
-    }
+    columns = np.pad(slopes, ((0, residuals.weight.size - len(slopes)), (0, 0))).T
+    pairs = zip(constants, columns, strict=True)
+    return {constant: column for constant, column in pairs if np.all(np.isfinite(column))}
 
 
 def _confounded_constants(
     fit: Calibration, residuals: Residuals, effects: dict[Parameter, np.ndarray]
 ) -> tuple[str, ...]:
     """Names of constants that were not fitted and that the data can't tell from the fitted ones."""
-    names = []
-    for constant, column in effects.items():
+
+    def information(column: np.ndarray) -> float:
         distinct = project_out(residuals.model_subspace, residuals.weighted(column))
-        information = float(np.sum(distinct**2)) / fit.minimum.solved_noise**2
-        if constant.name != "dead_band" and information * KNOWN**2 < 1:
-            names.append(constant.name)
-    return tuple(names)
+        return float(np.sum(distinct**2)) / fit.minimum.solved_noise**2
+
+    names = [c.name for c, column in effects.items() if information(column) * KNOWN**2 < 1]
+    return tuple(name for name in names if name != "dead_band")
 
 
 def _share_past(fit: Calibration, residuals: Residuals, diagnosis: Diagnosis) -> float:

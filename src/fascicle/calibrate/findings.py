@@ -41,11 +41,9 @@ def _note(code: str, **data: Any) -> Finding:
 
 def _of_gauges(calibration: Calibration) -> Iterator[Finding]:
     """Errors of the gauges, and faults of the channels."""
-    fitted = {estimate.name: estimate for estimate in calibration.parameters}
+    ends = {e.name: {"low": e.low, "high": e.high} for e in calibration.parameters}
     for name, value in calibration.gauge.faults.items():
-        estimate = fitted.get(name)
-        ends = {} if estimate is None else {"low": estimate.low, "high": estimate.high}
-        yield _warning(f"gauge.{name}", value=value, **ends)
+        yield _warning(f"gauge.{name}", value=value, **ends.get(name, {}))
     for fault in calibration.fit_data.faults:
         if fault.kind != "floor":  # its readings are among those that are clipped
             data = {"channel": fault.channel, "value": fault.value, "count": fault.count}
@@ -62,15 +60,13 @@ def _of_residuals(calibration: Calibration) -> Iterator[Finding]:
     elif diagnosis.is_white_noise and calibration.relative_rmse > LARGE_ERROR:
         yield _warning("fit.noisy", relative_rmse=calibration.relative_rmse)
     if not diagnosis.is_white_noise:
-        yield _warning(
-            "residuals.pattern",
-            trends={trend.along: trend.share for trend in diagnosis.significant},
-            runs=[
-                {"along": run.along, "pairs": run.pairs, "changes": run.changes}
-                for run in diagnosis.autocorrelated
-            ],
-            causes=[vars(cause) for cause in diagnosis.causes],
-        )
+        trends = {trend.along: trend.share for trend in diagnosis.significant}
+        runs = [
+            {"along": run.along, "pairs": run.pairs, "changes": run.changes}
+            for run in diagnosis.autocorrelated
+        ]
+        causes = [vars(cause) for cause in diagnosis.causes]
+        yield _warning("residuals.pattern", trends=trends, runs=runs, causes=causes)
     if not calibration.parameters:
         return
     if diagnosis.significant and np.max(calibration.wider) >= _WIDER:
@@ -106,28 +102,26 @@ def _of_coverage(calibration: Calibration) -> Iterator[Finding]:
 def _of_constants(calibration: Calibration) -> Iterator[Finding]:
     """Constants that the data do not determine, or only together."""
     estimates, doubtful = calibration.parameters, calibration.doubtful
-    limits = [
-        {"name": e.name, "dimension": e.dimension, "bound": e.bound,
-         "value": e.high if e.bound == "upper" else e.low}
-        for e in estimates if e.bound
-    ]  # fmt: skip
+    limits = []
+    for e in (e for e in estimates if e.bound):
+        value = e.high if e.bound == "upper" else e.low
+        limits.append({"name": e.name, "dimension": e.dimension, "bound": e.bound, "value": value})
     if limits:
         yield _warning("constants.limited", limits=limits)
-    names = [
-        e.name for e in estimates if not (e.identifiable or e.bound) and e.name not in doubtful
-    ]
-    if names:
+    unknown = [e.name for e in estimates if not (e.identifiable or e.bound)]
+    if names := [name for name in unknown if name not in doubtful]:
         yield _warning("constants.undetermined", constants=names)
     if doubtful:
         yield _warning("constants.law_in_doubt", constants=list(doubtful))
     if confounded := list(calibration.diagnosis.confounded):
         yield _note("constants.confounded", constants=confounded)
     determined = [(i, e) for i, e in enumerate(estimates) if e.identifiable]
+    correlation = np.abs(calibration.correlation)
     tied = [
-        (abs(float(calibration.correlation[i, j])), first, second)
+        (float(correlation[i, j]), first, second)
         for i, second in determined
         for j, first in determined
-        if j < i and abs(calibration.correlation[i, j]) > _TIED
+        if j < i and correlation[i, j] > _TIED
     ]
     if tied:
         tied.sort(key=lambda pair: -pair[0])
@@ -165,15 +159,12 @@ def _of_curves(calibration: Calibration) -> Iterator[Finding]:
 
 
 def _of_use(calibration: Calibration) -> Iterator[Finding]:
-    """Findings on the use of the muscle: a loop of friction that was not measured, strains that
-    refer to a fitted length, and fitted sizes that contradict the given ones.
-    """
-    rest_length = calibration.record.rest_length
+    """No loop of friction, strains by a fitted length, and sizes that contradict the given ones."""
     if calibration.loop is None:
         yield _note("use.no_loop")
     if "active_length" in calibration.names:
-        length = float(calibration.muscle.length)
-        yield _note("use.fitted_length", length=length, reference=rest_length)
+        length, reference = float(calibration.muscle.length), calibration.record.rest_length
+        yield _note("use.fitted_length", length=length, reference=reference)
     for estimate, nominal in calibration.other_sizes:
         data = {"dimension": estimate.dimension, "value": estimate.value}
         yield _warning("use.other_size", constant=estimate.name, nominal=nominal, **data)
@@ -181,13 +172,9 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict on a calibration.
+    """Verdict on a calibration: `fit` is one of `FITS`; errors as of the calibration.
 
-    - `fit`: one of `FITS`.
-    - `rmse`: root mean square error [N]; `contraction_rmse`: of contractions that were read under
-      set loads [m], else NaN; `relative_rmse`: over the largest force, or contraction [-].
     - `pulling_rmse`, `resisting_rmse`: below and past the free strain [N]; NaN without readings.
-    - `torque_rmse`: of the joint's torque [N·m]; NaN without moment arms.
     - `left_out_rmse`: at readings left out of the fit, over the largest force [-]; NaN if unknown.
     - `undetermined`, `limits`: constants that the data do not determine, and those with one limit.
     """
@@ -205,10 +192,8 @@ class Verdict:
 
 
 def judge(calibration: Calibration, selection: Selection | None = None) -> Verdict:
-    """Verdict: one word of `FITS`, errors and undetermined constants; the `selection`, if any,
-    gives the error at left-out readings.
-
-    The size of the errors comes first: a fit is good only if they are small.
+    """Verdict on a `calibration`; a `selection` gives the error at left-out readings. The size of
+    the errors comes first: a fit is good only if they are small.
     """
     diagnosis = calibration.diagnosis
     chosen = [c for c in selection.candidates if c.chosen] if selection else []

@@ -25,11 +25,11 @@ from .data import FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
 from .gauges import GAUGE_NAMES, Gauge, default_deviations
 from .least_squares import (
+    FIRST_NOISE,
     LOSSES,
     ROUGH,
     Problem,
     Solution,
-    first_noise,
     minimum_at,
     search_minimum,
     solve_with_noise,
@@ -60,11 +60,7 @@ _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior knowledge of a parameter.
-
-    - `value`: expected value [SI unit of the parameter].
-    - `deviation`: its standard deviation [the same].
-    """
+    """Expected `value` of a parameter and its standard `deviation` [SI unit of the parameter]."""
 
     value: float
     deviation: float
@@ -157,9 +153,8 @@ def _with_binding_priors(
 ) -> Calibration:
     """The `calibration`, or a fit in which readings weigh as much as the model's error lets them.
 
-    Readings that only scatter outweigh a prior though the model's error makes the constant less
-    certain than the prior does. Then their noise is multiplied by the ratio of both, which has the
-    model's error in the weights: a prior is a reading like others, and no interval is wider.
+    By their scatter alone readings may outweigh a prior though the model's error makes the constant
+    less certain than the prior does. Then their noise is multiplied by the ratio of both.
     """
     names, variances = calibration.names, np.diag(calibration.covariance)
     given = np.isin(names, list(priors))
@@ -170,7 +165,7 @@ def _with_binding_priors(
     weight = problem.weight / np.max(calibration.wider[loose])
     solution = solve_with_noise(replace(problem, weight=weight), calibration.coordinates[None])
     bound = replace(_calibration(data, solution), start=calibration.start)
-    error_in_weights = {"inflation": 1.0, "from_pressure": 0.0, "covariance": None}
+    error_in_weights = {"inflation": 1.0, "from_pressure": 0.0, "covariance": 0.0}
     return replace(bound, diagnosis=replace(diagnose(bound), **error_in_weights))
 
 
@@ -185,9 +180,8 @@ def set_up_problem(
     muscle = with_optional_laws(to_numpy(muscle), names or ())
     names = FACTOR_NAMES if names is None else names
     free = select_parameters(names, muscle) if names else ()
-    tuning = options.tune
-    if tuning is None:
-        tuning = bool(names) and all(name in FACTOR_NAMES for name in names)
+    only_factors = bool(names) and set(names) <= set(FACTOR_NAMES)
+    tuning = only_factors if options.tune is None else options.tune
     _check_data(data, free)
     pulls = data.pulls and (data.reads_contraction or not options.whole)
     gauges = gauge_priors(data, float(muscle.length), pulls)
@@ -203,7 +197,7 @@ def set_up_problem(
         start,
         data.grid,
         (data.settled if loop else data.grid.used).astype(float),
-        first_noise(data.grid),
+        FIRST_NOISE * float(np.max(np.abs(data.grid.force))),
         np.asarray(coordinates(free, start, gauge), float),
         np.array([_prior_deviation(p, start, gauge, priors.get(p.name)) for p in free]),
         free,
@@ -232,11 +226,8 @@ def set_up_problem(
 
 
 def fits_loop(data: FitData, names: Collection[str], options: FitOptions) -> bool:
-    """The hysteresis loop is fitted beside the constants `names`, and readings after a turn, where
-    it is not as wide yet, are left out.
-
-    It is by the `options`, or if the names contain errors of gauges: these are smaller than a loop,
-    which would hide them.
+    """The hysteresis loop is fitted beside the constants `names`, without the readings after a
+    turn: by the `options`, or if the names contain errors of gauges, which a loop would hide.
     """
     both = {UP, DOWN} <= set(np.unique(data.branch).tolist())
     return both and (options.loop or not set(names).isdisjoint(GAUGE_NAMES))
@@ -244,10 +235,7 @@ def fits_loop(data: FitData, names: Collection[str], options: FitOptions) -> boo
 
 def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Prior]:
     """Priors of the gauges' errors, by name, narrowed by readings without pressure; `length`: of
-    the muscle [m].
-
-    `only_pulls`: readings without pressure are not fitted, so their forces give priors. If they
-    are fitted, only their pressures do: otherwise their forces would count twice.
+    the muscle [m]; `only_pulls`: these are not fitted, else their forces would count twice.
     """
     grid, names = data.grid, GAUGE_NAMES if only_pulls else ("pressure_zero",)
     vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
@@ -272,9 +260,8 @@ def _with_corrected_readings(data: FitData, solution: Solution) -> tuple[FitData
 
 def on_length(data: FitData, muscle: Muscle) -> Grid:
     """Table of `data` with strains relative to the length of the `muscle` [-]."""
-    if data.record.rest_length is None:
-        return data.grid
-    scale = data.record.rest_length / float(muscle.length)
+    length = float(muscle.length)
+    scale = (data.record.rest_length or length) / length
     return replace(data.grid, strain=data.grid.strain * scale)
 
 
@@ -298,12 +285,9 @@ def solve_problem(problem: Problem, readings: Readings | None, options: FitOptio
         solution = solve_with_noise(problem, starts, covariance, ROUGH)
     if readings is None:
         return solution
-    joint = fit_jointly(
-        solution.problem, readings, solution.point, max(options.starts, 1), options.seed,
-        solution.minimum.covariance,
-    )  # fmt: skip
-    if joint is None:
-        return solution._replace(readings=readings)
+    count, covariance = max(options.starts, 1), solution.minimum.covariance
+    joint = fit_jointly(solution.problem, readings, solution.point, count, options.seed, covariance)
+    joint = joint or solution._replace(readings=readings)
     return joint._replace(ends=solution.ends)
 
 
@@ -313,7 +297,8 @@ def _calibration(data: FitData, solution: Solution) -> Calibration:
     if not np.all(np.isfinite(minimum.linear.residuals)):
         rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
-    muscle, grid = put(problem.parameters, problem.muscle, point), problem.grid
+    start, grid, ends = problem.muscle, problem.grid, solution.ends
+    muscle = put(problem.parameters, start, point)
     P, tuning = grid.pressure[:, 0], muscle.tuning
     if readings is None:
         offset = np.interp(np.maximum(P - tuning.dead_band, 0.0), tuning.pressures, tuning.c1)
@@ -328,10 +313,7 @@ def _calibration(data: FitData, solution: Solution) -> Calibration:
         fitted = FittedLength(float(muscle.length), with_ends=not END_PARAMETERS.isdisjoint(names))
         muscle = with_fields(muscle, fitted_length=fitted)
     problem = replace(problem, noise=minimum.noise)
-    return Calibration(
-        muscle, solution.problem.muscle, data, problem, point, readings, minimum, free_strain,
-        solution.ends,
-    )  # fmt: skip
+    return Calibration(muscle, start, data, problem, point, readings, minimum, free_strain, ends)
 
 
 def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
@@ -387,8 +369,7 @@ def _coordinate_of(parameter: Parameter, muscle: Muscle, value: float) -> float:
 
     try:
         # values are monotone in their coordinates; e^60 is beyond any constant's range
-        root: Any = brentq(excess, -60.0, 60.0, xtol=1e-14)
-        return float(root)
+        return float(brentq(excess, -60.0, 60.0, xtol=1e-14))  # pyright: ignore[reportArgumentType]
     except ValueError:
         rule, text = f"of {parameter.name} is out of its range in this muscle", f"{value:g} (SI)"
         raise InvalidInputError("priors", rule, value, "check its unit", shown=text) from None

@@ -38,10 +38,10 @@ class Friction:
     """Widths of a record's hysteresis loops, and the sliding springs fitted to them.
 
     - `law`: the springs; `None` where the loops are no wider than their scatter.
-    - `width`: measured pull of the returning branch less that of the contracting one [N].
-    - `fitted_width`: width of the springs' loop at the same readings [N].
-    - `breakaway`: distance from a turn to the slip of each spring, at the highest pressure [m].
-    - `resolved`: for each spring, that distance exceeds a step of the readings.
+    - `width`, `fitted_width`: pull of the returning branch less that of the contracting one [N],
+      measured and of the springs.
+    - `breakaway`: distance from a turn to the slip of each spring, at the highest pressure [m];
+      `resolved`: it exceeds a step of the readings.
     - `pressures`: number of pressures with both branches.
     """
 
@@ -66,9 +66,7 @@ class Friction:
 
 @dataclass(frozen=True, eq=False)
 class _Loops:
-    """Readings with both branches: pressure [Pa], distances from the first and the last turn [m],
-    width [N]; `step` between readings [m], number of `levels`.
-    """
+    """Readings with both branches; distances from either turn, and `step` between readings [m]."""
 
     pressure: np.ndarray
     from_start: np.ndarray
@@ -79,15 +77,8 @@ class _Loops:
 
 
 def fit_friction(record: Record, length: float) -> Friction | None:
-    """Friction of a muscle: sliding springs, fitted to the hysteresis loops of a record.
-
-    **Arguments:**
-
-    - `record`: with both branches of its sweeps.
-    - `length`: reference of its strains [m].
-
-    **Returns:** the friction, without a law where the loops are no wider than their scatter; `None`
-    without a pressure that was measured on both branches.
+    """Fit sliding springs to the hysteresis loops of a `record`; `length`: reference of its strains
+    [m]. `None` without a pressure that was measured on both branches.
     """
     loops = _loops(record, length)
     if loops is None:
@@ -96,11 +87,9 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(n):
         return Friction(None, width, 0.0 * width, np.zeros(0), (), loops.levels)
     fits = [_fit_springs(loops, count) for count in range(1, _MAX_SPRINGS + 1)]
-    smallest = _MIN_ERROR * float(np.mean(width))
+    errors = np.maximum([fit.rmse for fit in fits], _MIN_ERROR * float(np.mean(width)))
     # two numbers for each spring: its share and its distance
-    costs = [
-        2 * n * np.log(max(fit.rmse, smallest)) + 2 * k * np.log(n) for k, fit in enumerate(fits)
-    ]
+    costs = 2 * n * np.log(errors) + 2 * np.arange(len(fits)) * np.log(n)
     return fits[int(np.argmin(costs))]
 
 
@@ -110,17 +99,15 @@ def _loops(record: Record, length: float) -> _Loops | None:
     rows = [row for level in levels if (row := _loop(record, level)) is not None]
     if not rows:
         return None
-    step = float(np.median([np.median(np.diff(np.sort(row[1]))) for row in rows]))
-    P, from_start, from_end, width = (
-        np.concatenate(portion) for portion in zip(*rows, strict=True)
-    )
+    step = float(np.median([np.median(np.diff(np.sort(row[1:2]))) for row in rows]))
+    columns = np.concatenate(rows, axis=1)
     # at a turn both branches are one reading
-    inside = np.minimum(from_start, from_end) > step / 2
-    P, from_start, from_end, width = (x[inside] for x in (P, from_start, from_end, width))
+    inside = np.minimum(columns[1], columns[2]) > step / 2
+    P, from_start, from_end, width = columns[:, inside]
     return _Loops(P, length * from_start, length * from_end, width, length * step, len(rows))
 
 
-def _loop(record: Record, level: list[Run]) -> tuple[np.ndarray, ...] | None:
+def _loop(record: Record, level: list[Run]) -> np.ndarray | None:
     """Pressure, distances from either turn [strain] and width of one level's readings."""
     if not {UP, DOWN} <= {run.branch for run in level}:
         return None
@@ -135,8 +122,7 @@ def _loop(record: Record, level: list[Run]) -> tuple[np.ndarray, ...] | None:
     # a turn lies at or beyond each reading, but for noise
     from_start = np.maximum(strain - all_strains.min(), 0.0)
     from_end = np.maximum(all_strains.max() - strain, 0.0)
-    columns = (half_way.record.pressure, from_start, from_end, half_way.width)
-    return tuple(column[good] for column in columns)
+    return np.array([half_way.record.pressure, from_start, from_end, half_way.width])[:, good]
 
 
 def _fit_springs(loops: _Loops, count: int) -> Friction:
@@ -172,8 +158,7 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
     results = []
     for fraction in (0.05, 0.4):  # of the stroke: the longest distance to begin with
         distances = np.linspace(shortest, np.log(fraction * stroke), count + 2)[1:-1]
-        # a start inside the bounds
-        distances = np.clip(distances, shortest + 1e-3, longest)
+        distances = np.clip(distances, shortest + 1e-3, longest)  # inside the bounds
         start = np.concatenate([np.zeros(count), distances, h])
         results.append(least_squares(residuals, start, bounds=(low, high), x_scale=scale))
     z = min(results, key=lambda result: result.cost).x

@@ -87,13 +87,8 @@ class Gauge:
     def correct(
         self, record: Record, length: float | None = None, previous: "Gauge | None" = None
     ) -> Record:
-        """Readings of perfect gauges from those of a `record`.
-
-        **Arguments:**
-
-        - `record`: readings as the gauges gave them.
-        - `length`: reference of the record's strains [m]; default: the record's rest length.
-        - `previous`: gauge that has corrected them before.
+        """Readings of perfect gauges from those of a `record`; `length`: reference of its strains
+        [m], by default its rest length; `previous`: gauge that has corrected them before.
         """
         previous = previous or PERFECT
         length = record.rest_length if length is None else length
@@ -116,9 +111,8 @@ PERFECT = Gauge()
 def default_deviations(
     force: np.ndarray, pressure: np.ndarray, elapsed: Any, length: float
 ) -> dict[str, float]:
-    """Standard deviations of the priors of a gauge's errors [SI unit of each], by name.
-
-    `force`, `pressure`, `elapsed`: readings [N], [Pa], [s]; `length`: of the muscle [m].
+    """Standard deviations of the priors of a gauge's errors [SI], by name, from readings of `force`
+    [N], `pressure` [Pa] and time `elapsed` [s], and the muscle's `length` [m].
     """
     top = max(float(np.max(np.abs(force))), 1e-9)  # N: a deviation is never zero
     duration = float(np.ptp(elapsed)) or 1.0
@@ -132,8 +126,8 @@ def default_deviations(
 
 
 class VentedReadings(NamedTuple):
-    """Errors of the gauges from readings without pressure: a `gauge` with significant zeros and
-    drift, and standard `deviations` of what the readings determine [SI unit of each].
+    """A `gauge` with the errors that readings without pressure show significantly, and standard
+    `deviations` of all that they determine [SI].
     """
 
     gauge: Gauge
@@ -141,10 +135,8 @@ class VentedReadings(NamedTuple):
 
 
 def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
-    """Zeros of the gauges from a record's readings without pressure, as the gauges gave them; those
-    of channels whose zero was given are not read.
-
-    The stiffness of the `muscle` bounds its push near the rest length.
+    """Zeros of the gauges from a record's readings without pressure, but of channels whose zero was
+    given. The stiffness of the `muscle` bounds its push near the rest length.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
@@ -170,10 +162,8 @@ def _read_load_cell(
     record: Record, muscle: Muscle, vented: np.ndarray
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Clear zero and drift of the load cell from the `vented` readings next to the rest length, and
-    standard deviations of what they determine [SI], by name.
-
-    However the column buckles, it pushes no harder than a straight muscle and no less than
-    nothing. An error counts if it is clear at both ends of this range.
+    standard deviations of what they determine [SI], by name. However the column buckles, it pushes
+    no harder than a straight muscle: an error counts if it is clear with this push and without.
     """
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
     strain = np.maximum(record.strain * scale, 0.0)
@@ -219,12 +209,8 @@ def reading_noise(force: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class ChannelFault:
-    """A fault of a record's channel.
-
-    - `kind`: "floor", "ceiling" or "saturation".
-    - `channel`: "force", "pressure" or "displacement".
-    - `value`: the end of the range [SI unit of the channel; -, a strain, of a displacement].
-    - `count`: number of readings that it affects.
+    """A "floor", "ceiling" or "saturation" of the "force", "pressure" or "displacement", at a
+    `value` [SI; -, a strain, of a displacement] that a `count` of readings have.
     """
 
     kind: str
@@ -236,24 +222,23 @@ class ChannelFault:
 def channel_faults(record: Record) -> tuple[ChannelFault, ...]:
     """Faults of the channels of a `record`, as the gauges gave it."""
     faults = []
-    for kind, upper in (("floor", False), ("ceiling", True)):
-        mask = readings_at_end(record.force, upper, ~record.censored)
-        if np.any(mask):
-            value = float(record.force[mask][0])
-            faults.append(ChannelFault(kind, "force", value, int(np.sum(mask))))
-    for channel, values in (("pressure", record.pressure), ("displacement", record.strain)):
-        mask = readings_at_end(values, True)
-        if np.any(mask) and np.unique(values).size > _DISTINCT * np.sum(~mask):
-            value = float(values[mask][0])
-            faults.append(ChannelFault("saturation", channel, value, int(np.sum(mask))))
+    for kind, channel, values in (
+        ("floor", "force", record.force),
+        ("ceiling", "force", record.force),
+        ("saturation", "pressure", record.pressure),
+        ("saturation", "displacement", record.strain),
+    ):
+        valid = ~record.censored if channel == "force" else True
+        mask = readings_at_end(values, kind != "floor", valid)
+        varies = channel == "force" or np.unique(values).size > _DISTINCT * np.sum(~mask)
+        if np.any(mask) and varies:
+            faults.append(ChannelFault(kind, channel, float(values[mask][0]), int(np.sum(mask))))
     return tuple(faults)
 
 
 def readings_at_end(values: np.ndarray, upper: bool, valid: np.ndarray | bool = True) -> np.ndarray:
-    """Mask of the readings at a floor of their channel, or at a ceiling (`upper`).
-
-    They have exactly the extreme value of the `valid` readings. An end of exactly zero doesn't
-    count: the file has to declare that zeros are clipped.
+    """Mask of the readings at a floor of their channel, or at a ceiling (`upper`): with exactly the
+    extreme value of the `valid` ones, but zero: the file has to declare that zeros are clipped.
     """
     valid = np.broadcast_to(valid, values.shape)
     distinct, counts = np.unique(values[valid], return_counts=True)

@@ -23,7 +23,6 @@ from .parameters import WEAK
 
 
 _CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
-_POINTS, _REACH = 11, 3.0  # of a profile by default: steps of 0.6 standard deviations
 _TOLERANCE = 3e-4  # of a cost of some hundreds: 5 % of the critical rise, 3 % of its distance
 
 
@@ -38,36 +37,23 @@ def with_profiles(calibration: Calibration) -> Calibration:
 
 def profiles(
     calibration: Calibration,
-    points: int = _POINTS,
-    reach: float = _REACH,
+    points: int = 11,
+    reach: float = 3.0,
     names: Collection[str] | None = None,
 ) -> tuple[Profile, ...]:
-    """Profile likelihoods of a calibration's parameters, over at most `points` held values of each.
+    """Profile likelihoods of a calibration's parameters, by default of all.
 
-    A profile ends on either side where it passes the critical rise.
-
-    **Arguments:**
-
-    - `calibration`: the calibration; profiles that it has already are not computed again.
-    - `points`: largest number of values that a profile holds its parameter at, odd.
-    - `reach`: distance of the first and last from the fitted value, in standard deviations [-].
-    - `names`: of these parameters; all by default.
-
-    **Returns:** the profiles in the order of the parameters.
+    Each holds its parameter at up to `points` values, an odd number, within `reach` standard
+    deviations, and ends where it passes the critical rise.
     """
     steps = np.linspace(-reach, reach, points)
     # noise is held at its fitted value: the rise counts in proportion to noise's part of variance
     minimum = calibration.minimum
     noise = np.diag(minimum.covariance - minimum.from_curves)
     noise_share = noise / np.diag(calibration.covariance)
-    default = (points, reach) == (_POINTS, _REACH)
-    present = {profile.name: profile for profile in calibration.profiles} if default else {}
     out = []
     for i, name in enumerate(calibration.names):
         if names is not None and name not in names:
-            continue
-        if name in present:
-            out.append(present[name])
             continue
         value, coordinate, rise = _profile(calibration, i, steps, noise_share[i])
         width = np.ptp(_crossings(coordinate, rise))
@@ -80,8 +66,8 @@ def profiles(
 def _profile(
     calibration: Calibration, index: int, steps: np.ndarray, noise_share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Profile of a parameter: its held values [SI unit] and coordinates [-], and the rise of the
-    deviance after a refit at each [-], times `noise_share`; `steps` in standard deviations [-].
+    """Held values [SI unit] and coordinates [-] of a parameter, and the rise of the deviance after
+    a refit at each [-], times `noise_share`; `steps` in standard deviations [-].
     """
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
     other_columns = np.delete(np.arange(z.size), index)

@@ -9,17 +9,15 @@ the other sign of $F - \mu$ not below it, the gauge's ceiling),
 
 $$r = \sqrt{-2 \ln \Phi((F - \mu)/\sigma)}, \tag{C2}$$
 
-so that half the sum of squares is the negative logarithm of the likelihood: nothing where
-the model pushes, and as much as any other deviation where it pulls. Each coordinate's
-prior adds $(z - z_0)/\tau$. MINPACK's Levenberg-Marquardt walks from several starts; forces are
-NumPy's, their slopes finite differences. At the minimum, with the Jacobian $J$ of the residuals by
-the coordinates, and $S$ by the readings' curves, whose own covariance is $\Sigma_s$,
+so that half the sum of squares is the negative logarithm of the likelihood. Each coordinate's prior
+adds $(z - z_0)/\tau$. MINPACK's Levenberg-Marquardt walks from several starts. At the minimum, with
+the Jacobian $J$ of the residuals by the coordinates, and $S$ by the readings' curves, whose own
+covariance is $\Sigma_s$,
 
 $$C = (J^T J)^{-1} + K \Sigma_s K^T, \qquad K = (J^T J)^{-1} J^T S. \tag{C3}$$
 
 The readings come from where the muscle pulls and the factors from where it resists, so the
-two parts are independent. This is what noise alone makes unsure; what the residuals show
-beside noise comes on top of it (`diagnostics`).
+two parts are independent. Errors of the model come on top of this noise (`diagnostics`).
 
 Where loads were set and contractions read, the deviation of a force is the effective one,
 
@@ -27,8 +25,8 @@ $$\sigma_i = \sigma_\varepsilon \left| \partial F / \partial \varepsilon \right|
 
 with law and slopes at the contractions at which the model bears the loads.
 
-A coordinate is a logarithm or like one. It is called *identifiable* if the data alone, the
-prior taken off, know it to a deviation below 1, a factor of e either way.
+A coordinate is *identifiable* if the data without the prior know it to a deviation below 1, a
+factor of e either way.
 
 **Source:** Tobin (1958) for censored regression; Orear (1982) for the effective variance.
 """
@@ -71,7 +69,7 @@ _NO_NUMBER = 1e9  # deviations, for a residual where the law has no number
 _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
 _NOISE_ROUNDS = 6  # three are usual until the noise settles, five the most that was seen
-_FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
+FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
 _FIRST_STRAIN = 0.01  # the same, of contractions
 _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
 _LEAST_SPREAD = 0.05  # of the typical slope: where the force hardly depends on strain, force errs
@@ -82,14 +80,12 @@ STATUS = ("converged", "stopped", "broke")  # no step gains, all steps taken, no
 Vector = Float[AnyArray, "parameter"]
 
 
-@dataclass(frozen=True, eq=False)
-class Linearization:
-    """A problem at a point. Columns are coordinates, then the curves' coefficients.
+class Linearization(NamedTuple):
+    """A problem at a point: `residuals` of the readings, then of the priors [-], with their
+    Jacobian `slopes`; `force` of the model at the readings [N], with its Jacobian `force_slopes`
+    [N] on the last axis; `misfits`, the readings' residuals before any loss [-].
 
-    - `residuals`: the readings' row by row, then the priors' [-]; `slopes`: their Jacobian.
-    - `force`: of the model at the readings' places [N]; `force_slopes`: its Jacobian [N],
-      columns on the last axis.
-    - `misfits`: the readings' residuals before any loss [-].
+    Columns are coordinates, then the curves' coefficients.
     """
 
     residuals: np.ndarray
@@ -101,25 +97,20 @@ class Linearization:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Data, a muscle to begin with, and the parameters that are free.
-
-    A point is the coordinates of the parameters, in a joint fit followed by the coefficients of
-    the readings' curves.
+    """Data, a muscle to begin with, and the parameters that are free. A point is their coordinates,
+    in a joint fit followed by the coefficients of the readings' curves.
 
     - `weight`: of each reading's residual [-]; 0 leaves it out.
     - `noise`: $\\sigma$ [N] of one reading.
     - `center`, `deviation`: of the prior on each number of a point.
     - `rest_length`: that the data's strains refer to [m]; `None`: the muscle's own.
-    - `curves`: coefficients of the readings' curves that give $C_1$, $C_2$; `None` where the
-      muscle's own tuning holds.
-    - `pulls`: whether the tension law is all that is needed, since nothing pushed.
+    - `curves`: coefficients of the curves of $C_1$, $C_2$; `None`: the muscle's own tuning.
+    - `pulls`: nothing pushed, so the tension law is enough.
     - `held`: parameters that aren't free, of which the data may tell something.
     - `gauge`: errors of the gauges that the data are corrected for.
-    - `branch`: of each reading, for a hysteresis loop that is fitted beside the static force;
-      `None`: loops are errors.
-    - `strain_slope`: root mean square slope of the force with strain [N] at the readings, where
-      contractions are in error, not forces; else 0. The readings then are `observed`, and the
-      grid's are linear about the model's contractions.
+    - `branch`: of each reading, for a fitted hysteresis loop; `None`: loops are errors.
+    - `strain_slope`: root mean square slope of the force with strain [N] where contractions are in
+      error, else 0. The readings then are `observed`, the grid is linear about the model's.
     """
 
     muscle: Muscle
@@ -149,9 +140,7 @@ class Problem:
         return SmoothCurves(self.muscle, self.grid.pressure[:, 0], top_pressure(self.grid))
 
     def muscle_at(self, point: AnyArray) -> Muscle:
-        """The muscle at a `point`; its tuning has the $C_1$, $C_2$ of the readings' curves, if the
-        problem has these. A batch of muscles at points with further axes.
-        """
+        """The muscle at a `point`, or a batch of them, with the $C_1$, $C_2$ of any curves."""
         k = len(self.parameters)
         muscle = put(self.parameters, self.muscle, point[:k])
         coefficients = self.curves if len(point) == k else point[k:, ..., None]
@@ -174,13 +163,10 @@ class Problem:
         return self.grid.strain * self._strain_scale(muscle)
 
     def _strain_scale(self, muscle: Muscle) -> Batch:
-        """Contractions of a `muscle` over the data's strains [-]."""
         return 1.0 if self.rest_length is None else self.rest_length / muscle.length
 
     def force(self, point: AnyArray) -> Table:
-        """Forces [N] of the model at the readings' places, 0 where a row is filled up; further axes
-        of a `point` come first.
-        """
+        """Forces [N] of the model at the readings, 0 for padding; axes of a batch come first."""
         point_at_levels = point[..., None] if point.ndim > 1 else point
         muscle, gauge = self.muscle_at(point_at_levels), self.gauge_at(point_at_levels)
         level, order = self._places
@@ -209,9 +195,7 @@ class Problem:
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Level of each used place, row by row, and the index among them of each of the table's
-        places, -1 for those filled up.
-        """
+        """Level of each reading, row by row, and its index at each entry; -1 for padding."""
         used = self.grid.used
         order = np.full(used.shape, -1)
         order[used] = np.arange(np.sum(used))
@@ -227,9 +211,8 @@ class Problem:
         """
         columns = np.arange(len(point)) if columns is None else columns
         # curves' coefficients are newtons, the others logarithms
-        size = np.where(
-            columns < len(self.parameters), 1.0, np.maximum(1.0, np.abs(point[columns]))
-        )
+        newtons = np.maximum(1.0, np.abs(point[columns]))
+        size = np.where(columns < len(self.parameters), 1.0, newtons)
         size = size * (_SECOND_ORDER if fine else _FIRST_ORDER)
         step = size * (np.arange(len(point))[:, None] == columns)
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
@@ -265,9 +248,7 @@ class Problem:
 
     @property
     def tested(self) -> np.ndarray:
-        """Mask of the measured entries whose residuals are to be noise: all but those after a turn
-        where a loop is fitted.
-        """
+        """Mask of the measured entries but those after a turn where a loop is fitted."""
         measured: np.ndarray = self.grid.measured
         return measured if self.branch is None else measured & (self.weight > 0)
 
@@ -278,23 +259,17 @@ class Problem:
         return (self.grid.force - force)[data.level, data.column]
 
     def contraction_errors(self, force: Table, data: FitData) -> np.ndarray:
-        """Errors of strain [-] of each reading of `data` beside a model's `force` [N], where
-        contractions were in error.
-        """
+        """Errors of contraction [-] of each reading of `data` beside a model's `force` [N]."""
         slope = np.broadcast_to(self.grid.spread, self.grid.count.shape) * self.strain_slope
         return self.errors(force, data) / slope[data.level, data.column]
 
     def residuals(self, point: Vector, force: Table) -> np.ndarray:
-        """All residuals [-] at a `point` with its `force` [N]: the readings' under the loss, then
-        the priors'.
-        """
+        """Residuals [-] at a `point` with its `force` [N]: readings' under the loss, priors'."""
         softened, _ = soften(self.misfits(force)[0], self.loss)
         return np.concatenate([softened.reshape(-1), (point - self.center) / self.deviation])
 
     def slopes(self, force: Table, force_slopes: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Jacobian of the residuals [-], from that of the forces [N]; `columns`: indices of the
-        coordinates that both are for.
-        """
+        """Jacobian of the residuals [-] by the coordinates `columns`, from that of forces [N]."""
         misfits, by_force = self.misfits(force)
         softer = (by_force * soften(misfits, self.loss)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
@@ -303,7 +278,7 @@ class Problem:
 
 def force_at_levels(law: Piecewise, pressure: Batch, level: np.ndarray, strain: Batch) -> Batch:
     """Forces [N] of a `law` at `strain` [-] on the last axis, each at a `level` of the `pressure`
-    [Pa] on its last axis: what depends on pressure alone is computed once for each level.
+    [Pa]: what depends on pressure alone is computed once for each level.
     """
     at_levels = law.at(pressure)
     free_strain = at_levels.column.free_strain[..., level]
@@ -318,10 +293,8 @@ def force_at_levels(law: Piecewise, pressure: Batch, level: np.ndarray, strain: 
 
 
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
-    """Friction [N] in the readings of a `grid`, fitted to residuals from a static `force` [N].
-
-    Least-squares fit of a constant, a term in pressure and a term in force, with the sign of the
-    `branch`; readings without `weight` don't count.
+    """Friction [N] in a `grid`, fitted by least squares to residuals from a static `force` [N]: a
+    constant, a term in pressure and one in force, with the sign of the `branch`.
     """
     xp = array_namespace(force)
     terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
@@ -348,37 +321,23 @@ def soften(r: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linearization:
-    """Linearize a problem at a `point`; `by_curves`: with columns for the tuning's curves, too, if
-    the point has none.
-    """
+    """Linearize a problem at a `point`; `by_curves`: with columns for a tuning's curves, too."""
     both = point
-    if by_curves and problem.curves is not None and len(point) == len(problem.parameters):
+    if by_curves and problem.curves is not None:
         both = np.concatenate([point, problem.curves])
     force, force_slopes = problem.force_and_slopes(both, fine=True)
-    return Linearization(
-        problem.residuals(point, force),
-        problem.slopes(force, force_slopes, np.arange(len(both))),
-        force,
-        force_slopes,
-        problem.misfits(force)[0],
-    )
+    residuals, misfits = problem.residuals(point, force), problem.misfits(force)[0]
+    slopes = problem.slopes(force, force_slopes, np.arange(len(both)))
+    return Linearization(residuals, slopes, force, force_slopes, misfits)
 
 
 class SearchEnds(NamedTuple):
-    """Ends of a search, one for each start: point, half the sum of squares [-], status, and number
-    of steps.
-    """
+    """Ends of a search by start: point, half the sum of squares [-], status, number of steps."""
 
     points: np.ndarray
     cost: np.ndarray
     status: np.ndarray
     steps: np.ndarray
-
-    @property
-    def rows(self) -> list[tuple[float, str, int]]:
-        """Cost [-], status and number of steps of each end."""
-        status = [STATUS[number] for number in self.status]
-        return list(zip(self.cost.tolist(), status, self.steps.tolist(), strict=True))
 
     @property
     def best(self) -> int:
@@ -397,10 +356,8 @@ def solve(
     free_columns: np.ndarray | None = None,
     tolerance: float = FINE,
 ) -> SearchEnds:
-    """Minimize a `problem` by Levenberg-Marquardt from each row of `starts`.
-
-    `free_columns`: indices of the numbers that move, by default all; `tolerance`: a walk ends where
-    a step wins no more of the cost [-].
+    """Minimize a `problem` by Levenberg-Marquardt from each row of `starts`, by the numbers
+    `free_columns`, by default all, until a step wins no more than the `tolerance` of the cost [-].
     """
     columns = np.arange(starts.shape[1]) if free_columns is None else free_columns
     ends = [_walk(problem, start, columns, tolerance) for start in np.asarray(starts, float)]
@@ -454,10 +411,8 @@ def _walk(
 
 
 def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
-    """Cost [-] that a whole Gauss-Newton step would take off.
-
-    Along a direction that the data hardly determine, coordinates creep long after the fit has
-    settled.
+    """Cost [-] that a whole Gauss-Newton step would take off: coordinates that the data hardly
+    determine creep long after the fit has settled.
     """
     basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
     # a direction this much weaker than the strongest is rounding of the slopes
@@ -468,37 +423,21 @@ def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
 def starts_around(
     center: np.ndarray, count: int, seed: int = 0, covariance: np.ndarray | None = None
 ) -> np.ndarray:
-    """A `count` of starts of a search: the `center`, then random ones about it; about twice the
-    deviations of a `covariance` away, without one within a factor of 2.
+    """A `count` of starts: the `center`, then random ones within a factor of 2, or about twice the
+    deviations of a `covariance` away.
     """
-    rng = np.random.default_rng(seed)
+    rng, shape = np.random.default_rng(seed), (count - 1, center.size)
     if covariance is None:
-        random_starts = center + np.log(2) * rng.uniform(-1, 1, (count - 1, center.size))
-    else:
-        spread, basis = np.linalg.eigh(np.nan_to_num(covariance))
-        normal = rng.normal(size=(count - 1, center.size))
-        random_starts = center + 2 * normal @ (basis * np.sqrt(np.clip(spread, 0, _FARTHEST**2))).T
-    return np.concatenate([center[None], random_starts])
+        return np.concatenate([center[None], center + np.log(2) * rng.uniform(-1, 1, shape)])
+    spread, basis = np.linalg.eigh(np.nan_to_num(covariance))
+    scaled = basis * np.sqrt(np.clip(spread, 0, _FARTHEST**2))
+    return np.concatenate([center[None], center + 2 * rng.normal(size=shape) @ scaled.T])
 
 
-def starts_beside(problem: Problem, point: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Starts beside a `point`, a step of a unit to either side along each coordinate that the data
-    don't determine there by its `covariance`: a collapse beyond all readings may lie among them
-    one step further.
-    """
-    unit = np.array([parameter.deviation / WEAK for parameter in problem.parameters])
-    undetermined = np.diag(covariance) > (KNOWN * unit) ** 2
-    steps = np.diag(unit)[undetermined]
-    return np.concatenate([point + steps, point - steps])
-
-
-@dataclass(frozen=True, eq=False)
-class Minimum:
-    """A minimum of a problem, at the noise that the residuals show there.
-
-    - `covariance`: of the coordinates, `from_curves` the part that readings cause.
-    - `noise`: of one reading [N].
-    - `solved_noise`: that the problem was solved with [N], and `linear`: the problem there.
+class Minimum(NamedTuple):
+    """A minimum of a problem: `covariance` of the coordinates, `from_curves` the part that the
+    readings' curves cause; the `noise` of a reading by the residuals, and the `solved_noise` of the
+    problem [N], which is `linear` there.
     """
 
     covariance: np.ndarray
@@ -509,9 +448,7 @@ class Minimum:
 
 
 class Solution(NamedTuple):
-    """Best `point` of a search [-], its `minimum`, the `problem` with the noise there, and all
-    `ends`; of a tuning also the `readings`.
-    """
+    """Best `point` of a search [-], its `minimum`, and all `ends`; `readings` of a tuning."""
 
     problem: Problem
     ends: SearchEnds
@@ -539,32 +476,20 @@ def minimum_at(
 
 
 def residual_noise(problem: Problem, misfits: np.ndarray, parameter_count: int) -> float:
-    """Standard deviation of a single reading [N], from `misfits` in units of the problem's noise
-    [-], about a model with `parameter_count` free parameters.
-    """
+    """Standard deviation of a single reading [N], from `misfits` over the problem's noise [-]."""
     fitted = (problem.weight > 0) & problem.grid.measured
     r = misfits[fitted] / problem.weight[fitted] * problem.noise
-    if problem.loss != "linear":
-        # outliers that the loss plays down must not come back as noise
+    usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameter_count, 1)))
+    if problem.loss != "linear":  # outliers that the loss plays down must not come back as noise
         usual = 1.4826 * float(np.median(np.abs(r))) if r.size else 0.0
-    else:
-        usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameter_count, 1)))
     return usual if usual > 0 else problem.noise
 
 
-def first_noise(grid: Grid) -> float:
-    """Noise of a reading [N] that a search begins with."""
-    return _FIRST_NOISE * float(np.max(np.abs(grid.force)))
-
-
 def with_effective_errors(problem: Problem, point: np.ndarray) -> Problem:
-    """The `problem` about the contractions at which the muscle of a `point` bears the loads, (C15).
-
-    There a reading's error of contraction is one of the force; slopes at the readings themselves
-    would depend on their errors, and bias the fit.
+    """The `problem` about the contractions at which the muscle of a `point` bears the loads, (C15);
+    slopes at the readings themselves would depend on their errors, and bias the fit.
     """
-    observed, grid = problem.observed or problem.grid, problem.grid
-    used = grid.used
+    observed, grid, used = problem.observed or problem.grid, problem.grid, problem.grid.used
     shifted = [replace(grid, strain=grid.strain + side * _STRAIN_STEP) for side in (-1, 1)]
     low, high = (replace(problem, grid=ends).force(point) for ends in shifted)
     slope = np.where(used, (high - low) / (2 * _STRAIN_STEP), 0.0)
@@ -578,10 +503,8 @@ def with_effective_errors(problem: Problem, point: np.ndarray) -> Problem:
     force = observed.force - slope * (observed.strain - strain)
     # the noise in strain stays, or is that of a first guess
     noise = problem.noise / problem.strain_slope if problem.strain_slope else _FIRST_STRAIN
-    return replace(
-        problem, grid=replace(grid, strain=strain, force=force, spread=-slope / mean),
-        observed=observed, strain_slope=mean, noise=noise * mean,
-    )  # fmt: skip
+    grid = replace(grid, strain=strain, force=force, spread=-slope / mean)
+    return replace(problem, grid=grid, observed=observed, strain_slope=mean, noise=noise * mean)
 
 
 def solve_with_noise(
@@ -590,10 +513,8 @@ def solve_with_noise(
     curves_covariance: np.ndarray | None = None,
     tolerance: float = FINE,
 ) -> Solution:
-    """Solve a problem, and find the noise that its own solution leaves.
-
-    What a clipped reading says depends on the noise, and the noise on the fit; where none is
-    clipped, only priors weigh against it, and one round is enough.
+    """Solve a problem, and find the noise that its own solution leaves: what a clipped reading says
+    depends on the noise, and the noise on the fit.
     """
     # which start leads lowest shows long before each has settled: only that one goes on
     ends = solve(problem, starts, tolerance=ROUGH)
@@ -632,14 +553,15 @@ def search_minimum(
     problem, first, best, minimum, _ = solution
     if problem.pulls:
         return solution
-    nearby_starts = np.concatenate([
-        starts_around(best, len(starts), seed, minimum.covariance),
-        starts_beside(problem, best, minimum.covariance),
-    ])  # fmt: skip
+    # a collapse beyond all readings may lie among them one unit further along any coordinate that
+    # the data don't determine
+    unit = np.array([parameter.deviation / WEAK for parameter in problem.parameters])
+    steps = np.diag(unit)[np.diag(minimum.covariance) > (KNOWN * unit) ** 2]
+    around = starts_around(best, len(starts), seed, minimum.covariance)
     # the second takes the noise that the first one left: priors weigh against it
     first = first._replace(cost=first.cost * (problem.noise / minimum.noise) ** 2)
     problem = replace(problem, noise=minimum.noise)
-    nearby = solve(problem, nearby_starts, tolerance=ROUGH)
+    nearby = solve(problem, np.concatenate([around, best + steps, best - steps]), tolerance=ROUGH)
     best = solve(problem, nearby.best_point[None]).points[0]
     ends = SearchEnds(*map(np.concatenate, zip(first, nearby, strict=True)))
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))

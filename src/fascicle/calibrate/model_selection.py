@@ -1,15 +1,11 @@
 """Model selection: choice of the free constants of a muscle, by cross-validation.
 
 While a muscle pulls, its force depends on the tension law alone. So the free constants are first
-selected there, on the record as a gauge that only pulls would have seen it. Candidates are the
-muscle as given, then its sizes, its rubber, both, each with a dead band, and the paper's tuning.
-The two constants of the rubber are free together: with one of them fixed at a value that nobody
-measured the other constants would look too certain. Every other constant that changes the pull is
-tried beside sizes and rubber, alone and with all others. A set with a constant at the end of its
-range is excluded. The wall thickness stays as given: the force depends on its product with the
-rubber's constants. Where the record shows resisting force,
-the best candidate and the paper's tuning are then fitted to all readings, with the factors on the
-resisting force.
+selected there, on the record as a gauge that only pulls would have seen it. The two constants of
+the rubber are free together: with one of them fixed at a value that nobody measured the other
+constants would look too certain. The wall thickness stays as given: the force depends on its
+product with the rubber's constants. Where the record shows resisting force, the best candidate and
+the paper's tuning are then fitted to all readings, with the factors on the resisting force.
 
 Pressures are left out one by one, or a few neighbors at a time where there are many; with too few
 to interpolate between them, stretches of strain are. Of the candidates that are no worse than the
@@ -75,17 +71,14 @@ Priors = Mapping[str, Prior]
 class Candidate:
     """A set of free constants, tried by the model selection.
 
-    - `names`: of its free constants.
     - `method`: "tuning" or "constants".
     - `constants`: number of fitted numbers, with those of a tuning's curves.
     - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to; of
       contractions that were read under set loads [-].
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force, or contraction [-].
     - `readings`: compared readings: "pulling" or "all".
-    - `violation`: code of what makes the fitted muscle impossible: "length", an active length above
-      the muscle's; "bound", a constant at the end of its range; else empty.
-    - `value`: the impossible length [m].
-    - `chosen`: it was selected.
+    - `violation`: what makes the fitted muscle impossible: "length", an active length above the
+      muscle's, of this `value` [m]; "bound", a constant at the end of its range; else empty.
     - `left_out_errors`: of its predictions, reading by reading; NaN for clipped ones.
     """
 
@@ -110,12 +103,10 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """A selected calibration.
+    """The fit of the selected constants to all readings, and all sets that were compared.
 
-    - `calibration`: the fit of the selected constants to all readings.
-    - `candidates`: all sets that were compared.
-    - `by_strain`: stretches of strain were left out in turn, not pressures.
-    - `compared`: number of readings that the candidates were compared on.
+    `by_strain`: stretches of strain were left out in turn, not pressures; `compared`: number of
+    readings that the candidates were compared on.
     """
 
     calibration: Calibration
@@ -161,11 +152,8 @@ def select_model(
     if not np.any(pulling.grid.measured):  # `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
     trials, noise = _pulling_trials(pulling, muscle, extended, priors, options, progress)
-    compared = thin(data)
-    facts = {
-        "by_strain": _measured_levels(data.grid).size < _MIN_LEVELS,
-        "compared": len(compared.record),
-    }
+    compared, by_strain = thin(data), _measured_levels(data.grid).size < _MIN_LEVELS
+    count = len(compared.record)
     if data.pulls:
         best = select(trials, noise, loss)
         progress("fitting")
@@ -173,18 +161,16 @@ def select_model(
         names = None if tune else best.names
         options = replace(options, tune=tune)
         fitted = fit_data(data, muscle, names, _priors_of(priors, names or ()), options)
-        return Selection(fitted, _mark_chosen(trials, best), **facts)
+        return Selection(fitted, _mark_chosen(trials, best), by_strain, count)
     best = select([trial for trial in trials if trial.method == "constants"], noise, loss)
-    muscle = with_optional_laws(muscle, best.names)
-    full_trials, searches = _full_trials(
-        compared, muscle, priors, options, best.names, noise, progress
-    )
+    muscle, free = with_optional_laws(muscle, best.names), best.names
+    full_trials, searches = _full_trials(compared, muscle, priors, options, free, noise, progress)
     final = select(full_trials, noise, loss)
     options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
     progress("fitting all readings")
     fitted = fit_data(data, muscle, final.names, _priors_of(priors, final.names), options)
     candidates = (*_mark_chosen(trials, best), *_mark_chosen(full_trials, final))
-    return Selection(fitted, candidates, **facts)
+    return Selection(fitted, candidates, by_strain, count)
 
 
 def make_candidate(
@@ -198,27 +184,21 @@ def make_candidate(
     readings: str = "pulling",
     violation: tuple[str, float] = ("", float("nan")),
 ) -> Candidate:
-    """Candidate with its errors.
-
-    `errors`: of the fit, `left_out`: of fits without the reading [N]; NaN for clipped ones. `top`:
-    the largest measured force [N]. `violation`: its code and value.
+    """Candidate with its `errors` and those of fits without the reading, `left_out` [N]; NaN for
+    clipped ones. `top`: the largest measured force [N]. `violation`: its code and value.
     """
     rmse, left_out_rmse = error_size(errors, loss), error_size(left_out, loss)
     # candidates are compared on all readings: one that can't predict some of them is out
     if not np.all(np.isfinite(left_out) | ~np.isfinite(errors)):
         left_out_rmse = float("nan")
     sizes = rmse, left_out_rmse, rmse / top, left_out_rmse / top
-    return Candidate(
-        names, method, constants, *sizes, readings, *violation, left_out_errors=left_out
-    )
+    return Candidate(names, method, constants, *sizes, readings, *violation, False, left_out)
 
 
 def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
-    """Select the candidate with the fewest constants among those that are no worse than the best.
-
-    Its squared errors may exceed the best one's by a standard error of their sum; by 2 % of the
-    best one's error beyond the `noise` of a reading [N], 0 where it is unknown; or by one reading's
-    average share, which any constant gains on noise.
+    """Select the candidate with the fewest constants whose squared errors exceed the best one's by
+    no more than a standard error of their sum, 2 % of the error beyond the `noise` of a reading [N]
+    (0 where it is unknown), or one reading's average share, which any constant gains on noise.
 
     **Raises:** `InvalidInputError` if no fit has a left-out error.
     """
@@ -292,11 +272,8 @@ def possible_gauge_errors(data: FitData) -> list[str]:
     """
     if data.reads_contraction:
         return []
-    names = [
-        name
-        for name, channel in (("force_zero", "force"), ("pressure_zero", "pressure"))
-        if channel not in data.record.zeroed
-    ]
+    channels = (channel for channel in ("force", "pressure") if channel not in data.record.zeroed)
+    names = [f"{channel}_zero" for channel in channels]
     time = data.record.time
     if time is None or "force" in data.record.zeroed or np.ptp(time) <= 0:
         return names
@@ -312,9 +289,9 @@ def candidate_sets(
     required: Collection[str] = (),
     gauges: Collection[str] = (),
 ) -> list[Names]:
-    """Sets of constants to compare: none, the sizes, the rubber, both, each with a dead band, sizes
-    and both with the errors of the `gauges`; both with each `optional` constant, and with all of
-    them. The `required` ones are in each.
+    """Sets of constants to compare, each with the `required` ones: none, the sizes, the rubber,
+    both, each with a dead band; sizes, and both, with the errors of the `gauges`; both with each
+    `optional` constant, and with all of them.
     """
     usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
@@ -353,8 +330,8 @@ def _pulling_trials(
     options: FitOptions,
     progress: Callable[[str], object],
 ) -> tuple[list[Candidate], float]:
-    """Fits of candidate sets of constants, and of the tuning, to readings that pull, and the noise
-    of a reading [N], 0 where it can't be seen. `extended`: the muscle with its optional laws.
+    """Candidates on readings that pull, and the noise of a reading [N], 0 where it can't be seen;
+    `extended`: the muscle with its optional laws.
     """
     constants_with_priors = [name for name in priors if name not in FACTOR_NAMES]
     # errors that readings without pressure show are fitted with every candidate
@@ -408,11 +385,10 @@ def _try_constants(
             violation = "bound", float("nan")
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force
-    errors, top = _errors(data, problem, force), _largest(data)
-    trial = make_candidate(
-        names, "constants", len(names), errors, _errors(data, problem, left_out), options.loss, top,
-        violation=violation,
-    )  # fmt: skip
+    errors = _errors(data, problem, force), _errors(data, problem, left_out)
+    top = data.largest_strain if data.reads_contraction else largest_force(data.record)
+    facts = options.loss, top, "pulling", violation
+    trial = make_candidate(names, "constants", len(names), *errors, *facts)
     free = (parameter.name for parameter in problem.parameters)
     return trial, dict(zip(free, point.tolist(), strict=True))
 
@@ -421,19 +397,17 @@ def _errors(data: FitData, problem: Problem, force: np.ndarray) -> np.ndarray:
     """Errors of a model's `force` [N]; of contractions [-] where these were read."""
     if data.reads_contraction:
         return problem.contraction_errors(force, data)
-    errors = data.errors(force)
+    return _settled(data, data.errors(force))
+
+
+def _settled(data: FitData, errors: np.ndarray) -> np.ndarray:
+    """The `errors` of readings, NaN after a turn of their sweep."""
     return errors if data.turning is None else np.where(data.turning, np.nan, errors)
 
 
-def _largest(data: FitData) -> float:
-    """Largest measured force [N], or contraction [-]."""
-    return data.largest_strain if data.reads_contraction else largest_force(data.record)
-
-
 def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Candidate]:
-    """Candidate of the paper's tuning, if blocked force and free strain can be read.
-
-    `loop`: the hysteresis loop is fitted beside it, as beside the other candidates.
+    """Candidate of the paper's tuning, if blocked force and free strain can be read; `loop`: with a
+    hysteresis loop beside it.
     """
     grid = on_length(data, muscle)
     curves = SmoothCurves(muscle, grid.pressure[:, 0], top_pressure(grid))
@@ -458,9 +432,7 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Ca
     if loop:
         weight = data.settled.astype(float)
         forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
-    errors = [data.errors(force) for force in forces]
-    if data.turning is not None:
-        errors = [np.where(data.turning, np.nan, row) for row in errors]
+    errors = [_settled(data, data.errors(force)) for force in forces]
     return [make_candidate((), "tuning", fitted[1], *errors, loss, largest_force(data.record))]
 
 
@@ -473,8 +445,7 @@ def _full_trials(
     noise: float,
     progress: Callable[[str], object],
 ) -> tuple[list[Candidate], list[FitOptions]]:
-    """Candidates on pulling and resisting readings, and the options of a search from each one's
-    end.
+    """Candidates on all readings, and the options of a search from each one's end.
 
     Tried are the paper's tuning; the constants `names`, which are best where the muscle pulls, with
     the factors on the resisting force and without; and these factors alone. Where residuals are not
@@ -502,17 +473,19 @@ def _full_trials(
         curves = 0 if fitted.readings is None else fitted.readings.order + 3
         left_out = fitted.fit_data.errors(left_out_force(fitted))  # corrected as the fit is
         violation = _length_violation(data, muscle, fitted.muscle, free, priors)
-        trial = make_candidate(
-            free, fitted.method, len(free) + curves, fitted.errors, left_out, options.loss,
-            top_force, "all", violation,
-        )  # fmt: skip
+        facts = options.loss, top_force, "all", violation
+        count = len(free) + curves
+        trial = make_candidate(free, fitted.method, count, fitted.errors, left_out, *facts)
         return trial, search, fitted
 
     for free, tune in attempts:
         trial, search, fitted = attempt(free, tune)
         trials.append(trial)
         searches.append(search)
-        if tune or fitted.diagnosis.is_white_noise or not _may_have_zero(data, free):
+        # without the factors the resisting force is the law's, and a zero would make up for it
+        may_have_zero = {*FACTOR_NAMES} <= {*free} and _ZERO not in free
+        may_have_zero &= "force" not in data.record.zeroed
+        if tune or fitted.diagnosis.is_white_noise or not may_have_zero:
             continue
         zeroed, search, fitted = attempt((*free, _ZERO), tune)
         if _shows_zero(fitted) and select([trial, zeroed], noise, options.loss) is zeroed:
@@ -523,19 +496,9 @@ def _full_trials(
     return trials, searches
 
 
-def _may_have_zero(data: FitData, names: Names) -> bool:
-    """True where a zero of the load cell may be fitted beside the constants `names`.
-
-    Without the factors the resisting force is the law's as given, and a zero would make up for it.
-    """
-    factors = {*FACTOR_NAMES} <= {*names}
-    return factors and _ZERO not in names and "force" not in data.record.zeroed
-
-
 def _shows_zero(fitted: Calibration) -> bool:
-    """True where a fit shows a zero of the load cell: clearly, and with residuals like noise.
-
-    Where residuals vary, the law is in error, and a zero would only make up for some of it.
+    """A fit shows a zero of the load cell clearly, and with residuals like noise: where these vary,
+    the law is in error, and a zero would only make up for some of it.
     """
     zero = next(estimate for estimate in fitted.parameters if estimate.name == _ZERO)
     deviation = (zero.high - zero.low) / (2 * NORMAL)
@@ -543,9 +506,8 @@ def _shows_zero(fitted: Calibration) -> bool:
 
 
 def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) -> np.ndarray:
-    """Forces [N] on the grid, each of a refit without its fold, begun at a `point`.
-
-    `static`: without a loop that was fitted beside them.
+    """Forces [N] on the grid, each of a refit without its fold, begun at a `point`; `static`:
+    without a loop that was fitted beside them.
     """
     force = np.full(problem.grid.force.shape, np.nan)
     for fold in folds(problem.grid):
@@ -560,9 +522,7 @@ def _predicted_force(problem: Problem, point: np.ndarray, static: bool = False) 
 def _length_violation(
     data: FitData, muscle: Muscle, fitted: Muscle, names: Names, priors: Priors
 ) -> tuple[str, float]:
-    """Code and active length [m] of a muscle longer than the distance of its fittings; empty and
-    NaN for others, and where the length isn't free or has a prior.
-    """
+    """Code and active length [m] of a muscle longer than the distance of its fittings."""
     length, rest_length = float(fitted.length), data.record.rest_length or float(muscle.length)
     if _ACTIVE in names and _ACTIVE not in priors and length > (1 + _RULER) * rest_length:
         return "length", length

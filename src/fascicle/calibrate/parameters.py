@@ -11,10 +11,10 @@ Each parameter has a weak prior, a factor of $e^3 \approx 20$ either way around 
 muscle: without data it stays there; where data determine it, the prior has no effect.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -39,17 +39,14 @@ _MIN_BAND = 1e3  # Pa, start of the search for a dead band of zero: it has no lo
 
 @dataclass(frozen=True)
 class Parameter:
-    """A constant of a muscle, and the coordinate that a fit changes instead of it.
+    """A constant of a muscle, or `of_gauge` an error of the bench's gauges, and the coordinate that
+    a fit changes instead of it.
 
-    - `name`: as in files and on the command line.
-    - `dimension`: a key of `units.DIMENSIONS`.
     - `about`: description, a noun phrase.
-    - `value`: function from a muscle, or from a gauge, to the value [SI unit of the dimension].
-    - `coordinate`: function from it to the coordinate [-].
-    - `put`: function from it and a coordinate to one with that coordinate.
+    - `value`, `coordinate`: functions from a muscle or gauge to the value [SI unit of the
+      `dimension`] and to the coordinate [-]; `put`: from it and a coordinate to one that has it.
     - `deviation`: standard deviation of the default prior of the coordinate [-].
     - `linear`: the interval is symmetric in the value, not in the coordinate.
-    - `of_gauge`: it is an error of the bench's gauges, not a constant of the muscle.
     """
 
     name: str
@@ -100,25 +97,18 @@ def _of_rubber() -> Iterator[Parameter]:
         if constant.transform is not None:
             parameter = _declared(constant, "material", constant.about)
             if constant.name in RUBBER:
-                parameter = replace(parameter, put=_put_rubber(constant.name))
+                parameter = replace(parameter, put=partial(_put_rubber, constant.name))
             yield parameter
 
 
-def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
-    """Function that sets the constant `name` of a muscle's rubber to the exponential of a
-    coordinate; a Young's modulus derived from C10 and C01 follows it.
-    """
-
-    def put(muscle: Muscle, z: Batch) -> Muscle:
-        old: Any = muscle.material
-        new = with_fields(old, **{name: exp(z)})
-        # a measured modulus stays; one equal to 6 (C10 + C01) but for rounding is derived
-        pair = old.youngs_modulus, 6 * (old.c10 + old.c01)
-        derived = array_namespace(*pair).isclose(*pair, rtol=1e-9, atol=0)
-        E = where(derived, 6 * (new.c10 + new.c01), old.youngs_modulus)
-        return with_fields(muscle, material=with_fields(new, youngs_modulus=E))
-
-    return put
+def _put_rubber(name: str, muscle: Muscle, z: Batch) -> Muscle:
+    old: Any = muscle.material
+    new = with_fields(old, **{name: exp(z)})
+    # a measured modulus stays; one equal to 6 (C10 + C01) but for rounding is derived
+    pair = old.youngs_modulus, 6 * (old.c10 + old.c01)
+    derived = array_namespace(*pair).isclose(*pair, rtol=1e-9, atol=0)
+    E = where(derived, 6 * (new.c10 + new.c01), old.youngs_modulus)
+    return with_fields(muscle, material=with_fields(new, youngs_modulus=E))
 
 
 def _rate(muscle: Muscle) -> Batch:
@@ -128,15 +118,12 @@ def _rate(muscle: Muscle) -> Batch:
 
 
 def _hinge_at_highest(muscle: Muscle) -> Batch:
-    """Search coordinate of the hinge's stiffness factor at the highest pressure: softplus's inverse
-    of the factor, which keeps it positive.
-    """
+    """Inverse of softplus, which keeps it positive, of the hinge's factor at highest pressure."""
     factor = muscle.tuning.hinge_stiffness_at(HIGHEST_PRESSURE)
     return factor + log(-expm1(-factor))
 
 
 def _put_hinge_slope(muscle: Muscle, z: Batch) -> Muscle:
-    """Copy of a `muscle` whose hinge factor at the highest pressure has the coordinate `z`."""
     factor = array_namespace(z).logaddexp(z, 0.0)
     slope = (factor - muscle.tuning.hinge_stiffness_factor) / HIGHEST_PRESSURE
     return _with_value(muscle, "tuning.hinge_stiffness_slope", slope)
@@ -219,18 +206,14 @@ def _of_gauge(name: str) -> Parameter:
 
 
 GAUGES: tuple[Parameter, ...] = tuple(map(_of_gauge, GAUGE_NAMES))
-
-PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
-    {parameter.name: parameter for parameter in (*FACTORS, *CONSTANTS)}
-)
+PARAMETERS = {parameter.name: parameter for parameter in (*FACTORS, *CONSTANTS)}
 FACTOR_NAMES = tuple(factor.name for factor in FACTORS)
 
 
 def parameters_of(muscle: Muscle) -> dict[str, Parameter]:
     """All parameters by name, with those of the laws of the `muscle`."""
     of_laws = (parameter for kind in LAWS for parameter in _law_parameters(kind, muscle))
-    gauges = {parameter.name: parameter for parameter in GAUGES}
-    return dict(PARAMETERS) | {parameter.name: parameter for parameter in of_laws} | gauges
+    return PARAMETERS | {parameter.name: parameter for parameter in (*of_laws, *GAUGES)}
 
 
 def parameter_descriptions() -> dict[str, str]:
@@ -303,10 +286,8 @@ def _stack_or_empty(numbers: Sequence[Batch]) -> Batch:
 
 
 def with_optional_laws(muscle: Muscle, names: Sequence[str] | None = None) -> Muscle:
-    """The `muscle` with optional laws that have the constants `names`; all if left out.
-
-    Of optional kinds of law, such as rigid ends, the first one with constants is used; with its
-    defaults it changes no force.
+    """The `muscle` with the optional laws, such as ends, that have the constants `names`, by
+    default all: of a kind the first one with constants, whose defaults change no force.
     """
     if names is not None and set(names) <= parameters_of(muscle).keys():
         return muscle

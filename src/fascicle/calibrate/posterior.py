@@ -31,11 +31,8 @@ _ACCEPT = 0.95  # probability: kinks at collapse, and undetermined constants, ne
 class Posterior:
     """Draws of a calibration's parameters, and convergence diagnostics of the chains.
 
-    - `names`: of the parameters.
-    - `values`: a row for each draw [SI unit of each parameter].
-    - `coordinates`: the same draws as coordinates [-].
-    - `curves`: coefficients of the readings' curves for each draw.
-    - `noise`: of a reading [N], for each draw.
+    - `values`, `coordinates`: of the parameters [SI], [-]; `curves`: coefficients of the readings'
+      curves; `noise`: of a reading [N]; a row for each draw.
     - `r_hat`, `ess`: potential scale reduction, and effective sample size, of each parameter [-].
     - `divergences`: number of divergent steps.
     """
@@ -63,22 +60,13 @@ class Posterior:
 def sample(
     calibration: Calibration, draws: int = 1000, warmup: int = 500, chains: int = 2, seed: int = 0
 ) -> Posterior:
-    """Draw from the posterior of a calibration.
-
-    **Arguments:**
-
-    - `calibration`: the calibration; its noise must be normal, so its loss linear.
-    - `draws`: number of draws of each chain.
-    - `warmup`: number of draws of each chain that are discarded before.
-    - `chains`: number of chains.
-    - `seed`: random seed.
+    """Draw from the posterior of a calibration: each chain `draws`, after `warmup` others.
 
     **Raises:** `InvalidInputError` for a robust loss; `ValueError` if numpyro is not installed.
     """
     if calibration.problem.loss != "linear":
-        raise InvalidInputError(
-            "loss", "must be linear for a posterior", None, "a robust loss is no model of noise"
-        )
+        rule, remedy = "must be linear for a posterior", "a robust loss is no model of noise"
+        raise InvalidInputError("loss", rule, None, remedy)
     try:
         import numpyro
         from numpyro import distributions as dist
@@ -103,16 +91,12 @@ def sample(
     z, curves, noise = jax.vmap(target.unpack)(u.reshape(-1, u.shape[-1]))
     sampled = np.asarray(jax.vmap(target.values)(z))
     by_chain = sampled.reshape(chains, draws, -1)
-    return Posterior(
-        names=calibration.names,
-        values=sampled,
-        coordinates=np.asarray(z),
-        curves=np.asarray(curves),
-        noise=np.asarray(noise),
-        r_hat=np.asarray(split_gelman_rubin(by_chain)),
-        ess=np.asarray(effective_sample_size(by_chain)),
-        divergences=int(np.sum(run.get_extra_fields()["diverging"])),
+    z, curves, noise, r_hat, ess = map(
+        np.asarray,
+        (z, curves, noise, split_gelman_rubin(by_chain), effective_sample_size(by_chain)),
     )
+    divergences = int(np.sum(run.get_extra_fields()["diverging"]))
+    return Posterior(calibration.names, sampled, z, curves, noise, r_hat, ess, divergences)
 
 
 class _Target:

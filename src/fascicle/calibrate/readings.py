@@ -22,8 +22,10 @@ $$C_1(P) = T(\hat\varepsilon_f, P), \qquad
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..core.array_namespace import array_namespace, where
 from ..core.module import to_numpy, with_fields
@@ -48,16 +50,12 @@ Level = Float[AnyArray, "level"]
 class Readings:
     """Blocked forces and free strains by level of pressure, and the smooth curves through them.
 
-    - `pressure`: of each level [Pa].
-    - `free_strain`, `blocked_force`: of each level [-], [N], with standard deviations.
-    - `valid`: levels with enough readings.
+    - `pressure`: of each level [Pa]; `valid`: levels with enough readings.
     - `noise`: standard deviation of a single force reading [N].
-    - `coefficients`: the quotient's polynomial [-] in pressure over the highest, then the
-      blocked force's level and slope [N] over the same; `covariance`: of these.
-    - `order`: of the polynomial.
+    - `coefficients`: the quotient's polynomial [-] of an `order` in pressure over the highest, then
+      the blocked force's level and slope [N] over the same; `covariance`: of these.
     - `misfit`: squared deviations from both curves, over their expectation [-]; 1 if they agree.
-    - `pulling`: after a joint fit with the resisting force, coefficients and covariance from the
-      pull alone; else `None`.
+    - `pulling`: after a joint fit, coefficients and covariance from the pull alone; else `None`.
     """
 
     pressure: np.ndarray
@@ -86,8 +84,8 @@ def pulling_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
 
 
 def static_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """Force [N] of a `muscle` at `pressure` [Pa] and `strain` [-], as a fit computes it: also where
-    fibers are straight or a constant is beyond its range; NaN where the laws have no number.
+    """Force [N] of a `muscle` at `pressure` [Pa] and `strain` [-] as a fit computes it, also beyond
+    ranges; NaN where the laws have no number.
     """
     shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain))
     P, eps = (np.broadcast_to(values, shape)[..., None] for values in (pressure, strain))
@@ -96,9 +94,8 @@ def static_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
 
 
 def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:
-    """Strain [-] of an untuned `muscle` at a `force` [N] and `pressure` [Pa], by its tension law.
-
-    0 within the dead band; an end of the searched strains for forces that the law doesn't reach.
+    """Strain [-] of an untuned `muscle` at a `force` [N] and `pressure` [Pa], by its tension law; 0
+    within the dead band, an end of the searched strains for forces that the law doesn't reach.
     """
     xp = array_namespace(pressure, force, muscle.braid_angle)
     law = muscle.law.tension
@@ -144,28 +141,23 @@ def read_curves(muscle: Muscle, grid: Grid) -> Readings:
     valid = enough & finite & (free > 0) & (free_law > 0)
     relative_pressure = P[valid] / top
     quotient = free[valid] / free_law[valid], free_deviation[valid] / free_law[valid]
-    fits = [
-        _polynomial(relative_pressure, *quotient, order, ORDERS)
-        for order in range(min(ORDERS, max(relative_pressure.size, 1)))  # terms up to readings
-    ]
+    orders = range(min(ORDERS, max(relative_pressure.size, 1)))  # terms up to readings
+    fits = [_polynomial(relative_pressure, *quotient, order, ORDERS) for order in orders]
     # Schwarz's criterion
     penalty = np.log(relative_pressure.size + 1.0)
     order = int(np.argmin([fit.squares + (n + 1) * penalty for n, fit in enumerate(fits)]))
     line = _polynomial(relative_pressure, blocked[valid], blocked_deviation[valid], 1, 2)
-    zeros = np.zeros((ORDERS, 2))
-    return Readings(
-        P, free, free_deviation, blocked, blocked_deviation, valid, noise,
-        np.concatenate([fits[order].coefficients, line.coefficients]),
-        np.block([[fits[order].covariance, zeros], [zeros.T, line.covariance]]),
-        order, np.array([fits[order].misfit, line.misfit]),
-    )  # fmt: skip
+    both = fits[order], line
+    levels = P, free, free_deviation, blocked, blocked_deviation, valid
+    coefficients = np.concatenate([fit.coefficients for fit in both])
+    covariance = np.asarray(block_diag(*(fit.covariance for fit in both)))
+    misfit = np.array([fit.misfit for fit in both])
+    return Readings(*levels, noise, coefficients, covariance, order, misfit)
 
 
 class SmoothCurves:
-    """Free strain and blocked force as smooth functions of pressure, linear in coefficients.
-
-    Free strain and blocked force of the untuned law of a `muscle` at each `pressure` [Pa] are
-    computed once. Polynomials take pressures over `top` [Pa].
+    """Free strain and blocked force at each `pressure` [Pa], linear in coefficients of it over
+    `top` [Pa].
     """
 
     def __init__(self, muscle: Muscle, pressure: Level, top: float):
@@ -183,9 +175,8 @@ class SmoothCurves:
         return where(x > NO_PRESSURE, free, 0.0)
 
     def corrections(self, coefficients: Float[AnyArray, "coefficient"]) -> tuple[Level, Level]:
-        """Corrections $C_1$ [N], (34), and $C_2$ [-], (35), of the tension at each pressure.
-
-        0 and 1 up to the dead band and up to 1 % of the highest pressure.
+        """Corrections $C_1$ [N], (34), and $C_2$ [-], (35), at each pressure; 0 and 1 up to the
+        dead band and up to 1 % of the highest pressure.
         """
         blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.relative_pressure
         c1 = pulling_force(self.law, self.pressure, self.free_strain(coefficients))
@@ -207,10 +198,8 @@ def top_pressure(grid: Grid) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Regression:
-    """Weighted straight lines through measured forces over the law's, level by level.
-
-    `value` [N] at a `center` [N] and `slope` [-]; `spread`: variance of the value, covariance, and
-    variance of the slope, over that of a reading [-], [1/N], [1/N²].
+    """Straight lines through measured forces over the law's, level by level: `value` [N] at a
+    `center` [N] and `slope` [-]; `spread`: variances and covariance of both, over a reading's.
     """
 
     center: np.ndarray
@@ -230,9 +219,7 @@ class _Regression:
 
 
 def _regress(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Regression:
-    """Regress measured forces `F` [N] on forces `T` of the law [N] with `weight`; each is the mean
-    of `count` readings.
-    """
+    """Regress measured forces `F`, means of `count` readings, on the law's `T` with `weight`."""
 
     def mean(values: np.ndarray) -> np.ndarray:
         return np.sum(weight * values, axis=1) / total
@@ -251,9 +238,7 @@ def _regress(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray
 
 
 def _reading_scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
-    """Standard deviation [N] of a measured force `F` [N] about a parabola in the law's force
-    `T` [N], at each level.
-    """
+    """Standard deviation [N] of forces `F` about a parabola in the law's `T`, level by level."""
     t = T / safe(np.max(np.abs(T), axis=1, keepdims=True))
     basis = np.stack([np.ones_like(t), t, t**2], axis=-1) * np.sqrt(weight)[..., None]
     target = F * np.sqrt(weight)
@@ -268,10 +253,9 @@ def _reading_scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
     return 0.01 * max(float(np.max(np.abs(F))), 1e-9)
 
 
-@dataclass(frozen=True, eq=False)
-class _Polynomial:
-    """A polynomial: `coefficients` from the constant up with their `covariance`, normalized sum of
-    `squares` of its residuals, and `misfit`, this sum over its expectation [-].
+class _Polynomial(NamedTuple):
+    """Coefficients from the constant up, normalized sum of `squares` of the residuals, and
+    `misfit`, this sum over its expectation [-].
     """
 
     coefficients: np.ndarray

@@ -71,10 +71,8 @@ def with_readings(problem: Problem, grid: Grid) -> tuple[Readings, Problem]:
 def refit_tuning(
     problem: Problem, point: np.ndarray, grid: Grid, joint: bool
 ) -> tuple[np.ndarray, Problem]:
-    """Repeat a tuning with another `grid`, of the same strains and pressures or fewer, from a
-    `point`; `joint`: fit curves and factors together.
-
-    **Returns:** the coordinates [-], and the problem with its curves.
+    """Coordinates [-] of a tuning on another `grid`, from a `point`, and the problem with its
+    curves; `joint`: fit curves and factors together.
     """
     readings, refit = with_readings(problem, grid)
     end = fit_jointly(refit, readings, point) if joint else None
@@ -91,19 +89,11 @@ def fit_jointly(
     seed: int = 0,
     covariance: np.ndarray | None = None,
 ) -> Solution | None:
-    """Fit coordinates and curves together, (C14).
+    """Fit coordinates and curves together, (C14), from the end of the factors' own search, `best`,
+    and further `starts` about the first end: kinks cause shallow minima.
 
-    **Arguments:**
-
-    - `problem`, `readings`: of a tuning.
-    - `best`: coordinates at the end of the factors' own search.
-    - `starts`: number of points to begin from, about the first end: kinks cause shallow minima.
-    - `seed`: random seed of these.
-    - `covariance`: of the factors' own search; left out, the end is not compared with it.
-
-    **Returns:** the solution with the curves and the readings of the joint search, and the factors
-    alone as its point; `None` if nothing was read, the law does not describe the shape of the pull,
-    or the factors change too much.
+    `covariance`: of the factors' own search, to compare the end with. `None` if nothing was read,
+    the law does not describe the shape of the pull, or the factors change too much.
     """
     pulling = problem.grid.measured & (problem.weight == 0)
     if problem.curves is None or not np.any(readings.valid) or not np.any(pulling):
@@ -149,9 +139,8 @@ def fit_jointly(
     linear = linearize(problem, point[:k], by_curves=True)
     factor_slopes = linear.slopes[:, :k]
     from_curves = C[:k, :k] - np.linalg.inv(factor_slopes.T @ factor_slopes)
-    joint_readings = replace(
-        readings, coefficients=point[k:], covariance=C[k:, k:], order=ORDERS - 1,
-        pulling=(point[k:] - C_pull @ J[rows, k:].T @ residuals, C_pull),
-    )  # fmt: skip
+    pulling = point[k:] - C_pull @ J[rows, k:].T @ residuals, C_pull
+    curves = {"coefficients": point[k:], "covariance": C[k:, k:], "order": ORDERS - 1}
+    joint_readings = replace(readings, **curves, pulling=pulling)
     minimum = Minimum(C[:k, :k], from_curves, noise, noise, linear)
     return Solution(problem, ends, point[:k], minimum, joint_readings)

@@ -15,7 +15,7 @@ from ..calibrate.findings import Verdict, calibration_findings, judge
 from ..calibrate.friction import Friction
 from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.gauges import PERFECT
-from ..calibrate.least_squares import SearchEnds
+from ..calibrate.least_squares import STATUS, SearchEnds
 from ..calibrate.model_selection import Candidate, Selection
 from ..calibrate.parameters import FACTOR_NAMES, parameter_descriptions
 from ..core.findings import Finding
@@ -290,8 +290,9 @@ def interval_method(calibration: Calibration) -> str:
 def search_lines(solutions: SearchEnds) -> list[str]:
     """Ends of the search from all starts, a line each."""
     lowest, lines = np.nanmin(solutions.cost), []
-    for i, (cost, status, steps) in enumerate(solutions.rows, start=1):
-        line = f"start {i}: {_STATUS[status]} ({steps} step{'' if steps == 1 else 's'})"
+    ends = zip(solutions.cost, solutions.status, solutions.steps, strict=True)
+    for i, (cost, status, steps) in enumerate(ends, start=1):
+        line = f"start {i}: {_STATUS[STATUS[status]]} ({steps} step{'' if steps == 1 else 's'})"
         if cost - lowest < _SAME_MINIMUM:
             line += ", at the best minimum"
         elif np.isfinite(cost):

@@ -44,8 +44,8 @@ def test_only_the_variance_that_the_problem_knows_counts(made, found):
     # half of the variance comes from readings, and residuals follow one another
     wider = replace(
         made,
-        minimum=replace(
-            made.minimum, covariance=3 * made.covariance, from_curves=2 * made.covariance
+        minimum=made.minimum._replace(
+            covariance=3 * made.covariance, from_curves=2 * made.covariance
         ),
         diagnosis=replace(made.diagnosis, inflation=2.0),
     )
