@@ -1,6 +1,7 @@
 """The explorer's server as strangers find it: over HTTP and websockets, without a browser."""
 
 import asyncio
+import contextlib
 import http.client
 import json
 import os
@@ -13,7 +14,7 @@ import pytest
 
 
 pytest.importorskip("panel")
-from tornado.websocket import websocket_connect
+from tornado.websocket import WebSocketClosedError, websocket_connect
 
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
@@ -103,7 +104,7 @@ def test_other_links_open_the_page(port, query):
 
 def test_no_module_is_imported_by_its_name_in_an_address(port):
     # `import this` prints: the server's output is looked at in the end
-    for path in ("/components/this/x/css/y", "/autoload.js", "/metadata"):
+    for path in ("/components/this/x/css/y", "/autoload.js", "/metadata", "/static/js/%00"):
         assert get(port, path)[0] == 404
 
 
@@ -131,6 +132,27 @@ async def send_patches(port):
         socket.close()
         while await socket.read_message() is not None:
             pass  # until the server has closed it, too
+
+
+async def send_buffers(port, count):
+    """Send a message of `count` buffers of 1 MiB, and wait until the server closes the socket."""
+    token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
+    socket = await websocket_connect(f"ws://127.0.0.1:{port}/ws", subprotocols=["bokeh", token])
+    for part in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": count}, {}, {"events": []}):
+        await socket.write_message(json.dumps(part))
+    with contextlib.suppress(WebSocketClosedError):
+        for number in range(count):
+            await socket.write_message(json.dumps({"id": str(number)}))
+            await socket.write_message(bytes(2**20), binary=True)
+    async with asyncio.timeout(60):
+        while await socket.read_message() is not None:
+            pass
+    socket.close()  # the client's end, too
+
+
+def test_a_message_of_many_buffers_counts_as_a_whole(port):
+    asyncio.run(send_buffers(port, 17))
+    assert get(port)[0] == 200
 
 
 def test_malformed_patches_are_a_line_each_in_the_terminal():

@@ -25,6 +25,7 @@ from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
 from panel.io.application import build_applications
 from panel.io.resources import DIST_DIR
+from panel.io.server import WSHandler
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPHeaders, HTTPServerRequest
 from tornado.ioloop import IOLoop
@@ -136,6 +137,9 @@ def start_server(
         check_unused_sessions_milliseconds=2_000,
         websocket_max_message_size_bytes=_LARGEST_MESSAGE,
     )
+    for rule in app.wildcard_router.rules:
+        if rule.target is WSHandler:
+            rule.target = LimitedSocket
     guard(app, host, allowed)
     http = HTTPServer(app, max_buffer_size=_LARGEST_MESSAGE)
     http.add_sockets(sockets)
@@ -216,7 +220,8 @@ def reject_reason(
     origin = headers.get("Origin", f"http://{requested}").lower().partition("://")[2]
     if origin != requested and _host_name(origin) not in allowed_names:
         return 403, "Only the explorer's own page may talk to it."
-    return (404, "This page doesn't exist.") if path.startswith(_CLOSED) else None
+    closed = path.startswith(_CLOSED) or "%00" in path  # a NUL, at which the system's calls fail
+    return (404, "This page doesn't exist.") if closed else None
 
 
 def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
@@ -235,6 +240,24 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
 
     app.default_router.rules.insert(0, Rule(RejectedRequests(), _RejectPage))
     app.add_transform(_ProtectedAnswer)
+
+
+class LimitedSocket(WSHandler):
+    """Panel's websocket, closed by a message of more than `_LARGEST_MESSAGE` bytes in all.
+
+    Tornado's own limit is one of each part of a message, of which there may be any number.
+    """
+
+    _received = 0
+
+    async def on_message(self, fragment: str | bytes) -> None:
+        """Take a part of a message: its header, of which no later part has the form, or another."""
+        is_header = isinstance(fragment, str) and fragment.startswith('{"msgid"')
+        self._received = len(fragment) + (0 if is_header else self._received)
+        if self._received > _LARGEST_MESSAGE:
+            self.close(1009, "This message is too large.")  # the code of websockets for it
+        else:
+            await super().on_message(fragment)
 
 
 class _ProtectedAnswer(OutputTransform):
