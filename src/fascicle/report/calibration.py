@@ -63,30 +63,25 @@ def report(
 ) -> str:
     """Page of a calibration, as HTML.
 
-    **Arguments:**
-
-    - `result`: the calibration and its analyses.
-    - `date`: of the day, such as "2026-05-04".
-    - `figures`: of the calibration, by name.
-    - `drawn`: the figures as SVG by name, if they were drawn before.
+    `date`: of the day, such as "2026-05-04"; `drawn`: the figures as SVG, if drawn before.
     """
     fit, choice, profiles, posterior, comparison = result
     record = fit.record
     P, strain = fit.grid.pressure[:, 0], fit.observed.strain[fit.grid.used]
     limits = f"{P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa"
-    unknowns = [
-        f"`{entry.name}` ({entry.about}): the data alone don't determine it. Its value,"
-        f" {pretty(entry.value, entry.dimension)}, depends on the prior, whose center is"
-        f" {pretty(entry.start, entry.dimension)}; its 90 % interval is"
-        f" {_interval_text(entry.low, entry.high, entry.dimension)}."
-        for entry in fit.parameters
-        if not entry.identifiable
-    ]
+    unknowns = []
+    for entry in (entry for entry in fit.parameters if not entry.identifiable):
+        value, start = (pretty(x, entry.dimension) for x in (entry.value, entry.start))
+        interval = _interval_text(entry.low, entry.high, entry.dimension)
+        unknowns.append(
+            f"`{entry.name}` ({entry.about}): the data alone don't determine it. Its value,"
+            f" {value}, depends on the prior, whose center is {start}; its 90 % interval is"
+            f" {interval}."
+        )
     if fit.diagnosis.confounded:
         names = ", ".join(f"`{name}`" for name in fit.diagnosis.confounded)
-        unknowns.append(
-            f"{names}: not fitted, since the data can't distinguish it from the fitted constants."
-        )  # fmt: skip
+        reason = "not fitted, since the data can't distinguish it from the fitted constants"
+        unknowns.append(f"{names}: {reason}.")
     unknowns.append(
         f"Nothing was measured at pressures outside {limits}, or at contractions outside"
         f" {strain.min():.3g} to {strain.max():.3g}."
@@ -103,8 +98,7 @@ def report(
     first, last = verdict_lines(fit, choice)
     return render(
         "calibration.html",
-        title=f"Calibration: {', '.join(source.name for source in record.sources) or 'a record'}",
-        date=date, fit=fit, choice=choice, posterior=posterior,
+        title=_title(fit), date=date, fit=fit, choice=choice, posterior=posterior,
         comparison=[] if comparison is None else comparison.rows,
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
         verdict=[*first, *last], warnings=warnings_by_topic(fit),
@@ -133,20 +127,20 @@ def _interval_text(low: float, high: float, dimension: str) -> str:
 
 def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]:
     """Rows of the table of a posterior: parameter, median, interval, R-hat, sample size."""
-    ends, medians = posterior.interval(), np.median(posterior.values, axis=0)
-    return [
-        [entry.name, pretty(float(medians[i]), entry.dimension),
-         _interval_text(float(ends[i, 0]), float(ends[i, 1]), entry.dimension),
-         f"{posterior.r_hat[i]:.4f}", f"{posterior.ess[i]:.0f}"]
-        for i, entry in enumerate(fit.parameters)
-    ]  # fmt: skip
+    medians = np.median(posterior.values, axis=0)
+    numbers = zip(medians, posterior.interval(), posterior.r_hat, posterior.ess, strict=True)
+    rows = []
+    for entry, (median, (low, high), r_hat, ess) in zip(fit.parameters, numbers, strict=True):
+        interval = _interval_text(float(low), float(high), entry.dimension)
+        value = pretty(float(median), entry.dimension)
+        rows.append([entry.name, value, interval, f"{r_hat:.4f}", f"{ess:.0f}"])
+    return rows
 
 
 def output_files(
     result: CalibrationResult, date: str, with_notebook: bool = False
 ) -> dict[str, bytes]:
-    """Content of a calibration's files, by name: muscle, log, report, curves and figures.
-
+    """Content of a calibration's files, by name: muscle, log, report, curves and figures;
     `with_notebook`: also a notebook, and the record that it reads.
     """
     fit = result.fit
@@ -172,23 +166,20 @@ def notebook(result: CalibrationResult) -> str:
     """
     first, last = verdict_lines(result.fit, result.choice)
     rows = ["| constant | value | 90 % interval |", "|---|---|---|"]
-    rows += [f"| `{name}` | {value} | {interval} |" for name, value, interval in
-             constant_rows(result.fit.parameters)]  # fmt: skip
-    names = ", ".join(source.name for source in result.fit.record.sources) or "a record"
-    text = "\n\n".join([f"# Calibration: {names}", *first, "\n".join(rows), *last])
-    cells = [
-        {"cell_type": "markdown", "id": "verdict", "metadata": {}, "source": text},
-        *(
-            {"cell_type": "code", "id": name, "metadata": {}, "source": source,
-             "execution_count": None, "outputs": []}
-            for name, source in _CELLS.items()
-        ),
-    ]  # fmt: skip
+    constants = constant_rows(result.fit.parameters)
+    rows += [f"| `{name}` | {value} | {interval} |" for name, value, interval in constants]
+    text = "\n\n".join([f"# {_title(result.fit)}", *first, "\n".join(rows), *last])
+    cells = [{"cell_type": "markdown", "id": "verdict", "metadata": {}, "source": text}]
+    for name, source in _CELLS.items():
+        code = {"cell_type": "code", "id": name, "metadata": {}, "source": source}
+        cells.append(code | {"execution_count": None, "outputs": []})
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
-    content = {
-        "cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5
-    }  # fmt: skip
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    form = {"metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps({"cells": cells, **form}, indent=1, ensure_ascii=False) + "\n"
+
+
+def _title(fit: Calibration) -> str:
+    return f"Calibration: {', '.join(source.name for source in fit.record.sources) or 'a record'}"
 
 
 # code of the notebook, by the cell's name
@@ -242,6 +233,10 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         }
 
     fit, diagnosis = result.fit, result.fit.diagnosis
+    causes = []
+    for cause in map(vars, diagnosis.causes):
+        name, remedy = cause_words(cause)
+        causes.append({**cause, "name": name, "remedy": remedy})
     content = {
         **pick(fit, "rmse", "relative_rmse", "points", "censored", "status"),
         "parameters": {
@@ -259,10 +254,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],
         "runs": [vars(run) for run in diagnosis.runs],
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
-        "causes": [
-            vars(cause) | dict(zip(("name", "remedy"), cause_words(vars(cause)), strict=True))
-            for cause in diagnosis.causes
-        ],
+        "causes": causes,
         "undetermined": list(diagnosis.confounded),
         "gauge": fit.gauge.faults,
         "channel_faults": [vars(fault) for fault in fit.fit_data.faults],
@@ -271,34 +263,26 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
     }
     if (friction := fit.friction) is not None:
         springs = ("stiffness", "slip_force", "slip_force_slope")
-        law = friction.law
-        content["friction"] = {
-            **({name: [] for name in springs} if law is None else pick(law, *springs)),
-            "determined": list(friction.resolved),
-            **pick(friction, "breakaway", "rmse", "pressures"),
-        }  # fmt: skip
+        law, facts = friction.law, pick(friction, "breakaway", "rmse", "pressures")
+        constants = {name: [] for name in springs} if law is None else pick(law, *springs)
+        content["friction"] = {**constants, "determined": list(friction.resolved), **facts}
     if (choice := result.choice) is not None:
         content["candidates"] = [
             {"label": candidate_label(candidate), "names": list(candidate.names)}
-            | pick(
-                candidate, "method", "constants", "rmse", "left_out_rmse", "relative_rmse",
-                "relative_left_out_rmse", "readings", "violation", "chosen",
-            )
+            | pick(candidate, "method", "constants", "rmse", "left_out_rmse", "relative_rmse")
+            | pick(candidate, "relative_left_out_rmse", "readings", "violation", "chosen")
             for candidate in choice.candidates
-        ]  # fmt: skip
+        ]
         content["reasons"] = selection_reasons(choice)
     if result.profiles:
         content["profiles"] = {p.name: pick(p, "low", "high") for p in result.profiles}
     if (posterior := result.posterior) is not None:
-        columns = (posterior.names, posterior.interval(), posterior.r_hat, posterior.ess)
-        content["posterior"] = {
-            **pick(posterior, "agrees", "divergences"),
-            "parameters": {
-                name: {"low": float(low), "high": float(high), "r_hat": float(r_hat),
-                       "ess": float(ess)}
-                for name, (low, high), r_hat, ess in zip(*columns, strict=True)
-            },
-        }  # fmt: skip
+        ends, draws = posterior.interval(), (posterior.r_hat, posterior.ess)
+        table = np.column_stack([ends, *draws]).tolist()
+        keys = ("low", "high", "r_hat", "ess")
+        rows = (dict(zip(keys, row, strict=True)) for row in table)
+        parameters = dict(zip(posterior.names, rows, strict=True))
+        content["posterior"] = pick(posterior, "agrees", "divergences") | {"parameters": parameters}
     if result.comparison is not None:
         content["comparison"] = [vars(row) for row in result.comparison.rows]
     return content

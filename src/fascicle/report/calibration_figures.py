@@ -5,6 +5,7 @@ pressure, dark at low pressures. A clipped reading is a hollow triangle that poi
 was not above it.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from textwrap import fill
@@ -57,10 +58,8 @@ from ..units import DIMENSIONS
 if TYPE_CHECKING:
     from ..calibrate.posterior import Posterior
 
-_POINTS = 161  # of a curve, so close that a kink looks sharp
-_ROWS = 41  # of a curve in a file: linear interpolation between them is exact to a pixel
-_MARKS = 40  # of one level of pressure: more touch one another
-_RESIDUALS = 2000  # of all levels: outliers matter, and a page holds them
+_POINTS, _ROWS = 161, 41  # of a curve: kinks look sharp; in a file it is exact to a pixel
+_MARKS, _RESIDUALS = 40, 2000  # of one level: more touch one another; of all: outliers matter
 _CURVES = 25  # levels with a curve; a swept pressure has hundreds
 _CROWDED, _BANDS = 9, 5  # levels from which on bands lie on one another, and bands drawn then
 _TICKS = 14  # more levels than this get round numbers at the color bar
@@ -73,8 +72,7 @@ _TOP, _BAR = 8.0, -0.55  # of a profile's panel; height of the interval by the c
 _DECADES = 20.0  # largest over least value of a profile, from which the axis is logarithmic
 _RESISTS = -0.005  # of the largest force: a push that is more than a zero's error
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
-_LAWS = 6  # with a color of their own: more would look alike
-_LABEL = 48  # characters of a law's name in a line of the legend
+_LAWS, _LABEL = 6, 48  # laws with a color of their own; characters of a name in a legend's line
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)))
 _COLORS = ListedColormap(pressure_colors(256))
 _DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6, "markeredgewidth": 0,
@@ -92,50 +90,38 @@ def figures(
     posterior: "Posterior | None" = None,
     comparison: LawComparison | None = None,
 ) -> dict[str, Figure]:
-    """Draw the figures of a calibration.
-
-    **Arguments:**
-
-    - `calibration`: the calibration.
-    - `profiles`: of its parameters, for a figure of them.
-    - `posterior`: its draws, for the band's covariance; left out, the fit's own covariance.
-    - `comparison`: of other laws, for a figure of them.
-
-    **Returns:** figures by name: "fit", "residuals", then "loops", "readings", "profiles" and
-    "laws" if any.
+    """Figures of a calibration by name: "fit", "residuals", then "loops", "readings", "profiles"
+    and "laws" if any. `posterior`: draws for the band's covariance, else the fit's own.
     """
-    data = fit_plot(calibration, posterior)
-    panels = {"fit": draw_fit(data), "residuals": draw_residuals(data)}
-    if (loops := draw_loops(calibration)) is not None:
-        panels["loops"] = loops
-    if calibration.readings is not None:
-        panels["readings"] = draw_readings(calibration.muscle, calibration.readings)
-    if profiles:
-        panels["profiles"] = draw_profiles(calibration, profiles)
-    if comparison is not None:
-        panels["laws"] = draw_laws(calibration, comparison)
-    for figure in panels.values():
+    data, readings = fit_plot(calibration, posterior), calibration.readings
+    panels = {
+        "fit": draw_fit(data),
+        "residuals": draw_residuals(data),
+        "loops": draw_loops(calibration),
+        "readings": None if readings is None else draw_readings(calibration.muscle, readings),
+        "profiles": draw_profiles(calibration, profiles) if profiles else None,
+        "laws": None if comparison is None else draw_laws(calibration, comparison),
+    }
+    drawn = {name: figure for name, figure in panels.items() if figure is not None}
+    for figure in drawn.values():
         # a layout moves a little each time it is made: the files of one figure would differ
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
         figure.set_layout_engine(None)
-    return panels
+    return drawn
 
 
 @dataclass(frozen=True, eq=False)
 class FitPlot:
-    """Readings by level of pressure, and a muscle's curve at each level.
+    """Readings by level of pressure [Pa], and a muscle's curve at each level.
 
-    - `pressure`: of each level [Pa], rising.
-    - `strain`, `force`: of the readings [-], [N], a row for each level, filled up with NaN.
-    - `censored`: readings that are only an upper bound.
+    - `strain`, `force`: of the readings [-], [N], a row for each level, filled up with NaN;
+      `censored`: only an upper bound; `branch`, `time` [s]: `None` if unknown.
     - `residual`: measured less fitted force [N]; NaN at clipped readings.
     - `noise`: standard deviation of a reading about the fit [N].
-    - `curve_strain`, `curve_force`: the curves [-], [N], a row for each level.
+    - `curve_strain`, `curve_force`: the curves [-], [N], a row for each level, and their `label`.
     - `half_width`: of the band of readings [N], or `None`.
-    - `label`: name of the curves.
     - `trends`: share of the residuals' squares [-] that a trend explains, by its axis.
-    - `branch`, `time`: of the readings; 1, −1 or 0, and [s] or NaN; `None` if unknown.
     """
 
     pressure: np.ndarray
@@ -166,10 +152,8 @@ class FitPlot:
 def fit_plot(
     calibration: Calibration, posterior: "Posterior | None" = None, points: int = _POINTS
 ) -> FitPlot:
-    """Data of a fit's figure: readings, residuals [N], fitted curves and their 90 % bands [N].
-
-    A band holds 90 % of the readings, to first order. `posterior`: as of `figures`; `points`:
-    number of points of each curve.
+    """Data of a fit's figure: curves of some `points`, and bands that hold 90 % of the readings,
+    to first order; `posterior`: as of `figures`.
     """
     grid, readings, noise = calibration.grid, calibration.readings, calibration.problem.noise
     P = grid.pressure[:, 0]
@@ -181,33 +165,24 @@ def fit_plot(
     if readings is not None:
         # without readings at a pressure the curves' uncertainty there is meaningless
         half_width[~readings.valid & (NO_PRESSURE * P.max() < P)] = np.nan
+    curve_force, data = _curve_forces(calibration, curve), calibration.fit_data
+    trends = {trend.along: trend.share for trend in calibration.diagnosis.significant}
     return FitPlot(
-        pressure=P,
-        strain=strain,
-        force=force,
-        censored=grid.censored & grid.used,
-        residual=calibration.residual,
-        noise=noise,
-        curve_strain=curve,
-        curve_force=_curve_forces(calibration, curve),
-        half_width=half_width,
-        trends={trend.along: trend.share for trend in calibration.diagnosis.significant},
-        branch=calibration.fit_data.branch,
-        time=calibration.fit_data.time,
-    )
+        P, strain, force, grid.censored & grid.used, calibration.residual, noise, curve,
+        curve_force, half_width, trends=trends, branch=data.branch, time=data.time,
+    )  # fmt: skip
 
 
 def curves_csv(calibration: Calibration, posterior: "Posterior | None" = None) -> str:
     """CSV of the fitted curves, with the band of 90 % of the readings; units in the headers."""
     data = fit_plot(calibration, posterior, _ROWS)
-    columns = {
-        "pressure [kPa]": np.repeat(data.pressure / 1e3, _ROWS), "strain [-]": data.curve_strain,
-        "force [N]": data.curve_force, "low [N]": data.curve_force - data.half_width,
-        "high [N]": data.curve_force + data.half_width,
-    }  # fmt: skip
-    table = np.stack([np.ravel(column) for column in columns.values()], axis=1)
+    pressure, force = np.repeat(data.pressure / 1e3, _ROWS), data.curve_force
+    low, high = force - data.half_width, force + data.half_width
+    columns = (pressure, *map(np.ravel, (data.curve_strain, force, low, high)))
+    table = np.stack(columns, axis=1)
     rows = (",".join(f"{x:.6g}" for x in row) for row in table[np.isfinite(table[:, 2])])
-    return "\n".join([",".join(columns), *rows]).replace("nan", "") + "\n"
+    heads = "pressure [kPa],strain [-],force [N],low [N],high [N]"
+    return "\n".join([heads, *rows]).replace("nan", "") + "\n"
 
 
 def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscle") -> FitPlot:
@@ -359,22 +334,19 @@ def draw_residuals(data: FitPlot) -> Figure:
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0)) / 1e3
     span = max(float(np.ptp(data.strain[np.isfinite(data.strain)])), 1e-12)  # one strain alone
     shift = room * (2 * (data.strain - np.nanmin(data.strain)) / span - 1)
+    marks = max(_MARKS, _RESIDUALS // P.size)
     for ax, (name, (label, values)) in zip(axes[0], columns.items(), strict=True):
         x = values + shift if name == "pressure" else values
         for i, pressure in enumerate(P):
-            points = _subsample(
-                np.flatnonzero(finite[i]), data.strain[i], max(_MARKS, _RESIDUALS // P.size)
-            )
+            points = _subsample(np.flatnonzero(finite[i]), data.strain[i], marks)
             ax.plot(x[i][points], data.residual[i][points], **_DOT, color=_COLORS(norm(pressure)))
         _draw_means(ax, values[finite], data.residual[finite])
         ax.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
         for side in (-2, 2):
             ax.axhline(side * data.noise, **_LIMIT, zorder=1)
         ax.set_xlabel(label)
-    letters(axes, (
-        f"over {name}: {100 * data.trends[name]:.2g} % of squares"
-        if name in data.trends else f"over {name}" for name in columns
-    ))  # fmt: skip
+    shares = {name: f": {100 * share:.2g} % of squares" for name, share in data.trends.items()}
+    letters(axes, (f"over {name}{shares.get(name, '')}" for name in columns))
     axes[0, 0].set_ylabel("Measured less fitted force [N]")
     reach = max(np.nanmax(np.abs(data.residual), initial=0.0), 2 * data.noise)
     axes[0, 0].set_ylim(-1.12 * reach, 1.12 * reach)
@@ -416,18 +388,15 @@ def draw_readings(muscle: Muscle, readings: Readings) -> Figure:
         ("Blocked force $F_b$ [N]", line, readings.blocked_force, readings.blocked_force_deviation),
         ("Free strain $ε_f$ [–]", shape, readings.free_strain, readings.free_strain_deviation),
     )
+    bars = {"elinewidth": 0.8, "capsize": 1.8, "capthick": 0.8, "zorder": 3}
     for ax, (label, basis, values, deviation) in zip(axes[0], panels, strict=True):
-        value, middle = values[good], basis @ mean
+        value, error, middle = values[good], NORMAL * deviation[good], basis @ mean
         half = NORMAL * np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", basis, C, basis), 0))
-        ax.fill_between(
-            P / 1e3, middle - half, middle + half, color=BLUE, alpha=0.22, linewidth=0,
-            label="curve, 90 %",
-        )  # fmt: skip
+        band = {"color": BLUE, "alpha": 0.22, "linewidth": 0, "label": "curve, 90 %"}
+        ax.fill_between(P / 1e3, middle - half, middle + half, **band)
         ax.plot(P / 1e3, middle, color=BLUE, label="smooth curve")
-        ax.errorbar(
-            readings.pressure[good] / 1e3, value, NORMAL * deviation[good], **_BLACK_DOTS,
-            elinewidth=0.8, capsize=1.8, capthick=0.8, zorder=3, label="read at a pressure, 90 %",
-        )  # fmt: skip
+        dots = {**_BLACK_DOTS, **bars, "label": "read at a pressure, 90 %"}
+        ax.errorbar(readings.pressure[good] / 1e3, value, error, **dots)
         ax.set(xlabel="Pressure P [kPa]", ylabel=label, xlim=(0, 1.03 * P[-1] / 1e3))
         ax.set_ylim(bottom=min(0.0, float(np.min(value, initial=0.0))))
     letters(axes, ("blocked force", "free strain"))
@@ -466,36 +435,31 @@ def draw_profiles(calibration: Calibration, profiles: Sequence[Profile]) -> Figu
         ax.set_ylim(2 * _BAR, _TOP)
         ax.set_xlabel(f"[{kind.common or '–'}]", labelpad=1)
         if not identifiable:
-            ax.text(
-                0.5, 0.96, "unidentifiable", color=VERMILION, ha="center", va="top",
-                transform=ax.transAxes, weight="bold",
-                bbox={"facecolor": WHITE, "alpha": 0.85, "linewidth": 0, "pad": 1.5},
-            )  # fmt: skip
+            box = {"facecolor": WHITE, "alpha": 0.85, "linewidth": 0, "pad": 1.5}
+            bold = {"color": VERMILION, "ha": "center", "va": "top", "weight": "bold"}
+            ax.text(0.5, 0.96, "unidentifiable", transform=ax.transAxes, bbox=box, **bold)
     letters(axes, (profile.name.replace("_", " ") for profile in profiles))
     for ax in axes[:, 0]:
         ax.set_ylabel("Rise of squares Δ [–]")
+    estimate = {"linewidth": 1.2, "marker": "o", "label": "estimate, 90 % by covariance"}
     handles = [
         Line2D([], [], color=BLUE, label="profile", marker="o", markersize=2.2),
         Line2D([], [], color=GRAY, linewidth=0.8, linestyle=_DOTTED, label="2.71"),
         Patch(color=GRAY, alpha=0.25, linewidth=0, label="90 % by profile"),
-        Line2D([], [], color=BLACK, linewidth=1.2, marker="o", markersize=3.2,
-               label="estimate, 90 % by covariance"),
-    ]  # fmt: skip
+        Line2D([], [], color=BLACK, markersize=3.2, **estimate),
+    ]
     figure.legend(handles=handles, loc="outside lower center", ncols=count + 2)
     return figure
 
 
 @styled
 def draw_loops(calibration: Calibration) -> Figure | None:
-    """Figure of a few loops with both strokes, and of their width over pressure; `None` without two
-    strokes at a level.
-    """
+    """Figure of a few loops, and of their width over pressure; `None` without both strokes."""
     record, loop = calibration.record, calibration.loop
     strokes = [run for run in runs(record) if run.kind != "mixed" and run.branch != UNKNOWN]
     if loop is None or not strokes:
         return None
-    kinds = [run.kind for run in strokes]
-    kind = max(set(kinds), key=kinds.count)
+    kind = Counter(run.kind for run in strokes).most_common(1)[0][0]
     strokes = [run for run in strokes if run.kind == kind]
     isometric = kind == "strain"
     levels = np.unique([run.level for run in strokes])
@@ -504,22 +468,20 @@ def draw_loops(calibration: Calibration) -> Figure | None:
     groups = [groups[i] for i in _even_indices(len(groups), _LOOPS)]
     figure, axes = new_figure(1, 2, DOUBLE, 0.42 * DOUBLE)
     over, width = axes[0]
-    handles = []
+
+    def style(color: Any, contracting: bool) -> dict[str, Any]:
+        line, face = ("-", color) if contracting else (_DASHED, WHITE)
+        marks = {"marker": "o", "markersize": 3, "markeredgewidth": 0.7, "markerfacecolor": face}
+        return {"color": color, "linewidth": 0.9, "linestyle": line, **marks}
+
     names = ("inflating", "deflating") if isometric else ("contracting", "extending")
-    for name, dashes, face in zip(names, ("-", _DASHED), (GRAY, WHITE), strict=True):
-        handles.append(
-            Line2D([], [], color=GRAY, linewidth=0.9, marker="o", markersize=3, label=name,
-                   linestyle=dashes, markerfacecolor=face)
-        )  # fmt: skip
+    handles = [Line2D([], [], label=name, **style(GRAY, name == names[0])) for name in names]
     for group, color in zip(groups, pressure_colors(len(groups)), strict=True):
         for run in (run for run in strokes if run.level in group):
             x = record.pressure[run.points] / 1e3 if isometric else record.strain[run.points]
-            contracting = run.branch != DOWN
-            over.plot(
-                x, record.force[run.points], color=color, marker="o", markersize=3, linewidth=0.9,
-                linestyle="-" if contracting else _DASHED, markeredgewidth=0.7,
-                markerfacecolor=color if contracting else WHITE, markevery=max(1, x.size // 25),
-            )  # fmt: skip
+            marks = max(1, x.size // 25)
+            force = record.force[run.points]
+            over.plot(x, force, markevery=marks, **style(color, run.branch != DOWN))
         mean = float(np.mean(group))
         label = f"ε = {mean:.3g}" if isometric else in_kilopascals(mean)
         handles.append(Line2D([], [], color=color, linewidth=2, label=label))
@@ -534,8 +496,8 @@ def draw_loops(calibration: Calibration) -> Figure | None:
     width.set(xlabel="Pressure P [kPa]", ylabel="Width of the loop [N]")
     width.set_ylim(bottom=min(0.0, float(np.min(loop.width))))
     width.legend(loc="best")
-    letters(axes, (f"loops at one {'length' if isometric else 'pressure'} each",
-                   "width of the loops"))  # fmt: skip
+    fixed = "length" if isometric else "pressure"
+    letters(axes, (f"loops at one {fixed} each", "width of the loops"))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
@@ -553,12 +515,15 @@ def draw_laws(calibration: Calibration, comparison: LawComparison) -> Figure:
     columns = min(count, 3)
     height = -(-count // 3) * 0.27 * DOUBLE + 0.16 * len(best) + 0.4
     figure, axes = new_panels(count, columns, DOUBLE, height, sharex=True)
+    styles = [
+        {"color": color, "linestyle": _DASHES[rank % len(_DASHES)]}
+        for rank, color in enumerate(CYCLE[: len(best)])
+    ]
+    faint: dict[str, Any] = {"color": GRAY, "linewidth": 0.5}
     for place, (level, ax) in enumerate(zip(levels, axes.flat, strict=False)):
         force_strain_axes(ax)
         for rank, law in reversed([*enumerate(curves)]):
-            style: dict[str, Any] = {"color": GRAY, "linewidth": 0.5, "alpha": 0.6}
-            if rank < _LAWS:
-                style = {"color": CYCLE[rank], "linestyle": _DASHES[rank % len(_DASHES)]}
+            style = styles[rank] if rank < _LAWS else {**faint, "alpha": 0.6}
             ax.plot(curve[level], law[level], **style)
         censored = grid.censored[level]
         for mask, style in ((~censored, _BLACK_DOTS), (censored, {**_CLIPPED, "color": BLACK})):
@@ -574,13 +539,10 @@ def draw_laws(calibration: Calibration, comparison: LawComparison) -> Figure:
             ax.set_xlabel("")
     letters(axes, map(in_kilopascals, grid.pressure[levels, 0]))
     handles = [Line2D([], [], **_BLACK_DOTS, label="measured (▽: clipped)")]
-    handles += [
-        Line2D([], [], color=CYCLE[rank], linestyle=_DASHES[rank % len(_DASHES)],
-               label=fill(f"{row.label}: {row.rmse:.3g} N", _LABEL))
-        for rank, row in enumerate(best)
-    ]  # fmt: skip
+    labels = [fill(f"{row.label}: {row.rmse:.3g} N", _LABEL) for row in best]
+    handles += [Line2D([], [], label=x, **y) for x, y in zip(labels, styles, strict=True)]
     if others := len(rows) - len(best):
-        handles.append(Line2D([], [], color=GRAY, linewidth=0.5, label=f"{others} other laws"))
+        handles.append(Line2D([], [], label=f"{others} other laws", **faint))
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 

@@ -12,7 +12,6 @@ import numpy as np
 from ..calibrate.calibration import CALIPERS, Calibration, Estimate, largest_force
 from ..calibrate.data import MIN_PUSHES, FitData
 from ..calibrate.findings import Verdict, calibration_findings, judge
-from ..calibrate.friction import Friction
 from ..calibrate.gauges import DIMENSIONS as GAUGE_DIMENSIONS
 from ..calibrate.gauges import PERFECT
 from ..calibrate.least_squares import STATUS, SearchEnds
@@ -96,10 +95,7 @@ Data = Mapping[str, Any]
 
 
 class Words(NamedTuple):
-    """Words of a finding: its `topic`, what is so, and the `action` to take, if any.
-
-    The least `rank` matters most.
-    """
+    """Words of a finding, and the `action` to take, if any; the least `rank` matters most."""
 
     topic: str
     rank: int
@@ -109,8 +105,7 @@ class Words(NamedTuple):
     @property
     def line(self) -> str:
         """Text and action."""
-        action = f" What to do: {self.action}." if self.action else ""
-        return f"{self.text}{action}"
+        return f"{self.text} What to do: {self.action}." if self.action else self.text
 
 
 class _Formatter(string.Formatter):
@@ -138,13 +133,11 @@ def words_of(finding: Finding) -> Words:
 
 def warnings_by_topic(calibration: Calibration) -> dict[str, tuple[str, ...]]:
     """Warnings to read before the fitted muscle is used, by topic, the most important first."""
-    topics: dict[str, list[Words]] = {}
-    for finding in calibration_findings(calibration):
-        words = words_of(finding)
-        topics.setdefault(words.topic, []).append(words)
+    words = [words_of(finding) for finding in calibration_findings(calibration)]
+    ranked = sorted(words, key=lambda entry: entry.rank)
     return {
-        topic: tuple(entry.line for entry in sorted(entries, key=lambda entry: entry.rank))
-        for topic, entries in topics.items()
+        topic: tuple(entry.line for entry in ranked if entry.topic == topic)
+        for topic in dict.fromkeys(entry.topic for entry in words)
     }
 
 
@@ -173,15 +166,11 @@ def verdict_lines(
     calibration: Calibration, selection: Selection | None = None
 ) -> tuple[list[str], list[str]]:
     """Lines of the verdict on a calibration before and after the table of constants."""
-    verdict = judge(calibration, selection)
-    gaps = [
-        f"{name} ({interval})"
-        for name, _, interval in constant_rows(calibration.parameters)
-        if name in verdict.limits
-    ]
+    verdict, rows = judge(calibration, selection), constant_rows(calibration.parameters)
+    limits = [f"{name} ({interval})" for name, _, interval in rows if name in verdict.limits]
+    gaps = [*verdict.undetermined, *limits]
     if not np.isfinite(verdict.resisting_rmse):
         gaps.append("forces past the free strain (not measured)")
-    gaps = [*verdict.undetermined, *gaps]
     unknown = [f"Unknown: {', '.join(gaps)}."] * bool(gaps)
     to_do = [f"To do {i}: {action}." for i, action in enumerate(actions(calibration), start=1)]
     return [_judgment(calibration, verdict), _error_line(calibration, verdict)], [*unknown, *to_do]
@@ -190,7 +179,7 @@ def verdict_lines(
 def _judgment(calibration: Calibration, verdict: Verdict) -> str:
     """Verdict, pattern of the residuals, and likely causes."""
     diagnosis = calibration.diagnosis
-    largest = _largest(calibration)
+    largest = "contraction" if calibration.fit_data.reads_contraction else "force"
     shares = verdict.relative_rmse, float(np.fmax(verdict.relative_rmse, verdict.left_out_rmse))
     fitted, worst = (f"{100 * share:.2g} % of the largest {largest}" for share in shares)
     size = worst if worst == fitted else f"{worst} at readings left out of the fit"
@@ -210,11 +199,6 @@ def _judgment(calibration: Calibration, verdict: Verdict) -> str:
     return judgment
 
 
-def _largest(calibration: Calibration) -> str:
-    """Quantity that relative errors refer to."""
-    return "contraction" if calibration.fit_data.reads_contraction else "force"
-
-
 def _error_line(calibration: Calibration, verdict: Verdict) -> str:
     """Root mean square errors of all readings and of parts of them."""
     record, data = calibration.record, calibration.fit_data
@@ -222,21 +206,17 @@ def _error_line(calibration: Calibration, verdict: Verdict) -> str:
     clipped = f", {data.clipped} of them clipped" if data.clipped else ""
     error = f"Root-mean-square error of {calibration.points} {kind}{clipped}:"
     relative = f"{100 * verdict.relative_rmse:.2g} % of the largest"
+    rmse = pretty(verdict.rmse, "force", 3)
     if data.reads_contraction:
-        largest = calibration.length * data.largest_strain
-        error += (
-            f" {pretty(verdict.contraction_rmse, 'length', 3)} of contraction under set loads,"
-            f" {relative} ({pretty(largest, 'length', 3)}), or {pretty(verdict.rmse, 'force', 3)}"
-        )
+        largest = pretty(calibration.length * data.largest_strain, "length", 3)
+        contraction = pretty(verdict.contraction_rmse, "length", 3)
+        error += f" {contraction} of contraction under set loads, {relative} ({largest}), or {rmse}"
     else:
-        largest = pretty(largest_force(record), "force", 3)
-        error += f" {pretty(verdict.rmse, 'force', 3)}, {relative} force ({largest})"
+        error += f" {rmse}, {relative} force ({pretty(largest_force(record), 'force', 3)})"
     if np.isfinite(verdict.torque_rmse) and record.moment_arm is not None:
-        torque = float(np.max(np.abs(record.force * record.moment_arm)))
-        error += (
-            f"; {pretty(verdict.torque_rmse, 'moment', 3)} of torque"
-            f" ({pretty(torque, 'moment', 3)} the largest)"
-        )
+        torques = verdict.torque_rmse, float(np.max(np.abs(record.force * record.moment_arm)))
+        torque, largest = (pretty(value, "moment", 3) for value in torques)
+        error += f"; {torque} of torque ({largest} the largest)"
     if np.isfinite(verdict.pulling_rmse) and np.isfinite(verdict.resisting_rmse):
         error += (
             f"; {verdict.pulling_rmse:.3g} N where the muscle pulls, {verdict.resisting_rmse:.3g} N"
@@ -292,7 +272,7 @@ def search_lines(solutions: SearchEnds) -> list[str]:
     lowest, lines = np.nanmin(solutions.cost), []
     ends = zip(solutions.cost, solutions.status, solutions.steps, strict=True)
     for i, (cost, status, steps) in enumerate(ends, start=1):
-        line = f"start {i}: {_STATUS[STATUS[status]]} ({steps} step{'' if steps == 1 else 's'})"
+        line = f"start {i}: {_STATUS[STATUS[status]]} ({_count(steps, 'step')})"
         if cost - lowest < _SAME_MINIMUM:
             line += ", at the best minimum"
         elif np.isfinite(cost):
@@ -335,7 +315,7 @@ def fit_data_lines(data: FitData) -> list[str]:
         )
     levels, pressures = len(data.grid.pressure), np.unique(data.record.pressure).size
     if pressures > levels:
-        lines.append(f"{pressures} pressures grouped into {levels} level{'s' * (levels > 1)}")
+        lines.append(f"{pressures} pressures grouped into {_count(levels, 'level')}")
     return lines
 
 
@@ -349,34 +329,35 @@ def hysteresis_message(calibration: Calibration) -> str:
     loop, friction = calibration.loop, calibration.friction
     if loop is None:
         return ""
-    count, width = loop.pressure.size, np.maximum(loop.width, 0.0)  # noise may be negative
+    width, pressures = np.maximum(loop.width, 0.0), _count(loop.pressure.size, "pressure")
+    share = np.maximum(loop.share, 0.0)  # noise may be negative
     if friction is not None and friction.law is None:
-        return (
-            "No hysteresis loop above the noise: mean width"
-            f" {float(np.mean(width)):.2g} N at {count} pressure{'s' * (count > 1)}."
-        )
+        mean = float(np.mean(width))
+        return f"No hysteresis loop above the noise: mean width {mean:.2g} N at {pressures}."
     message = (
-        f"Hysteresis loop: its width is {range_text(100 * np.maximum(loop.share, 0.0))} % of the"
-        f" pull at a pressure, {range_text(width)} N at {count} pressure{'s' * (count > 1)}. The"
-        f" error of a muscle in use, {calibration.rmse:.4g} N, contains half of it; against the"
-        f" half-way curve the error is {calibration.half_way_rmse:.4g} N."
+        f"Hysteresis loop: its width is {range_text(100 * share)} % of the pull at a pressure,"
+        f" {range_text(width)} N at {pressures}. The error of a muscle in use,"
+        f" {calibration.rmse:.4g} N, contains half of it; against the half-way curve the error is"
+        f" {calibration.half_way_rmse:.4g} N."
     )
-    return message if friction is None else f"{message} {_friction_message(friction)}"
-
-
-def _friction_message(friction: Friction) -> str:
-    """Fitted friction, in a sentence or two."""
-    count, constant = len(friction.resolved), friction.half_width(0.0)
-    rise, limit = friction.half_width(1e5) - constant, _NO_FRICTION * float(np.mean(friction.width))
+    if friction is None:
+        return message
+    constant, limit = friction.half_width(0.0), _NO_FRICTION * float(np.mean(friction.width))
+    rise = friction.half_width(1e5) - constant
     # at 10 bar, more than any record holds, a rise may matter that doesn't at one
     terms = [f"{constant:.3g} N"] * (constant > limit) + [f"{rise:.3g} N/bar"] * (10 * rise > limit)
-    message = (
-        f"Friction: {count} sliding spring{'s' if count > 1 else ''}, together ±"
+    message += (
+        f" Friction: {_count(len(friction.resolved), 'sliding spring')}, together ±"
         f"{' + '.join(terms)}; the error of their loops' widths is {friction.rmse:.3g} N."
     )
     if not all(friction.resolved):
         message += " The build-up after a turn is shorter than a step of the readings."
     return message
+
+
+def _count(number: int, noun: str) -> str:
+    """A number of things, in words."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def candidate_label(candidate: Candidate) -> str:
@@ -410,56 +391,40 @@ def selection_reasons(selection: Selection) -> list[str]:
         f"Model selected by leave-one-{fold}-out cross-validation (one-standard-error rule): the"
         " fewest parameters within one standard error, 2 %, or one reading's share of the best."
     )
-    if selection.compared < selection.calibration.points:
-        total = selection.calibration.points
-        lines.append(
-            f"Candidates were compared on {selection.compared} of {total} readings; the fit uses"
-            " all."
-        )
+    part, total = selection.compared, selection.calibration.points
+    if part < total:
+        lines.append(f"Candidates were compared on {part} of {total} readings; the fit uses all.")
     return lines
 
 
-def _comparison_with_best(candidates: Sequence[Candidate], best: Candidate) -> list[str]:
+def _comparison_with_best(candidates: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     valid = [candidate for candidate in candidates if candidate.valid]
     lowest = min(valid, key=lambda candidate: candidate.left_out_rmse)
-    lines = [
-        f"Selected: {candidate_label(best)} ({_count(best)}), cross-validated error {_error(best)}."
-    ]
+    label, number = candidate_label(best), _count(best.constants, "constant")
+    yield f"Selected: {label} ({number}), cross-validated error {_error(best)}."
     if lowest is best:
-        lines.append(f"None of the {len(valid)} possible candidates has a smaller error.")
+        yield f"None of the {len(valid)} possible candidates has a smaller error."
     else:
-        lines.append(
-            f"The smallest error is {_error(lowest)}, with {candidate_label(lowest)}"
-            f" ({_count(lowest)}): the difference is no larger than chance or 2 %, so the fewest"
-            " constants are selected."
+        label, number = candidate_label(lowest), _count(lowest.constants, "constant")
+        yield (
+            f"The smallest error is {_error(lowest)}, with {label} ({number}): the difference is no"
+            " larger than chance or 2 %, so the fewest constants are selected."
         )
-    return lines
 
 
 def _gains(candidates: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     """Gain of each constant of the `best` candidate, and of each further one, a line each."""
-    errors = {
-        frozenset(candidate.names): candidate
-        for candidate in candidates
-        if candidate.valid and candidate.method == "constants"
-    }
     if best.method != "constants":
         return
-    names = frozenset(best.names)
+    valid = [c for c in candidates if c.valid and c.method == "constants"]
+    errors = {frozenset(candidate.names): _error(candidate) for candidate in valid}
+    names, by = frozenset(best.names), "the cross-validated error"
     for name in dict.fromkeys(name for candidate in candidates for name in candidate.names):
-        neighbor, constant = errors.get(names ^ {name}), _CONSTANTS.get(name, f"`{name}`")
-        if neighbor is None:
-            continue
-        if name in names:
-            yield (
-                f"Adding {constant} reduces the cross-validated error from {_error(neighbor)} to"
-                f" {_error(best)}."
-            )
-        else:
-            yield (
-                f"Adding {constant} does not pay: the cross-validated error would be"
-                f" {_error(neighbor)}."
-            )
+        error, constant = errors.get(names ^ {name}), _CONSTANTS.get(name, f"`{name}`")
+        if error is not None and name in names:
+            yield f"Adding {constant} reduces {by} from {error} to {_error(best)}."
+        elif error is not None:
+            yield f"Adding {constant} does not pay: {by} would be {error}."
 
 
 def _exclusions(selection: Selection, candidates: Sequence[Candidate]) -> Iterator[str]:
@@ -469,10 +434,9 @@ def _exclusions(selection: Selection, candidates: Sequence[Candidate]) -> Iterat
     for candidate in candidates:
         label = candidate_label(candidate)
         if candidate.violation == "length":
-            lengths = pretty(candidate.value, "length"), pretty(rest_length, "length")
-            yield "Excluded: {}: an active length of {} in a muscle of {} is impossible.".format(
-                label, *lengths
-            )
+            active, whole = pretty(candidate.value, "length"), pretty(rest_length, "length")
+            reason = f"an active length of {active} in a muscle of {whole} is impossible"
+            yield f"Excluded: {label}: {reason}."
         elif candidate.violation:
             yield f"Excluded: {label}: a constant is at the end of its range."
 
@@ -482,15 +446,9 @@ def _error(candidate: Candidate) -> str:
     return f"{100 * candidate.relative_left_out_rmse:.3g} %"
 
 
-def _count(candidate: Candidate) -> str:
-    """Text of a candidate's number of constants."""
-    return f"{candidate.constants} constant{'' if candidate.constants == 1 else 's'}"
-
-
 def range_text(values: np.ndarray) -> str:
     """Range of `values` with two digits."""
-    low, high = f"{float(np.min(values)):.2g}", f"{float(np.max(values)):.2g}"
-    return low if low == high else f"{low} to {high}"
+    return " to ".join(dict.fromkeys(f"{float(end):.2g}" for end in (values.min(), values.max())))
 
 
 def list_text(names: Sequence[str]) -> str:
@@ -519,12 +477,10 @@ def _gauge_text(data: Data) -> str:
 
 
 def _saturation(data: Data) -> str:
-    dimension = "strain" if data["channel"] == "displacement" else data["channel"]
-    value = pretty(data["value"], dimension, 3)
-    return (
-        f"{data['count']} readings of the {data['channel']} are exactly {value}, the largest: the"
-        " channel may be saturated."
-    )
+    channel = data["channel"]
+    value = pretty(data["value"], "strain" if channel == "displacement" else channel, 3)
+    readings = f"{data['count']} readings of the {channel}"
+    return f"{readings} are exactly {value}, the largest: the channel may be saturated."
 
 
 def _pattern(data: Data) -> str:
@@ -558,19 +514,17 @@ def _pattern_remedy(data: Data) -> str:
 
 
 def _limited(data: Data) -> str:
-    limits = [
-        f"{e['name']} only {'an' if e['bound'] == 'upper' else 'a'} {e['bound']} limit,"
-        f" {pretty(e['value'], e['dimension'], 3)} (90 %)"
-        for e in data["limits"]
-    ]
+    limits, kinds = [], {"upper": "an upper limit", "lower": "a lower limit"}
+    for limit in data["limits"]:
+        value = pretty(limit["value"], limit["dimension"], 3)
+        limits.append(f"{limit['name']} only {kinds[limit['bound']]}, {value} (90 %)")
     return f"The data give {list_text(limits)}."
 
 
 def _correlated(data: Data) -> str:
-    pairs = [
-        f"{' and '.join(pair['constants'])} ({pair['correlation']:.3f})" for pair in data["pairs"]
-    ]
-    return f"Strongly correlated: {'; '.join(pairs)}. Do not interpret them individually."
+    pairs = data["pairs"]
+    texts = [f"{' and '.join(p['constants'])} ({p['correlation']:.3f})" for p in pairs]
+    return f"Strongly correlated: {'; '.join(texts)}. Do not interpret them individually."
 
 
 def _misfit(data: Data) -> str:
@@ -585,12 +539,10 @@ def _misfit(data: Data) -> str:
 
 
 def _fitted_length(data: Data) -> str:
-    length, given = pretty(data["length"], "length"), data["reference"]
-    reference = "the initial length" if given is None else pretty(given, "length")
-    return (
-        f"The fitted muscle is {length} long: its contractions refer to that length, those of the"
-        f" record to {reference}."
-    )
+    length, nominal = pretty(data["length"], "length"), data["reference"]
+    reference = "the initial length" if nominal is None else pretty(nominal, "length")
+    own = f"The fitted muscle is {length} long: its contractions refer to that length"
+    return f"{own}, those of the record to {reference}."
 
 
 def _other_size(data: Data) -> str:
