@@ -207,6 +207,10 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 })  # fmt: skip
 
 
+_HYDRAULIC = (
+    "muscles of higher pressure are hydraulic, no law here was compared with one; the ideal force,"
+    " equation (3) of the theory page on the braid, holds for them"
+)
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
 
 
@@ -228,7 +232,13 @@ def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
     """Return gauge pressures [Pa] as floats, in the array library of `value`, if they lie in 0 to
     1 MPa; warn of bare numbers that may be in bar.
     """
-    pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    try:
+        pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    except InvalidInputError as error:
+        if isinstance(error.value, float) and error.value > HIGHEST_PRESSURE:
+            text = f"{_number_text(error.value)} Pa"
+            raise InvalidInputError(name, error.rule, error.value, _HYDRAULIC, text) from None
+        raise
     highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0
     # zeros, and ranges that begin so low, don't warn
     if 0 < highest < FAINT_PRESSURE and not has_units(value):

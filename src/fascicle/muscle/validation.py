@@ -162,7 +162,10 @@ def validate_braid_angle(value: Values) -> Batch:
         is_degrees = _ANGLE.low <= number < top
         remedy = f'numbers are in rad, write "{number:g} deg"' if is_degrees else ""
         if top <= bad < 90:
-            remedy = "above it a muscle lengthens (an extensor), which fascicle doesn't model"
+            remedy = (
+                "above it a muscle lengthens (an extensor), which fascicle doesn't model; the ideal"
+                " force, equation (3) of the theory page on the braid, holds for it, too"
+            )
         rule = f"must lie in (0, {top:.4f}) deg to contract"
         raise InvalidInputError("braid_angle", rule, bad, remedy, shown=f"{bad:g} deg") from None
     check_plausible(np.degrees(angle) if is_concrete(angle) else angle, "braid_angle", _ANGLE)

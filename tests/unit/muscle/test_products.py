@@ -85,3 +85,19 @@ def test_constants_per_length_and_extensors_get_a_remedy():
     with pytest.raises(ValueError, match="braid_angle") as error:
         loads(MUSCLE + sizes.replace("25", "72"))
     assert "extensor" in str(error.value)
+
+
+def test_moduli_per_length_become_those_of_the_stretch():
+    moduli = (7.4085e07, -6.892e08, 1.837e09, -8.4879e08)  # oracle_festo has them over meters
+    law = fs.tension.Martens2017.from_published("250 mm", moduli, -0.1)
+    assert law == fs.tension.Martens2017()
+    assert law.modulus_3 == pytest.approx(0.25**3 * moduli[3], rel=1e-15)
+
+
+@pytest.mark.parametrize("pressure", [2e6, "5 MPa", [1e5, 2e6]])
+def test_a_hydraulic_pressure_names_a_remedy(pressure):
+    with pytest.raises(fs.InvalidInputError) as raised:
+        fs.example("kim2021_figure_6").force(pressure, 0.1)
+    assert raised.value.argument == "pressure"
+    assert raised.value.value > 1e6
+    assert raised.value.remedy

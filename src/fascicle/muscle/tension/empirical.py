@@ -43,15 +43,16 @@ University (functions f_festo and maxBPAforce for (BF), whose comparison calls t
 from the papers.
 """
 
-from collections.abc import Iterator
-from typing import Any, ClassVar
+from collections.abc import Iterator, Sequence
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
 from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
 from ...core.roots import root
-from ...core.types import Batch, BatchLike
+from ...core.types import Batch, BatchLike, Values
+from ...core.validation import to_si
 from ..bladder import Bladder
 from . import AbstractTension, Offset, Pull, force_residual
 
@@ -221,8 +222,10 @@ class Bolen20(AbstractBolen):
 _STRAIGHT = 0.02  # of ρ²: below it fibers are nearly straight, and the wall's force is constant
 
 
-def _per_stretch(length: float, *moduli: float) -> tuple[float, ...]:
-    """Coefficients $e_k$ [Pa] from those published [Pa/m^k] for a muscle of a `length` [m]."""
+def moduli_by_stretch(length: float, *moduli: float) -> tuple[float, ...]:
+    """Coefficients $e_k$ of the stretch [Pa] from `moduli` published over the length in meters,
+    [Pa/m^k], for a muscle of a `length` [m].
+    """
     return tuple(number * length**power for power, number in enumerate(moduli))
 
 
@@ -237,6 +240,24 @@ class AbstractMartens(AbstractEmpirical):
     )  # fmt: skip
     rows_source = "Martens and Boblan (2017)"
     angle_correction: ClassVar[Batch]
+
+    @classmethod
+    def from_published(
+        cls, length: Values, moduli: Sequence[float], angle_correction: Values
+    ) -> Self:
+        """Law with constants in the form of the paper.
+
+        **Arguments:**
+
+        - `length`: of the muscle that they were fitted to [m].
+        - `moduli`: coefficients of the powers 0 to 3 of the length, [Pa] over the power of a meter.
+        - `angle_correction`: $\\delta$ [rad].
+
+        **Returns:** the law, whose `modulus_0` to `modulus_3` are those of the stretch [Pa].
+        """
+        numbers = *moduli_by_stretch(to_si(length, "length", "m"), *moduli), angle_correction
+        names = (constant.name for constant in cls.constants())
+        return cls(**dict(zip(names, numbers, strict=True)))
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and wall force [N], equation (MB)."""
@@ -285,7 +306,7 @@ class Martens2017(AbstractMartens):
     name, title = "martens2017", "Martens-Boblan, DMSP-10-250"
     source = "Martens and Boblan (2017), DMSP-10-250"
     reference_muscle, reference_diameter, reference_length = "a Festo DMSP-10-250", 10e-3, 0.25
-    published = *_per_stretch(0.25, 7.4085e07, -6.892e08, 1.837e09, -8.4879e08), -0.1
+    published = *moduli_by_stretch(0.25, 7.4085e07, -6.892e08, 1.837e09, -8.4879e08), -0.1
 
 
 class Martens201720(AbstractMartens):
@@ -294,4 +315,4 @@ class Martens201720(AbstractMartens):
     name, title = "martens2017_20", "Martens-Boblan, DMSP-20-300"
     source = "Martens and Boblan (2017), DMSP-20-300"
     reference_muscle, reference_diameter, reference_length = "a Festo DMSP-20-300", 20e-3, 0.3
-    published = *_per_stretch(0.3, 9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08), -0.073
+    published = *moduli_by_stretch(0.3, 9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08), -0.073
