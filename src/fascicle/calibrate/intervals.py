@@ -41,10 +41,10 @@ def profiles(
     reach: float = 3.0,
     names: Collection[str] | None = None,
 ) -> tuple[Profile, ...]:
-    """Profile likelihoods of a calibration's parameters, by default of all.
+    """Profile likelihoods [-] of a calibration's parameters, by default of all.
 
-    Each holds its parameter at up to `points` values, an odd number, within `reach` standard
-    deviations, and ends where it passes the critical rise.
+    Each holds its parameter at up to `points` values [-], an odd number, within `reach` standard
+    deviations [-], and ends where it passes the critical rise.
     """
     steps = np.linspace(-reach, reach, points)
     # noise is held at its fitted value: the rise counts in proportion to noise's part of variance

@@ -172,7 +172,7 @@ def _load(point: "EntryPoint") -> type[Any]:
     return law
 
 
-def _entry_points(**selection: str) -> list["EntryPoint"]:
+def _entry_points(**selection: Any) -> list["EntryPoint"]:
     from importlib import metadata  # takes longer to import than a law
 
     return list(metadata.entry_points(group=ENTRY_POINTS, **selection))
