@@ -14,18 +14,27 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    GetCoreSchemaHandler,
+    Tag,
+    ValidationError,
+)
 
 from .units import parse
 
 
 _Model = TypeVar("_Model", bound=BaseModel)
+_Plain, _Table = TypeVar("_Plain"), TypeVar("_Table")
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
-PLAIN, TABLE = "\0plain", "\0table"
+_PLAIN, _TABLE = "\0plain", "\0table"
 _ORDER = ("extra_forbidden", "missing")  # faults that are shown first: they cause others
 _PLAIN_WORDS = {  # for pydantic's
     "Input should be": "must be",
@@ -79,9 +88,11 @@ class Quantity:
         return parse(value, self.dimension, info.field_name)
 
 
-def plain_or_table(value: Any) -> str:
-    """Discriminator of fields that are a name, a number or a table."""
-    return TABLE if isinstance(value, dict) else PLAIN
+# a plain value, or a table or a list of them: the choice is by type, so an error names one key
+PlainOrTable = Annotated[
+    Annotated[_Plain, Tag(_PLAIN)] | Annotated[_Table, Tag(_TABLE)],
+    Discriminator(lambda value: _TABLE if isinstance(value, dict | list | BaseModel) else _PLAIN),
+]
 
 
 def validate(model: type[_Model], data: Any, source: str) -> _Model:
@@ -106,7 +117,7 @@ def _validation_message(
     )
     fault = faults[0]
     kind, location = fault["type"], fault["loc"]
-    path = [key for key in location if key not in (PLAIN, TABLE)]
+    path = [key for key in location if key not in (_PLAIN, _TABLE)]
     # a single muscle's name is empty
     keys = [key for i, key in enumerate(path) if key != "" or i != 1 or path[0] != "muscle"]
     if kind == "extra_forbidden":

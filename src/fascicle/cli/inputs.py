@@ -99,12 +99,12 @@ def _check_target(target: str, names: list[str]) -> None:
 def is_scenario(target: str) -> bool:
     """True for the name of a scenario, or the path of a file that has a `load`."""
     from ..files import scenarios
-    from ..files.muscle_files import parse_file, read_text
+    from ..files.muscle_files import read_file
 
     if not is_path(target):
         return target in scenarios()
     with user_errors():
-        return "load" in parse_file(read_text(Path(target)), target)
+        return "load" in read_file(Path(target))
 
 
 def is_path(target: str) -> bool:

@@ -42,10 +42,10 @@ def load(path: str | os.PathLike[str]) -> Any:
     **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
     values that aren't valid.
     """
-    from .muscle_files import from_dict, parse_file, read_text
+    from .muscle_files import from_dict, read_file
 
     path = Path(path)
-    data = parse_file(read_text(path), str(path))
+    data = read_file(path)
     if {"load", "run", "schedule"} & data.keys():
         from .scenario import scenario_from_dict
 

@@ -1,7 +1,7 @@
 """Muscle and bundle files: TOML to checked `Muscle` or `Bundle`, and back to the same bits."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
 from ..io.input_file import parse_toml, read_bytes
 from ..muscle import Muscle
-from ..muscle.law import AbstractLaw
+from ..muscle.law import AbstractLaw, Declared
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
@@ -26,12 +26,11 @@ from ..muscle.validation import (
     fit_info_entries,
     fitted_length_mismatch,
 )
-from ..table_model import TableModel, did_you_mean, location_message, validate, value_at
+from ..table_model import did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
 from .schema import (
     BundleSection,
     FileLocation,
-    HingeSection,
     LawSection,
     MuscleFile,
     MuscleSection,
@@ -42,32 +41,27 @@ from .shipped_files import example_text, named_muscles
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
-_TABLES = ("material", "tuning", *LAWS)  # keys of a muscle that hold a table
 # dimensions of a muscle's sizes
-_SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
-          "braid_angle": "angle"}  # fmt: skip
+_SIZES = {
+    "length": "length",
+    "outer_radius": "length",
+    "wall_thickness": "length",
+    "braid_angle": "angle",
+}
 _CALIBRATION = "calibration"
 
 
 def load_muscle(path: str | os.PathLike[str]) -> Muscle | Bundle:
-    """Read a muscle or bundle file; a scenario is refused.
-
-    **Arguments:** `path`: the TOML file.
-
-    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle`.
-
-    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
-    values that aren't valid.
-    """
+    """Read a muscle or bundle file, as `load`; a scenario is refused."""
     path = Path(path)
-    return from_dict(parse_file(read_text(path), str(path)), str(path), path.parent)
+    return from_dict(read_file(path), str(path), path.parent)
 
 
 def load_named(name: str, folder: Path | None, follow: bool = True) -> Muscle | Bundle:
     """The muscle or bundle with a `name`: an example, a measured muscle, or a file in a `folder`.
 
     Without a folder, as in a text from elsewhere, no file is read. `follow`: true if the file may
-    name muscles by files of its own. Raises as `load_muscle`.
+    name muscles by files of its own. Raises as `load`.
     """
     if name in named_muscles():
         return loads(example_text(name), name)
@@ -75,80 +69,56 @@ def load_named(name: str, folder: Path | None, follow: bool = True) -> Muscle | 
         rule = "is neither a file nor a named example" if folder else "is no named example"
         raise ValueError(f"{name!r} {rule}{did_you_mean(name, named_muscles())}")
     path = folder / name
-    data = parse_file(read_text(path), str(path))
-    return from_dict(data, str(path), path.parent if follow else None)
+    return from_dict(read_file(path), str(path), path.parent if follow else None)
 
 
 def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
-    """Read a muscle or bundle from text.
-
-    **Arguments:**
-
-    - `text`: the TOML.
-    - `source`: its name in errors.
-
-    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle`.
-
-    **Raises:** `ValueError`, in one line, for values that aren't valid.
-    """
+    """Read a muscle or bundle from the text of a file, as `load`; `source`: its name in errors."""
     return from_dict(parse_file(text, source), source)
 
 
 def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Table `[calibration]` of a muscle file, with the entries of the calibration log it names.
-
-    **Arguments:** `path`: the TOML file.
-
-    **Returns:** nested tables and lists; empty if it has none.
-
-    **Raises:** as `load_muscle`.
+    """Table `[calibration]` of a muscle file, with the entries of the calibration log it names;
+    empty if it has none. Raises as `load`.
     """
-
-    def read_calibration(path: Path) -> dict[str, Any]:
-        table = parse_file(read_text(path), str(path)).get(_CALIBRATION, {})
-        if not isinstance(table, dict):
-            rule = "must be a table of keys."
-            raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
-        return table
-
     path = Path(path)
-    table = read_calibration(path)
+    table = _read_calibration(path)
     log = table.get("log", "")
     if not isinstance(log, str) or Path(log).name != log:
         rule = "must be the name of a file in the same folder."
         raise ValueError(location_message(str(path), [_CALIBRATION, "log"], rule, log))
     log_path = path.parent / log
-    return read_calibration(log_path) | table if log and log_path.is_file() else table
+    return _read_calibration(log_path) | table if log and log_path.is_file() else table
+
+
+def _read_calibration(path: Path) -> dict[str, Any]:
+    table = read_file(path).get(_CALIBRATION, {})
+    if not isinstance(table, dict):
+        rule = "must be a table of keys."
+        raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
+    return table
 
 
 def save(
     obj: Any, path: str | os.PathLike[str], calibration: Mapping[str, Any] | None = None
 ) -> None:
-    """Write a muscle file, completely or not at all.
+    """Write a muscle file, completely or not at all; an existing file is replaced.
 
-    **Arguments:**
-
-    - `obj`, `calibration`: as for `dumps`.
-    - `path`: the file; an existing file is replaced.
-
-    **Raises:** `OSError` if it can't be written; `ValueError` as `dumps`.
+    `obj`, `calibration`, `ValueError`: as of `dumps`; `OSError` if the file can't be written.
     """
     write_text(path, dumps(obj, calibration))
 
 
 def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
-    """Text of a muscle file.
+    """Text of a file, from which `loads` gives back every parameter to the bit.
 
     **Arguments:**
 
-    - `obj`: a `Muscle` or a `Bundle`.
-    - `calibration`: provenance: text, numbers, booleans and lists of them by key, and one level of
-      tables or lists of tables, for `provenance`. Default: of a fitted muscle, the length at which
-      it was fitted.
+    - `obj`: a `Muscle` or a `Bundle`; `ValueError` for an object that a file can't describe.
+    - `calibration`: for `provenance`: text, numbers, booleans and lists of them by key, and one
+      level of tables or lists of tables. Default: of a fitted muscle, its fitted length.
 
-    **Returns:** the TOML; `loads` gives back every parameter to the bit.
-
-    **Raises:** `ValueError` for an object that a file can't describe.
+    **Returns:** the TOML.
     """
     import tomlkit  # its import takes as long as reading a file
 
@@ -167,7 +137,7 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
-def _inline_table(**values: Any) -> Any:
+def _inline_table(values: Mapping[str, Any]) -> Any:
     """A table of a file on one line."""
     import tomlkit  # as above
 
@@ -178,25 +148,26 @@ def _inline_table(**values: Any) -> Any:
 
 def calibration_text(calibration: Mapping[str, Any]) -> str:
     """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
-    import tomlkit  # its import takes as long as reading a file
+    import tomlkit  # as above
 
     table = {key: _plain_entry(value, key) for key, value in calibration.items()}
-    if "intervals_of" in table:  # one line, so that the muscle's file stays short
-        table["intervals_of"] = _inline_table(**table["intervals_of"])
+    if "intervals_of" in table:  # so that the muscle's file stays short
+        table["intervals_of"] = _inline_table(table["intervals_of"])
     return tomlkit.dumps({_CALIBRATION: table})
 
 
-def read_text(path: Path) -> str:
-    """Text of a TOML file; `OSError` or `ValueError` if it can't be read."""
+def read_file(path: Path) -> dict[str, Any]:
+    """Tables of a file; `OSError` if it can't be read, else errors as of `parse_file`."""
     raw = read_bytes(path, _MAX_FILE_SIZE, "muscle file")
     try:
-        return raw.decode("utf-8-sig")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; a muscle file is TOML in UTF-8.") from None
+    return parse_file(text, str(path))
 
 
 def parse_file(text: str, source: str) -> dict[str, Any]:
-    """Tables of a file of format 1; `source` names it in errors."""
+    """Tables of a file of format 1; `ValueError`, in one line with the file's name, `source`."""
     data = parse_toml(text, source)
     version = data.get("format")
     if version is not None and (version != 1 or isinstance(version, bool)):
@@ -210,8 +181,9 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     in a `folder`; `ValueError` as `loads`.
     """
     check_kind(data, "muscle or bundle", source)
-    sections = data.get("muscle")
-    if sections is None and _names_muscles(data):
+    sections, units = data.get("muscle"), value_at(data, ("bundle", "motor_unit"))
+    names_all = isinstance(units, list) and bool(units) and all("muscle" in unit for unit in units)
+    if sections is None and names_all:
         data = data | {"muscle": {}}
     elif isinstance(sections, str | dict) and not _are_named(sections):
         data = data | {"muscle": {"": sections}}
@@ -229,29 +201,21 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     if file.bundle is not None:
         return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"), folder)
     if len(muscles) > 1:
-        names = ", ".join(muscles)
-        raise ValueError(
-            f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
-        )
+        rule = f"several muscles ({', '.join(muscles)}) and no [bundle]"
+        raise ValueError(f"{source}: {rule}: keep one, or add a [bundle].")
     return next(iter(muscles.values()))
 
 
 def _are_named(sections: str | dict[str, Any]) -> bool:
     """True for several muscles by name, false for a single one's name or table."""
     return (
-        bool(sections)
-        and isinstance(sections, dict)
+        isinstance(sections, dict)
+        and bool(sections)
         and all(
             isinstance(section, str | dict) and name not in MuscleSection.model_fields
             for name, section in sections.items()
         )
     )
-
-
-def _names_muscles(data: Mapping[str, Any]) -> bool:
-    """True if each motor unit of a file's `[bundle]` names a muscle."""
-    units = value_at(data, ("bundle", "motor_unit"))
-    return isinstance(units, list) and bool(units) and all("muscle" in unit for unit in units)
 
 
 def _named_muscle(name: str, location: FileLocation, folder: Path | None) -> Muscle:
@@ -274,85 +238,90 @@ def _with_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) ->
         rule = 'must be a length with its unit, such as "127 mm".'
         raise root.error((_CALIBRATION, "fitted_length"), rule) from None
     names = calibration.get("coordinate_names", ())
-    ends = calibration.get("fitted_ends") is True
-    ends = ends or not END_PARAMETERS.isdisjoint(names)
+    ends = calibration.get("fitted_ends") is True or not END_PARAMETERS.isdisjoint(names)
     muscle = with_fields(muscle, fitted_length=FittedLength(length, ends))
     warn_user(fitted_length_mismatch(muscle))
     return muscle
 
 
 def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
-    arguments: dict[str, Any] = {
-        name: value for name, value in section if value is not None and name not in _TABLES
-    }
-    if section.collapse is not None:
-        arguments |= section.collapse.model_dump(exclude_none=True, include={"transition_rate"})
+    arguments = section.model_dump(exclude_none=True, exclude={"material", "tuning", *LAWS})
+    if section.collapse is not None and section.collapse.transition_rate is not None:
+        arguments["transition_rate"] = section.collapse.transition_rate
     for kind in LAWS:
         if (law := getattr(section, kind)) is not None:
             arguments[kind] = _law(kind, law, location.child(kind, kind=kind))
     if section.tuning is not None:
         arguments["tuning"] = _tuning(section.tuning, location.child("tuning", kind="tuning"))
+    if isinstance(section.material, str):
+        arguments["material"] = section.material
+    elif section.material is not None:
+        arguments["material"] = _material(section.material, location.child("material"))
     with location.error_context():
-        if section.material is not None:
-            arguments["material"] = _material(section.material)
         return Muscle(**arguments)
 
 
-def _material(material: str | TableModel) -> str | MooneyRivlin:
-    if isinstance(material, str):
-        return material
-    constants = material.model_dump(exclude_none=True)
-    if not {"c10", "c01"} & set(constants) and "youngs_modulus" in constants:
-        return MooneyRivlin.from_youngs_modulus(**constants)
-    for name in ("c10", "c01"):
-        if name not in constants:
-            rule = "is missing, write c10 and c01, or youngs_modulus alone"
-            raise InvalidInputError(name, rule, None)
-    return MooneyRivlin(**constants)
+def _material(section: dict[str, Any], location: FileLocation) -> MooneyRivlin:
+    constants = _arguments(MooneyRivlin, "a material", section, location)
+    with location.error_context():
+        if not {"c10", "c01"} & set(constants) and "youngs_modulus" in constants:
+            return MooneyRivlin.from_youngs_modulus(**constants)
+        for name in ("c10", "c01"):
+            if name not in constants:
+                rule = "is missing, write c10 and c01, or youngs_modulus alone"
+                raise InvalidInputError(name, rule, None)
+        return MooneyRivlin(**constants)
 
 
 def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | AbstractLaw:
     if isinstance(section, str):
         return section  # an unknown one is refused by the muscle
     laws = LAWS[kind]
+    if section.law is None and kind != "collapse":
+        raise location.error(("law",), f'missing, write law = "{laws.default.name}".')
     name = section.law or laws.default.name
     with location.error_context():
-        law: Any = laws[name] if name in laws else check_choice(name, laws, kind)
-    constants = {constant.name: constant for constant in law.constants()}
-    names = [field.name for field in attrs.fields(law)]
-    arguments = {}
-    for key, value in (section.model_extra or {}).items():
-        if key not in names:
-            valid_keys = [*names, *type(section).model_fields]
-            rule = did_you_mean(key, valid_keys) if names else ": it has none, drop it."
-            raise location.error((key,), f"not a parameter of {name}{rule}")
-        with location.error_context():  # the error names the key
-            arguments[key] = (
-                parse(value, constants[key].dimension, key) if key in constants else value
-            )
+        law: Any = laws[check_choice(name, laws, kind)]
+    table, others = section.model_extra or {}, type(section).model_fields
+    arguments = _arguments(law, name, table, location, others)
     with location.error_context():
         return law(**arguments)
 
 
-def _tuning(tuning: TuningSection, location: FileLocation) -> Tuning:
-    numbers = tuning.model_dump(exclude_none=True, exclude={"pressure", "hinge_stiffness_factor"})
-    if tuning.pressure is not None:
-        numbers["pressures"] = tuning.pressure
-    hinge = tuning.hinge_stiffness_factor
-    if isinstance(hinge, HingeSection):
-        names = {"constant": "hinge_stiffness_factor", "slope": "hinge_stiffness_slope"}
-        numbers |= {names[key]: value for key, value in hinge if value is not None}
-    elif hinge is not None:
-        numbers["hinge_stiffness_factor"] = hinge
+def _arguments(
+    owner: type[Declared],
+    name: str,
+    table: Mapping[str, Any],
+    location: FileLocation,
+    other_keys: Iterable[str] = (),
+) -> dict[str, Any]:
+    """Arguments of a law or material from its table, which may have `other_keys` than these."""
+    dimensions = {constant.name: constant.dimension for constant in owner.constants()}
+    names = [field.name for field in attrs.fields(owner)]
+    for key in table:
+        if key not in names:
+            hint = did_you_mean(key, [*names, *other_keys]) if names else ": it has none, drop it."
+            raise location.error((key,), f"not a parameter of {name}{hint}")
+    with location.error_context():  # the error names the key
+        return {
+            key: parse(value, dimensions[key], key) if key in dimensions else value
+            for key, value in table.items()
+        }
+
+
+def _tuning(section: TuningSection, location: FileLocation) -> Tuning:
+    numbers = section.model_dump(exclude_none=True)
+    if "pressure" in numbers:
+        numbers["pressures"] = numbers.pop("pressure")
+    hinge = numbers.pop("hinge_stiffness_factor", {})
+    hinge = hinge if isinstance(hinge, dict) else {"constant": hinge}
+    names = {"constant": "hinge_stiffness_factor", "slope": "hinge_stiffness_slope"}
     with location.error_context():
-        return Tuning(**numbers)
+        return Tuning(**numbers, **{names[key]: value for key, value in hinge.items()})
 
 
 def _bundle(
-    section: BundleSection,
-    muscles: dict[str, Muscle],
-    location: FileLocation,
-    folder: Path | None,
+    section: BundleSection, muscles: dict[str, Muscle], location: FileLocation, folder: Path | None
 ) -> Bundle:
     units, default, tables = [], next(iter(muscles), ""), list(muscles)
     for index, unit in enumerate(section.motor_unit):
@@ -370,7 +339,7 @@ def _bundle(
                 raise unit_location.error(("muscle",), f"no such muscle in the file{hint}")
         muscle = muscles[default if name is None else name]
         with unit_location.error_context():
-            units.append(MotorUnit(muscle, **({} if unit.count is None else {"count": unit.count})))
+            units.append(MotorUnit(muscle, **unit.model_dump(exclude_none=True, include={"count"})))
     with location.error_context():
         return Bundle(units, **section.model_dump(exclude_none=True, exclude={"motor_unit"}))
 
@@ -381,17 +350,14 @@ def _muscle_table(muscle: Muscle) -> dict[str, Any]:
     if type(material) is not MooneyRivlin:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     names = (name for name, named in MATERIALS.items() if material == named)
-    table: dict[str, Any] = {
-        name: _quantity_text(getattr(muscle, name), dimension, name)
-        for name, dimension in _SIZES.items()
-    }
+    table = {name: _entry(getattr(muscle, name), kind, name) for name, kind in _SIZES.items()}
     table["material"] = next(names, None) or _constants(material)
     for kind in LAWS:
         law = getattr(muscle, kind)
         if kind != "collapse" and is_written_out(kind, law):
             entries = _law_entries(law, kind)
             table[kind] = entries if len(entries) > 1 else entries["law"]
-    rate = _plain_number(muscle.transition_rate, "transition_rate")
+    rate = _entry(muscle.transition_rate, "number", "transition_rate")
     table["collapse"] = _law_entries(muscle.collapse, "collapse") | {"transition_rate": rate}
     tuning = _tuning_entries(muscle.tuning)
     return table | {"tuning": tuning} if tuning else table
@@ -400,25 +366,24 @@ def _muscle_table(muscle: Muscle) -> dict[str, Any]:
 def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
-        columns = (("pressure", "pressures", "pressure"), ("c1", "c1", "force"), ("c2", "c2", ""))
-        for key, name, dimension in columns:
-            values = getattr(tuning, name)
+        columns = (("pressure", tuning.pressures, "pressure"), ("c1", tuning.c1, "force"),
+                   ("c2", tuning.c2, ""))  # fmt: skip
+        for key, values, dimension in columns:
             if np.ndim(values) != 1:
                 rule = f"has the shape {np.shape(values)}"
                 raise InvalidInputError(key, rule, None, "a file takes one list")
-            numbers = [float(x) for x in values]
-            entries[key] = [exact(x, dimension) for x in numbers] if dimension else numbers
+            entries[key] = [exact(x, dimension) if dimension else x for x in map(float, values)]
     for key in ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor"):
-        if _scalar(getattr(tuning, key), key) != 1:
-            entries[key] = _plain_number(getattr(tuning, key), key)
-    key = "hinge_stiffness_factor"
+        if (factor := _entry(getattr(tuning, key), "number", key)) != 1:
+            entries[key] = factor
     if slope := _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope"):
-        constant = _scalar(tuning.hinge_stiffness_factor, key)
-        entries[key] = _inline_table(constant=constant, slope=exact(slope, "inverse_pressure"))
+        hinge = {"constant": float(tuning.hinge_stiffness_factor)}
+        hinge |= {"slope": exact(slope, "inverse_pressure")}
+        entries["hinge_stiffness_factor"] = _inline_table(hinge)
     if tuning.transition_rate is not None:
-        entries["transition_rate"] = _plain_number(tuning.transition_rate, "transition_rate")
+        entries["transition_rate"] = _entry(tuning.transition_rate, "number", "transition_rate")
     if _scalar(tuning.dead_band, "dead_band"):
-        entries["dead_band"] = _quantity_text(tuning.dead_band, "pressure", "dead_band")
+        entries["dead_band"] = _entry(tuning.dead_band, "pressure", "dead_band")
     return entries
 
 
@@ -431,20 +396,16 @@ def _bundle_tables(bundle: Bundle) -> dict[str, Any]:
         if table not in muscles:
             muscles.append(table)
         units.append({"count": int(unit.count), "muscle": f"unit_{muscles.index(table) + 1}"})
-    if single := len(muscles) == 1:
-        units = [{"count": unit["count"]} for unit in units]
     named = {f"unit_{index}": table for index, table in enumerate(muscles, 1)}
-    quantities = {
-        "supply_pressure": (bundle.supply_pressure, "pressure"),
-        "length": (bundle.plate_distance, "length"),
-    }
-    entries = {key: _quantity_text(value, dimension, key)
-               for key, (value, dimension) in quantities.items() if value is not None}  # fmt: skip
-    entries["scheme"] = serializable_name(bundle.scheme)
-    return {
-        "muscle": muscles[0] if single else named,
-        "bundle": entries | {"motor_unit": units},
-    }
+    if len(muscles) == 1:
+        named, units = muscles[0], [{"count": unit["count"]} for unit in units]
+    entries: dict[str, Any] = {}
+    if bundle.supply_pressure is not None:
+        entries["supply_pressure"] = _entry(bundle.supply_pressure, "pressure", "supply_pressure")
+    if bundle.plate_distance is not None:
+        entries["length"] = _entry(bundle.plate_distance, "length", "length")
+    entries |= {"scheme": serializable_name(bundle.scheme), "motor_unit": units}
+    return {"muscle": named, "bundle": entries}
 
 
 def _law_entries(law: Any, kind: str) -> dict[str, Any]:
@@ -462,22 +423,14 @@ def _law_entries(law: Any, kind: str) -> dict[str, Any]:
 
 def _constants(owner: Any) -> dict[str, Any]:
     """Constants of a law or material by key, as a file has them."""
-    constants = {}
-    for constant in owner.constants():
-        key, dimension = constant.name, constant.dimension
-        unitless, value = DIMENSIONS[dimension].unitless, getattr(owner, key)
-        constants[key] = (
-            _plain_number(value, key) if unitless else _quantity_text(value, dimension, key)
-        )
-    return constants
+    return {c.name: _entry(getattr(owner, c.name), c.dimension, c.name) for c in owner.constants()}
 
 
-def _quantity_text(value: Any, dimension: str, key: str) -> str:
-    return exact(_scalar(value, key), dimension)
-
-
-def _plain_number(value: Any, key: str) -> float:
+def _entry(value: Any, dimension: str, key: str) -> str | float:
+    """Number of a file, or its text with a unit."""
     number = _scalar(value, key)
+    if not DIMENSIONS[dimension].unitless:
+        return exact(number, dimension)
     # beyond 10^15 a float is no exact whole number
     return int(number) if number.is_integer() and abs(number) < 1e15 else number
 

@@ -7,47 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel
 
+from .. import dynamics, fluid
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.findings import Finding
 from ..core.validation import check_choice, distinct_texts
-from ..dynamics import (
-    AntagonisticJoint,
-    MaxwellSlip,
-    Plant,
-    Schedule,
-    State,
-    Trajectory,
-    equilibrium_state,
-    holding_pressures,
-    simulate,
-)
-from ..fluid import (
-    AIR,
-    NITROGEN,
-    OIL,
-    WATER,
-    Accumulator,
-    AdiabaticWall,
-    FixedPump,
-    Gas,
-    Isothermal,
-    LiquidChamber,
-    Orifice,
-    PumpedAccumulator,
-    SonicValve,
-    Tank,
-    conductance_from_cv,
-    conductance_from_kv,
-    conductance_from_nominal_flow,
-    validate_commands,
-)
+from ..dynamics import Plant, Schedule, State, Trajectory
 from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..muscle import Muscle
 from ..table_model import validate
-from .muscle_files import from_dict, load_named, parse_file, provenance, read_text
+from .muscle_files import from_dict, load_named, parse_file, provenance, read_file
 from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
 from .schema import FileLocation, check_kind
 
@@ -55,21 +25,25 @@ from .schema import FileLocation, check_kind
 if TYPE_CHECKING:  # a scenario without control loads none of it
     from ..control import Cascade
 
-MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
+_MEDIA = {"air": fluid.AIR, "nitrogen": fluid.NITROGEN, "oil": fluid.OIL, "water": fluid.WATER}
 _MAX_STEPS = 2_000_000  # of a run: some minutes
 _MAX_NUMBERS = 128_000_000  # of a run's results: a gigabyte, two motor units in that many steps
 _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 40, 12  # of these: of the plant, and of each motor unit
 _STEP = 1e-3  # s: resolves valves and muscles
 _ROUNDING = 1e-6  # of a step, by which rounding may shift a time
-_SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
+_SPRINGS = ("kind", "stiffness", "slip_force", "slip_force_slope")
+_ACCUMULATORS = (fluid.Accumulator, fluid.PumpedAccumulator)
+# figures of a data sheet, to the conductance C
+_CONVERSIONS = {
+    "nominal_flow": fluid.conductance_from_nominal_flow,
+    "Kv": fluid.conductance_from_kv,
+    "Cv": fluid.conductance_from_cv,
+}
 
 
 class ScenarioControl(NamedTuple):
-    """Controller of a scenario with the demand that it follows.
-
-    - `controller`, `reference`: the controller, and its demand at each step [SI].
-    - `policy`: its name; `options`: the controller's other arguments.
-    - `no_crossing`: why `hand_over` acts as `threshold`, if it does.
+    """A `controller` with its demand at each step, the `reference` [SI]; its `policy` and other
+    `options`; `no_crossing`: why `hand_over` acts as `threshold`, if it does.
     """
 
     controller: "Cascade"
@@ -77,6 +51,11 @@ class ScenarioControl(NamedTuple):
     policy: str
     options: Mapping[str, Any]
     no_crossing: Finding | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The controller's warnings, as sentences."""
+        return tuple(f"{warning}." for warning in self.controller.warnings)
 
     def with_policy(
         self, policy: str | None = None, compensate: bool | None = None
@@ -91,27 +70,21 @@ class ScenarioControl(NamedTuple):
             options = {**options, "compensate": compensate}
         plant, output, obstacle = self.controller.plant, self.controller.of, None
         if policy == "hand_over":
-            crossings = crossings_on_reference(
-                plant, self.reference, options["dt"], output, options.get("delay", 0.0)
-            )
+            dt, delay = options["dt"], options.get("delay", 0.0)
+            crossings = crossings_on_reference(plant, self.reference, dt, output, delay)
             obstacle = next((each.obstacle for each in crossings if not each.is_resolved), None)
         controller = cascade(plant, "threshold" if obstacle else policy, output, **options)
-        return self._replace(
-            controller=controller, policy=policy, options=options, no_crossing=obstacle
-        )
+        return ScenarioControl(controller, self.reference, policy, options, obstacle)
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A plant with its commands or controller, and its initial state.
+    """A `plant` with its commands in time, the `schedule`, or its `control`; the other is `None`.
 
-    - `name`, `plant`: of the scenario.
-    - `schedule`: commands in time, or `None` for a scenario with `control`.
     - `start`: initial state [SI].
     - `dt`, `duration`: step and length of the run [s].
     - `source`: of the file's numbers.
     - `notes`: on settings that the run can't follow exactly.
-    - `control`: controller and reference, or `None`.
     """
 
     name: str
@@ -125,63 +98,41 @@ class Scenario:
     control: ScenarioControl | None = None
 
     def with_policy(self, policy: str | None = None, compensate: bool | None = None) -> "Scenario":
-        """Change the policy, or the feedforward of friction.
+        """Copy with another `policy`, one of `control.POLICIES`, or with the feedforward of
+        friction if `compensate` is true; default: as it is.
 
-        **Arguments:**
-
-        - `policy`: one of `control.POLICIES`; default: as it is.
-        - `compensate`: true to feed friction forward; default: as it is.
-
-        **Returns:** the changed copy.
-
-        **Raises:** `InvalidInputError` for another name, and for a scenario without [control].
+        Raises `InvalidInputError` for another name, and for a scenario without [control].
         """
         if self.control is None:
             rule = "needs a scenario with [control]: this one is commanded by a schedule"
             name = "compensate" if policy is None else "policy"
             raise InvalidInputError(name, rule, policy, shown="")
         control = self.control.with_policy(policy, compensate)
-        notes = tuple(f"{warning}." for warning in control.controller.warnings)
-        return replace(self, control=control, notes=notes)
+        return replace(self, control=control, notes=control.notes)
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""
         options: dict[str, Any] = {"dt": self.dt, "start": self.start}
         if self.control is not None:
-            return simulate(self.plant, self.control.controller, self.control.reference, **options)
-        assert self.schedule is not None
-        return simulate(self.plant, self.schedule, duration=self.duration, **options)
+            command, options["reference"] = self.control.controller, self.control.reference
+        else:
+            command, options["duration"] = self.schedule, self.duration
+        return dynamics.simulate(self.plant, command, **options)
 
 
 def load_scenario(path: str | os.PathLike[str]) -> Scenario:
-    """Read a scenario file.
-
-    **Arguments:** `path`: the TOML file; paths in it are relative to its folder.
-
-    **Returns:** the scenario.
-
-    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
-    values that aren't valid.
-    """
+    """Read a scenario file, with paths relative to its folder; raises as `load`."""
     path = Path(path)
-    return loads_scenario(read_text(path), str(path), path.parent, path.stem)
+    return scenario_from_dict(read_file(path), str(path), path.parent, path.stem)
 
 
 def loads_scenario(
     text: str, source: str = "<text>", folder: Path = Path(), name: str = ""
 ) -> Scenario:
-    """Read a scenario from text.
+    """Read a scenario from the `text` of a file; raises as `load`.
 
-    **Arguments:**
-
-    - `text`: the TOML.
-    - `source`: its name in errors.
-    - `folder`: of the files that the scenario names.
-    - `name`: of a scenario that has none in the file; default: `source`.
-
-    **Returns:** the scenario.
-
-    **Raises:** as `load_scenario`.
+    `source`: its name in errors; `folder`: of the files that it names; `name`: of a scenario that
+    has none in the file, default: `source`.
     """
     return scenario_from_dict(parse_file(text, source), source, folder, name or source)
 
@@ -194,9 +145,12 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     schema, classes = choose_schema(data, root)
     file: Any = validate(schema, data, source)
     bundles = _bundles(data, source, root, folder)
-    tables = {key: _table_values(getattr(file, key)) for key in classes}
+    tables = {
+        key: getattr(file, key).model_dump(exclude_none=True, exclude={"kind", "chamber"})
+        for key in classes
+    }
     units = sum(len(bundle.motor_units) for bundle in bundles)
-    sides = 2 if classes["load"] is AntagonisticJoint else 1
+    sides = 2 if classes["load"] is dynamics.AntagonisticJoint else 1
     if len(bundles) != sides:
         rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
         raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
@@ -218,14 +172,14 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     if isinstance(data.get("control"), dict):
         highest = 0.0 if run.pressures is None else float(np.max(run.pressures))
         if highest > plant.supply_pressure:
-            given, supply = distinct_texts(highest, plant.supply_pressure)
-            rule = f"must be at most the supply's {supply} Pa, got {given} Pa."
+            texts = distinct_texts(highest, plant.supply_pressure)
+            rule = f"must be at most the supply's {texts[1]} Pa, got {texts[0]} Pa."
             raise root.error(("run", "pressures"), rule)
-        model = file.control.model
-        model_bundles = bundles if model is None else _model_bundles(model, bundles, root, folder)
-        model_plant = plant if model is None else make_plant(model_bundles)
+        model, model_plant = file.control.model, plant
+        if model is not None:
+            model_plant = make_plant(_model_bundles(model, bundles, root, folder))
         control = _control(file, model_plant, dt, duration, root)
-        notes = tuple(f"{warning}." for warning in control.controller.warnings)
+        notes = control.notes
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
     if plant.load.prescribed and run.position is not None:
@@ -233,10 +187,8 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     # a prescribed motion itself may leave the stroke
     start_location = FileLocation(source, data, kind="motion") if plant.load.prescribed else root
     with start_location.error_context():
-        pressures = run.pressures
-        if pressures is None:
-            pressures = _first_pressures(plant, control)
-        start = equilibrium_state(plant, pressures, run.position)
+        pressures = _first_pressures(plant, control) if run.pressures is None else run.pressures
+        start = dynamics.equilibrium_state(plant, pressures, run.position)
     name, source = file.name or name, file.source or ""
     return Scenario(name, plant, schedule, start, dt, duration, source, notes, control)
 
@@ -249,17 +201,15 @@ def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
         return 0.0
     first = float(control.reference[0])
     if control.controller.of == "position":
-        return holding_pressures(plant, position=first)
-    return holding_pressures(plant, force=first) if plant.load.prescribed else 0.0
+        return dynamics.holding_pressures(plant, position=first)
+    return dynamics.holding_pressures(plant, force=first) if plant.load.prescribed else 0.0
 
 
 def _with_measured_friction(
     data: dict[str, Any], root: FileLocation, folder: Path
 ) -> dict[str, Any]:
-    """A scenario's tables, with a calibration's springs in place of `kind = "measured"`.
-
-    The springs of one muscle hold for each of the scenario's muscles. A calibration without
-    friction leaves the scenario without `[hysteresis]`.
+    """A scenario's tables, with a calibration's springs in place of `kind = "measured"`, for each
+    of its muscles; without `[hysteresis]` if the calibration found none.
     """
     table = data.get("hysteresis")
     if not isinstance(table, dict) or table.get("kind") != "measured":
@@ -274,36 +224,24 @@ def _with_measured_friction(
     with root.child("hysteresis").error_context():
         springs = provenance(folder / name).get("hysteresis")
     springs = springs if isinstance(springs, dict) else {}
-    kind = springs.get("kind")
-    if kind == "none":
+    if springs.get("kind") == "none":
         return {key: value for key, value in data.items() if key != "hysteresis"}
-    if kind is None or any(key not in springs for key in _SPRINGS):
+    if any(key not in springs for key in _SPRINGS):
         rule = f"{name} has no friction: `fascicle calibrate` finds it in records of both ways."
         raise root.error(("hysteresis", "kind"), rule)
-    return data | {"hysteresis": {"kind": kind} | {key: springs[key] for key in _SPRINGS}}
-
-
-def _table_values(section: BaseModel) -> dict[str, Any]:
-    """Values of a table by key, without the names of classes."""
-    names = {"kind": True, "chamber": True}
-    return section.model_dump(exclude_none=True, exclude=names)
+    return data | {"hysteresis": {key: springs[key] for key in _SPRINGS}}
 
 
 def _check_list_lengths(
-    tables: Mapping[str, Mapping[str, Any]],
-    classes: Mapping[str, type],
-    units: int,
-    root: FileLocation,
+    tables: dict[str, dict[str, Any]], classes: dict[str, type], units: int, root: FileLocation
 ) -> None:
     """Refuse lists that aren't one value for each motor unit, or each spring of the friction."""
     for name, table in tables.items():
-        if not PARTS[name].many:
-            continue
-        springs = classes[name] is MaxwellSlip
-        count = np.size(table.get("stiffness", 0)) if springs else units
+        items, count = "motor units", units
+        if classes[name] is dynamics.MaxwellSlip:
+            items, count = "springs", np.size(table.get("stiffness", 0))
         for key, value in table.items():
-            if isinstance(value, np.ndarray) and len(value) != count:
-                items = "springs" if springs else "motor units"
+            if PARTS[name].many and isinstance(value, np.ndarray) and len(value) != count:
                 rule = f"must be one value, or a list of one for each of the {items}, {count}"
                 raise root.error((name, key), f"{rule}, got {len(value)}.")
 
@@ -336,11 +274,11 @@ def _model_bundles(
     location = root.child("control", kind="part").child("model")
     rule = "must name a bundle or its file, for a joint a list of two."
     model = _named_bundles(names, location, rule, folder)
-    sizes, model_sizes = (
-        [[(unit.count, float(unit.muscle.length)) for unit in b.motor_units] for b in group]
-        for group in (bundles, model)
-    )
-    if sizes != model_sizes:
+
+    def sizes(group: list[Bundle]) -> list[list[tuple[int, float]]]:
+        return [[(x.count, float(x.muscle.length)) for x in b.motor_units] for b in group]
+
+    if sizes(bundles) != sizes(model):
         raise location.error((), "must have the bundle's motor units, with muscles as long.")
     return model
 
@@ -350,44 +288,34 @@ def _as_bundle(obj: Muscle | Bundle) -> Bundle:
 
 
 def _parts(
-    tables: dict[str, dict[str, Any]], classes: Mapping[str, type], root: FileLocation
+    tables: dict[str, dict[str, Any]], classes: dict[str, type], root: FileLocation
 ) -> dict[str, Any]:
     """Parts of the plant by the name of its argument."""
     section = tables["fluid"]
-    medium = _medium(section, classes["fluid"] is LiquidChamber, root.child("fluid"))
-    gas = isinstance(medium, Gas)
+    medium = _medium(section, classes["fluid"] is fluid.LiquidChamber, root.child("fluid"))
+    gas = isinstance(medium, fluid.Gas)
     room = {key: section[key] for key in ("room_pressure", "room_temperature") if key in section}
     section["gas" if gas else "liquid"] = medium
     parts: dict[str, Any] = {}
     for key, table in tables.items():
         kind, location = classes[key], root.child(key, kind="part")
-        for inner, inner_kind in INNER.items():
-            if inner in table:
-                with location.child(inner, kind="part").error_context():
-                    table[inner] = inner_kind(**table[inner])
-        if kind is Orifice and not gas:
+        for inner in INNER.keys() & table.keys():
+            with location.child(inner, kind="part").error_context():
+                table[inner] = INNER[inner](**table[inner])
+        if kind is fluid.Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
-        if kind is SonicValve:
+        if kind is fluid.SonicValve:
             _convert_data_sheet(table, location)
-        if kind is SonicValve and gas and medium is not AIR:
-            # the same hole, for another gas
-            ratio = AIR.specific_gas_constant / medium.specific_gas_constant
-            density = REFERENCE_DENSITY * float(np.sqrt(ratio))
-            table.setdefault("reference_density", density)
+            if gas and medium is not fluid.AIR:
+                # the same hole, for another gas
+                ratio = fluid.AIR.specific_gas_constant / medium.specific_gas_constant
+                table.setdefault("reference_density", REFERENCE_DENSITY * float(np.sqrt(ratio)))
         if key == "supply":
-            parts[key] = _supply(table, kind, medium, room, root)
+            parts[key] = _supply(table, kind, medium, room, location)
             continue
         with location.error_context():
             parts["chamber" if key == "fluid" else key] = kind(**table)
     return parts
-
-
-# figures of a data sheet, to the conductance C
-_CONVERSIONS = {
-    "nominal_flow": conductance_from_nominal_flow,
-    "Kv": conductance_from_kv,
-    "Cv": conductance_from_cv,
-}
 
 
 def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
@@ -396,20 +324,18 @@ def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
     if len(keys) != 1:
         rule = "give the valve's C, or one of nominal_flow (6 to 5 bar gauge), Kv and Cv"
         raise location.error((keys[-1] if keys else "C",), f"{rule}, one of them.")
-    if keys == ["C"]:
-        return
-    with location.error_context():
-        table["C"] = _CONVERSIONS[keys[0]](table.pop(keys[0]), table["b"])
+    if keys != ["C"]:
+        with location.error_context():
+            table["C"] = _CONVERSIONS[keys[0]](table.pop(keys[0]), table["b"])
 
 
 def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:
     """The gas or liquid, taken out of the values of [fluid]."""
     name = section.pop("medium", None) or ("oil" if liquid else "air")
     with location.error_context():
-        medium = MEDIA[check_choice(name, MEDIA, "medium")]
-    if liquid == isinstance(medium, Gas):
-        kinds = "adiabatic_wall or isothermal" if liquid else "liquid"
-        phase = "gas" if liquid else "liquid"
+        medium = _MEDIA[check_choice(name, _MEDIA, "medium")]
+    if liquid == isinstance(medium, fluid.Gas):
+        phase, kinds = ("gas", "adiabatic_wall or isothermal") if liquid else ("liquid", "liquid")
         raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
     if liquid and not np.all(np.asarray(section.get("compliance", 0.0)) > 0):
         rule = "must be positive for a liquid, which itself is nearly incompressible: write"
@@ -419,31 +345,29 @@ def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> An
 
 
 def _supply(
-    table: dict[str, Any], kind: type, medium: Any, room: dict[str, Any], root: FileLocation
+    table: dict[str, Any], kind: type, medium: Any, room: dict[str, Any], location: FileLocation
 ) -> Any:
-    gas, location = isinstance(medium, Gas), root.child("supply", kind="part")
-    if kind in (Accumulator, PumpedAccumulator) and gas:
+    gas, holds_liquid = isinstance(medium, fluid.Gas), kind in _ACCUMULATORS
+    if holds_liquid and gas:
         raise location.error(("kind",), "it holds a liquid: take constant or tank for a gas.")
-    if kind is Tank and not gas:
+    if kind is fluid.Tank and not gas:
         rule = "it holds a gas: take constant, accumulator or pumped for a liquid."
         raise location.error(("kind",), rule)
     pump = None
-    if kind is PumpedAccumulator:
+    if "pump" in table:
         with location.child("pump", kind="part").error_context():
-            pump = FixedPump(**table.pop("pump"), liquid=medium)
+            pump = fluid.FixedPump(**table.pop("pump"), liquid=medium)
     with location.error_context():
-        if kind in (Accumulator, PumpedAccumulator):
-            store = Accumulator(**table, liquid=medium, **room)
-            return store if pump is None else PumpedAccumulator(store, pump)
-        if kind is Tank:
-            wall = table.pop("conductance", None)
-            chamber: Any = Isothermal if wall is None else AdiabaticWall
-            options = {} if wall is None else {"conductance": wall}
-            return Tank(chamber(gas=medium, **options, **room), **table)
-        if "room_temperature" in room:
-            table.setdefault("supply_temperature", room["room_temperature"])
-        pressure = {key: x for key, x in room.items() if key == "room_pressure"}
-        return kind(**table, **pressure)
+        if holds_liquid:
+            store = fluid.Accumulator(**table, liquid=medium, **room)
+            return store if pump is None else fluid.PumpedAccumulator(store, pump)
+        if kind is fluid.Tank:
+            if "conductance" not in table:
+                return fluid.Tank(fluid.Isothermal(gas=medium, **room), **table)
+            wall = table.pop("conductance")
+            return fluid.Tank(fluid.AdiabaticWall(gas=medium, conductance=wall, **room), **table)
+        names = {"room_temperature": "supply_temperature", "room_pressure": "room_pressure"}
+        return kind(**{names[key]: value for key, value in room.items()} | table)
 
 
 def _times(run: Any, units: int, location: FileLocation) -> tuple[float, float]:
@@ -472,7 +396,7 @@ def _schedule(
             rule = f"must be one number, or a list of one for each command, {count}"
             raise location.error(("command",), f"{rule}, got {size}.")
         with location.error_context():
-            commands.append(np.broadcast_to(validate_commands(row.command), (count,)))
+            commands.append(np.broadcast_to(fluid.validate_commands(row.command), (count,)))
         command = f"the command at {row.time:g} s"
         if row.time >= duration:
             notes.append(f"{command} never comes: the run ends at {duration:g} s.")
@@ -502,31 +426,21 @@ def _control(
     from ..control import Gains, cascade
 
     output, reference = _reference(file, dt, duration, root)
-    values, location, default = (
-        _table_values(file.control),
-        root.child("control", kind="part"),
-        Gains(),
-    )
-    policy = values.pop("policy")
-    values.pop("model", None)
-    position, integral_time, force_integral_time = (
-        values.pop(key, missing)
-        for key, missing in (("position_gain", 0.0), ("integral_time", np.inf),
-                             ("force_integral_time", 1 / default.force_integral))
-    )  # fmt: skip
+    values = file.control.model_dump(exclude_none=True, exclude={"policy", "model"})
+    default, position = Gains(), values.pop("position_gain", 0.0)
     gains = Gains(
         position,
-        position / integral_time,
+        position / values.pop("integral_time", np.inf),
         values.pop("velocity_gain", 0.0),
         values.pop("force_gain", default.force),
-        1 / force_integral_time,
+        1 / values.pop("force_integral_time", 1 / default.force_integral),
         values.pop("pressure_time", default.pressure_time),
     )
     options = {"gains": gains, "dt": dt, **values}
-    with location.error_context():
+    with root.child("control", kind="part").error_context():
         controller = cascade(plant, "orderly", output, **options)
         control = ScenarioControl(controller, reference, "orderly", options)
-        return control.with_policy(policy)
+        return control.with_policy(file.control.policy)
 
 
 def _reference(file: Any, dt: float, duration: float, root: FileLocation) -> tuple[str, np.ndarray]:

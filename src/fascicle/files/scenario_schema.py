@@ -1,7 +1,5 @@
-"""Schema of a scenario file, format 1: tables of a plant's parts, the run, commands, control.
-
-A part's table holds the arguments of its class; the table's `kind` chooses the class. The unit of
-each key is that of the class's field.
+"""Schema of a scenario file, format 1. A part's table holds the arguments of its class, which its
+`kind` chooses; the unit of each key is that of the class's field.
 """
 
 from collections.abc import Mapping
@@ -11,32 +9,7 @@ from typing import Annotated, Any, NamedTuple
 import attrs
 from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
-from ..dynamics import (
-    AntagonisticJoint,
-    Coulomb,
-    Dahl,
-    HangingMass,
-    InertiaSpringDamper,
-    MaxwellSlip,
-    PrescribedMotion,
-    Stop,
-)
-from ..fluid import (
-    Accumulator,
-    AdiabaticWall,
-    ConstantSupply,
-    Direct,
-    FixedPump,
-    Isothermal,
-    Line,
-    LiquidChamber,
-    Orifice,
-    PumpedAccumulator,
-    Servovalve,
-    Solenoid,
-    SonicValve,
-    Tank,
-)
+from .. import dynamics, fluid
 from ..table_model import Quantity, TableModel, did_you_mean
 from ..units import dimension_of_unit, quantity_example
 from .schema import Angle, FileLocation, Force, Length, Number, Pressure
@@ -44,60 +17,59 @@ from .schema import Angle, FileLocation, Force, Length, Number, Pressure
 
 # of a part whose quantities are lengths, or angles where its load turns
 _LINEAR_DIMENSIONS = {"low": "length", "high": "length"}
-_ROTARY_DIMENSIONS = {
-    "damping": "angular_damping", "stiffness": "angular_stiffness", "low": "angle", "high": "angle",
-    "position": "angle",
-}  # fmt: skip
+_ROTARY_DIMENSIONS = dict.fromkeys(("low", "high", "position"), "angle")
+_ROTARY_DIMENSIONS |= {"damping": "angular_damping", "stiffness": "angular_stiffness"}
 _NAME: tuple[Any, Any] = (str | None, None)
 # keys of a valve's data sheet that stand for C; nominal flow: 6 to 5 bar gauge, normal liters
 DATA_SHEET = {"nominal_flow": "volume_flow", "Kv": "volume_flow", "Cv": "number"}
-INNER = {"stop": Stop, "line": Line}  # tables in a part's table
+INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
 
 
 class Part(NamedTuple):
-    """A part of a plant.
+    """A part of a plant, one of the classes in `kinds`."""
 
-    - `key`: the key by which its class is chosen; `kinds`: classes by name.
-    - `default`: name of the class if the file has none.
-    - `supplied`: arguments that don't come from its table.
-    - `optional`: true if the table may be missing.
-    - `many`: true if its numbers may be a list, one for each motor unit, spring, ….
-    """
-
-    key: str
+    key: str  # by which the class is chosen
     kinds: Mapping[str, type]
-    default: str = ""
-    supplied: tuple[str, ...] = ()
-    optional: bool = False
-    many: bool = True
+    default: str = ""  # name of the class if the file has none
+    supplied: tuple[str, ...] = ()  # arguments that don't come from its table
+    optional: bool = False  # if the table may be missing
+    many: bool = True  # if its numbers may be a list, one for each motor unit, spring, …
 
 
-_VALVES = {"sonic_valve": SonicValve, "orifice": Orifice}
+_VALVES = {"sonic_valve": fluid.SonicValve, "orifice": fluid.Orifice}
 _ROOM = ("room_pressure", "room_temperature", "gas", "liquid")
+_LOADS = {
+    "hanging_mass": dynamics.HangingMass,
+    "inertia_spring_damper": dynamics.InertiaSpringDamper,
+    "antagonistic_joint": dynamics.AntagonisticJoint,
+    "prescribed_motion": dynamics.PrescribedMotion,
+}
+_CHAMBERS = {
+    "adiabatic_wall": fluid.AdiabaticWall,
+    "isothermal": fluid.Isothermal,
+    "liquid": fluid.LiquidChamber,
+}
+_SUPPLIES = {
+    "constant": fluid.ConstantSupply,
+    "tank": fluid.Tank,
+    "accumulator": fluid.Accumulator,
+    "pumped": fluid.PumpedAccumulator,
+}
+_SPOOLS = {"direct": fluid.Direct, "servovalve": fluid.Servovalve, "solenoid": fluid.Solenoid}
+_FRICTION = {
+    "maxwell_slip": dynamics.MaxwellSlip,
+    "dahl": dynamics.Dahl,
+    "coulomb": dynamics.Coulomb,
+}
 PARTS = {
-    "load": Part("kind", {
-        "hanging_mass": HangingMass,
-        "inertia_spring_damper": InertiaSpringDamper,
-        "antagonistic_joint": AntagonisticJoint,
-        "prescribed_motion": PrescribedMotion,
-    }, many=False),
-    "fluid": Part("chamber", {
-        "adiabatic_wall": AdiabaticWall, "isothermal": Isothermal,
-        "liquid": LiquidChamber,
-    }, supplied=("gas", "liquid")),
-    "supply": Part("kind", {
-        "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
-        "pumped": PumpedAccumulator,
-    }, supplied=(*_ROOM, "chamber"), many=False),
+    "load": Part("kind", _LOADS, many=False),
+    "fluid": Part("chamber", _CHAMBERS, supplied=("gas", "liquid")),
+    "supply": Part("kind", _SUPPLIES, supplied=(*_ROOM, "chamber"), many=False),
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, optional=True),
-    "spool": Part("kind", {
-        "direct": Direct, "servovalve": Servovalve, "solenoid": Solenoid,
-    }, "direct", optional=True),
-    "hysteresis": Part("kind", {
-        "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
-    }, optional=True),
-}  # fmt: skip
+    "spool": Part("kind", _SPOOLS, "direct", optional=True),
+    "hysteresis": Part("kind", _FRICTION, optional=True),
+}
 _NAMELESS = Part("", {}, supplied=("liquid",), many=False)  # a table of one class: [load.stop]
 
 
@@ -111,6 +83,33 @@ class CommandSection(TableModel):
 _Time = Annotated[float, Quantity("time")]
 _NotNegative = Field(None, ge=0)
 _Positive = Field(None, gt=0)
+
+
+class RunSection(TableModel):
+    """`[run]`."""
+
+    duration: _Time = Field(gt=0, examples=[quantity_example("time")])
+    dt: _Time | None = _Positive
+    law: str | None = None
+    volume: str | None = None
+    pressures: Annotated[Any, Quantity("pressure", many=True)] = None
+    position: Length | None = None
+
+
+class JointRunSection(RunSection):
+    """`[run]` of a joint."""
+
+    position: Angle | None = None
+
+
+class ScenarioTables(TableModel):
+    """Keys of each scenario; the tables of its parts depend on their kinds."""
+
+    format: StrictInt = Field(examples=["1"])
+    name: str | None = None
+    source: str | None = None
+    bundle: Any = None
+    muscle: Any = None
 
 
 class Control(TableModel):
@@ -167,84 +166,58 @@ def choose_schema(
         for name, part in PARTS.items()
         if isinstance(data.get(name), dict)
     }
-    rotary = classes.get("load") is AntagonisticJoint
-    keys: dict[str, Any] = {
-        "format": (StrictInt, Field(examples=["1"])),
-        "name": _NAME,
-        "source": _NAME,
-        "bundle": (Any, None),
-        "muscle": (Any, None),
-    }
+    rotary = classes.get("load") is dynamics.AntagonisticJoint
+    keys: dict[str, Any] = {}
     for name, part in PARTS.items():
         table: Any = TableModel
-        if classes.get(name) is PumpedAccumulator:
-            table = _pumped_table()
-        elif name in classes:
+        if name in classes:
             table = _table_model(part, classes[name], rotary and name == "load")
-        if name == "fluid" and name in classes:
-            table = create_model("FluidSection", __base__=table, medium=_NAME)
         required = (table, Field(examples=[f"[{name}]"]))
         keys[name] = (table | None, None) if part.optional else required
-    position = "angle" if rotary else "length"
-    run = create_model(
-        "RunSection",
-        __base__=TableModel,
-        duration=_key("time", gt=0),
-        dt=_key("time", required=False, gt=0),
-        law=_NAME,
-        volume=_NAME,
-        pressures=_key("pressure", many=True, required=False),
-        position=_key(position, required=False),
-    )
+    run, control, demand = RunSection, Control, Demand
+    if rotary:
+        run, control, demand = JointRunSection, JointControl, JointDemand
     keys["run"] = (run, Field(examples=["[run]"]))
     if isinstance(data.get("control"), dict):
-        control, demand = (JointControl, JointDemand) if rotary else (Control, Demand)
         keys["control"] = (control, Field(examples=["[control]"]))
         keys["demand"] = (list[demand], Field(examples=["[[demand]]"]))
     else:
         keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
-    return create_model("ScenarioFileSection", __base__=TableModel, **keys), classes
+    return create_model("ScenarioFileSection", __base__=ScenarioTables, **keys), classes
 
 
-def _key(
-    dimension: str, many: bool = False, required: bool = True, **limits: Any
-) -> tuple[Any, Any]:
-    """Type and default of a key, with pydantic's `limits`."""
+def _key(dimension: str, many: bool, required: bool) -> tuple[Any, Any]:
+    """Type and default of a key."""
     kind: Any = Annotated[Any, Quantity(dimension, many)]
-    if required:
-        return kind, Field(examples=[quantity_example(dimension)], **limits)
-    return kind, Field(None, **limits)
+    return kind, Field(examples=[quantity_example(dimension)]) if required else None
 
 
 def _table_model(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
     """Table of a class: the arguments of its constructor."""
     keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
+    if kind is fluid.PumpedAccumulator:
+        pump = _table_model(_NAMELESS, fluid.FixedPump)
+        keys["pump"] = (pump, Field(examples=["[supply.pump]"]))
+        kind = fluid.Accumulator
     dimensions = _ROTARY_DIMENSIONS if rotary else _LINEAR_DIMENSIONS
     units = {field.name: field.metadata.get("unit", "") for field in attrs.fields(kind)}
     for name, parameter in signature(kind).parameters.items():
-        if name in part.supplied:
-            continue
         if name in INNER:
             inner: Any = _table_model(_NAMELESS, INNER[name], rotary)
             keys[name] = (inner | None, None)
-            continue
-        dimension = dimensions.get(name) or dimension_of_unit(units[name])
-        if dimension is None:
-            raise TypeError(f"{kind.__name__}.{name} declares no unit.")
-        keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
-    if kind is SonicValve:
+        elif name not in part.supplied:
+            dimension = dimensions.get(name) or dimension_of_unit(units[name])
+            if dimension is None:
+                raise TypeError(f"{kind.__name__}.{name} declares no unit.")
+            keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
+    if kind is fluid.SonicValve:
         dimensions = DATA_SHEET | {"C": "sonic_conductance"}
         keys |= {name: _key(unit, part.many, False) for name, unit in dimensions.items()}
-    if kind is Tank:  # the tank's wall, apart from that of the chambers
-        keys["conductance"] = _key("wall_conductance", required=False)
+    if kind is fluid.Tank:  # the tank's wall, apart from that of the chambers
+        keys["conductance"] = _key("wall_conductance", False, False)
+    if part is PARTS["fluid"]:
+        keys["medium"] = _NAME
     return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
-
-
-def _pumped_table() -> type[TableModel]:
-    """Table of an accumulator with a pump."""
-    pump: Any = (_table_model(_NAMELESS, FixedPump), Field(examples=["[supply.pump]"]))
-    store = _table_model(PARTS["supply"], Accumulator)
-    return create_model("PumpedSection", __base__=store, pump=pump)
 
 
 def _class(name: str, part: Part, table: Mapping[str, Any], location: FileLocation) -> type:

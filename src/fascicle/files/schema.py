@@ -1,29 +1,24 @@
 """Schemas of muscle, bundle, task and catalog files, format 1: their keys and kinds of values.
 
-A section knows units and types only. The laws' constructors check the values, and refuse them by
-the argument's name; a `FileLocation` turns that into an error of one line with path, key, value and
-rule. A missing key is `None` here, so that a default is written once, in the constructor. The keys
-of a law are those of the constants that it declares.
+A section knows units and types only; the constructors check values, and refuse them by the
+argument's name, which a `FileLocation` turns into path, key, value and rule. A missing key is
+`None` here, so that a default is written once, in the constructor.
 """
 
 import contextlib
-import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
-    Discriminator,
     Field,
     StrictBool,
     StrictInt,
     StrictStr,
-    Tag,
-    create_model,
     model_validator,
 )
 
@@ -31,15 +26,7 @@ from ..core.errors import InvalidInputError
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..muscle.products import thread_sizes
-from ..table_model import (
-    PLAIN,
-    TABLE,
-    Quantity,
-    TableModel,
-    location_message,
-    plain_or_table,
-    value_at,
-)
+from ..table_model import PlainOrTable, Quantity, TableModel, location_message, value_at
 from ..units import exact, parse, parse_list
 
 
@@ -69,18 +56,17 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "part": {"gas": ("medium",), "liquid": ("medium",)},
 }
 # tables that only one kind of file has, and its command; scenarios may have a muscle, too
+_MUSCLE = "muscle or bundle"
 _KINDS = {
     "scenario": (("load", "supply", "run", "schedule"), "`fascicle simulate` runs it"),
     "task": (("task", "design"), "`fascicle design` takes it"),
-    "muscle or bundle": (
-        ("muscle", "bundle"), "`fascicle force` and `fascicle bundle` take it",
-    ),
-}  # fmt: skip
+    _MUSCLE: (("muscle", "bundle"), "`fascicle force` and `fascicle bundle` take it"),
+}
 
 
 class FileLocation(NamedTuple):
-    """A section of a file, for errors about it: the file's `source`, the `data` of all its tables,
-    the `keys` that lead to the section and its `kind`, a key of `_KEYS` or another word.
+    """A section of a file: the file's `source`, the `data` of all its tables, the `keys` that lead
+    to the section, and its `kind`, a key of `_KEYS` or another word.
     """
 
     source: str
@@ -95,8 +81,7 @@ class FileLocation(NamedTuple):
     def error(self, keys: tuple[Any, ...], rule: str) -> ValueError:
         """Error for the value at `keys` below this location, which breaks a `rule`."""
         path = self.keys + keys
-        # a single muscle has the empty name
-        names = [key for key in path if key != ""]
+        names = [key for key in path if key != ""]  # a single muscle has the empty name
         return ValueError(location_message(self.source, names, rule, value_at(self.data, path)))
 
     @contextlib.contextmanager
@@ -112,13 +97,12 @@ class FileLocation(NamedTuple):
 
 def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:
     """Refuse a file with tables of another kind than "muscle or bundle", "scenario" or "task"."""
-    if kind != "muscle or bundle" and any(key in data for key in _KINDS[kind][0]):
+    if kind != _MUSCLE and any(key in data for key in _KINDS[kind][0]):
         return
     for actual, (keys, command) in _KINDS.items():
-        key = next((key for key in keys if key in data), None)
-        if actual != kind and key is not None:
+        if actual != kind and (known := [key for key in keys if key in data]):
             rule = f"a {actual}, not a {kind}: {command}."
-            raise ValueError(location_message(source, [key], rule))
+            raise ValueError(location_message(source, known[:1], rule))
 
 
 Length = Annotated[float, Quantity("length")]
@@ -133,33 +117,14 @@ class LawSection(TableModel):
     the law declares: `muscle_files` reads them when it has the law.
     """
 
-    model_config = ConfigDict(extra="allow", frozen=True)
+    model_config = ConfigDict(extra="allow")
     law: StrictStr | None = None
 
 
 class CollapseSection(LawSection):
     """`[muscle.collapse]`: the law, and the rate at which it is reached."""
 
-    transition_rate: Annotated[float, Quantity("number")] | None = None
-
-
-def _optional(validator: Any) -> Any:
-    return (Annotated[float | None, validator], None)  # `None` is a key that is left out
-
-
-def _or_table(plain: Any, table: Any) -> Any:
-    """A plain value or a table: the choice is by type, so an error names one key."""
-    return Annotated[
-        Annotated[plain, Tag(PLAIN)] | Annotated[table, Tag(TABLE)], Discriminator(plain_or_table)
-    ]
-
-
-def _law_type(kind: str) -> Any:
-    """A law by name, or by a table."""
-    default = LAWS[kind].default.name
-    law: Any = (StrictStr, Field(examples=[f'"{default}"']))
-    section = create_model(f"{kind.title()}Section", __base__=LawSection, law=law)
-    return _or_table(StrictStr, section)
+    transition_rate: Number | None = None
 
 
 class HingeSection(TableModel):
@@ -167,24 +132,6 @@ class HingeSection(TableModel):
 
     constant: Number | None = None
     slope: Annotated[float, Quantity("inverse_pressure")] | None = None
-
-
-if TYPE_CHECKING:  # models made from the laws' declarations, which no type checker sees
-    MaterialSection = TableModel
-    Material = str | TableModel
-    Hinge = float | HingeSection
-    Tension = Buckling = PostCollapse = Ends = str | LawSection
-else:
-    MaterialSection = create_model(
-        "MaterialSection",
-        __base__=TableModel,
-        **{c.name: _optional(Quantity(c.dimension)) for c in MooneyRivlin.constants()},
-    )
-    Material = _or_table(StrictStr, MaterialSection)
-    Hinge = _or_table(Number, HingeSection)
-    Tension, Buckling, PostCollapse, Ends = map(
-        _law_type, ("tension", "buckling", "post_collapse", "ends")
-    )
 
 
 class TuningSection(TableModel):
@@ -195,7 +142,7 @@ class TuningSection(TableModel):
     c2: list[Number] | None = None
     youngs_modulus_factor: Number | None = None
     collapse_moment_factor: Number | None = None
-    hinge_stiffness_factor: Hinge | None = None
+    hinge_stiffness_factor: PlainOrTable[Number, HingeSection] | None = None
     transition_rate: Number | None = None
     dead_band: Pressure | None = None
 
@@ -207,55 +154,44 @@ class MuscleSection(TableModel):
     outer_radius: Length = Field(examples=['"6.35 mm"'])
     wall_thickness: Length = Field(examples=['"1.6 mm"'])
     braid_angle: Angle = Field(examples=['"33 deg"'])
-    material: Material | None = None
-    tension: Tension | None = None
-    buckling: Buckling | None = None
-    post_collapse: PostCollapse | None = None
-    ends: Ends | None = None
+    material: PlainOrTable[StrictStr, dict[str, Any]] | None = None  # constants, as a law's
+    tension: PlainOrTable[StrictStr, LawSection] | None = None
+    buckling: PlainOrTable[StrictStr, LawSection] | None = None
+    post_collapse: PlainOrTable[StrictStr, LawSection] | None = None
+    ends: PlainOrTable[StrictStr, LawSection] | None = None
     collapse: CollapseSection | None = None
     tuning: TuningSection | None = None
 
     @model_validator(mode="before")
     @classmethod
-    def _radius_and_angle(cls, table: Any) -> Any:
-        """Table with `outer_radius`, `wall_thickness` and `braid_angle` in the place of diameters,
-        or of a thread's length and turns.
-        """
-        return _convert_sizes(table) if isinstance(table, dict) else table
+    def _convert_sizes(cls, table: Any) -> Any:
+        """Table with radius, wall and angle in place of diameters, or of a thread and its turns."""
+        if not isinstance(table, dict):
+            return table
+        values = dict(table)
 
+        def take(key: str, dimension: str) -> float:
+            if key not in values:
+                raise ValueError(f"{key} is missing: it belongs to the other sizes of the table")
+            return parse(values.pop(key), dimension, key)
 
-def _convert_sizes(table: dict[str, Any]) -> dict[str, Any]:
-    """A muscle's table with diameters, or a thread and its turns, as radius, wall and angle."""
-    values = dict(table)
+        def put(key: str, value: float, dimension: str) -> None:
+            if key in values:
+                raise ValueError(f"{key} follows from the other sizes: drop one of them")
+            values[key] = exact(value, dimension)
 
-    def take(key: str, dimension: str) -> float:
-        if key not in values:
-            raise ValueError(f"{key} is missing: it belongs to the other sizes of the table")
-        return parse(values.pop(key), dimension, key)
-
-    def put(key: str, value: float, dimension: str) -> None:
-        if key in values:
-            raise ValueError(f"{key} follows from the other sizes: drop one of them")
-        values[key] = exact(value, dimension)
-
-    if "outer_diameter" in values:
-        diameter = take("outer_diameter", "length")
-        put("outer_radius", diameter / 2, "length")
-        if "inner_diameter" in values:
-            put("wall_thickness", (diameter - take("inner_diameter", "length")) / 2, "length")
-    if {"thread_length", "turns"} & set(values):
-        thread, turns = take("thread_length", "length"), take("turns", "number")
-        length = parse(values.get("length"), "length", "length")
-        radius, angle = thread_sizes(length, thread, turns)
-        put("outer_radius", float(radius), "length")
-        put("braid_angle", float(angle), "angle")
-    return values
-
-
-if TYPE_CHECKING:  # as above
-    NameOrMuscle = str | MuscleSection
-else:
-    NameOrMuscle = _or_table(StrictStr, MuscleSection)
+        if "outer_diameter" in values:
+            diameter = take("outer_diameter", "length")
+            put("outer_radius", diameter / 2, "length")
+            if "inner_diameter" in values:
+                put("wall_thickness", (diameter - take("inner_diameter", "length")) / 2, "length")
+        if {"thread_length", "turns"} & set(values):
+            thread, turns = take("thread_length", "length"), take("turns", "number")
+            length = parse(values.get("length"), "length", "length")
+            radius, angle = thread_sizes(length, thread, turns)
+            put("outer_radius", float(radius), "length")
+            put("braid_angle", float(angle), "angle")
+        return values
 
 
 class MotorUnitSection(TableModel):
@@ -280,14 +216,14 @@ class MuscleFile(TableModel):
     """A muscle or bundle file; a muscle without a name has the empty name."""
 
     format: StrictInt = Field(examples=["1"])
-    muscle: dict[str, NameOrMuscle] = Field(examples=["[muscle]"])
+    muscle: dict[str, PlainOrTable[StrictStr, MuscleSection]] = Field(examples=["[muscle]"])
     bundle: BundleSection | None = None
     calibration: dict[str, Any] | None = None  # for readers and programs, no part of the muscle
     entry: "EntrySection | None" = None  # as above
 
 
 class Price(NamedTuple):
-    """An `amount` of a `currency`, for a piece or for the SI unit of a dimension."""
+    """An `amount` of a `currency`, of a piece or an SI unit."""
 
     amount: float
     currency: str
@@ -300,21 +236,22 @@ _MAX_PRICE = 1e9  # of a currency: more is a slip
 _MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
 _MAX_DRAWS = 100_000  # of a design: an hour
 # examples in errors, by dimension
-_EXAMPLES = {None: "95 EUR", "volume": "0.025 EUR/m^3", "energy": "0.30 EUR/kWh",
-             "length": "40 EUR/m"}  # fmt: skip
+_EXAMPLES = {
+    None: "95 EUR",
+    "length": "40 EUR/m",
+    "volume": "0.025 EUR/m^3",
+    "energy": "0.30 EUR/kWh",
+}
 
 
 def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
-    """Parse a price, such as "95 EUR" or "0.025 EUR/m^3"; currencies aren't converted.
-
-    `name`: the key, for errors; `dimension`: a key of `DIMENSIONS`, for a price by a unit; default:
-    the price of a piece. Raises `ValueError`, in one line, for another text.
+    """Parse a price, such as "95 EUR" of a piece, or "0.025 EUR/m^3" by a unit of `dimension`;
+    `ValueError`, in one line about the key `name`, for another text.
     """
     value = repr(text)
     value = value if len(value) <= 60 else f"{value[:40]}…{value[-1]}"
     rule = f'`{name}` must be a price, such as "{_EXAMPLES[dimension]}", got {value}'
-    match = _PRICE.fullmatch(text) if isinstance(text, str) and len(text) <= 60 else None
-    if match is None:
+    if not isinstance(text, str) or len(text) > 60 or not (match := _PRICE.fullmatch(text)):
         raise ValueError(f"{rule}.")
     sign, digits, code, unit = match.groups()
     if bool(sign) == bool(code):
@@ -322,17 +259,16 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
     if bool(unit) != (dimension is not None):
         remedy = "add the unit." if dimension else "it is the price of one, drop the unit."
         raise ValueError(f"{rule}: {remedy}")
-    amount = float(digits)
-    if not math.isfinite(amount) or amount > _MAX_PRICE:
+    amount, size = float(digits), 1.0
+    if amount > _MAX_PRICE:
         raise ValueError(f"{rule}: it must lie in [0, {_MAX_PRICE:g}].")
-    if dimension is None or not unit:
-        return Price(amount, sign or code)
-    # a normal cubic meter is often written Nm³
-    plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
-    try:
-        size = parse(f"1 {plain}", dimension, name)
-    except ValueError:
-        raise ValueError(f"{rule}: {unit!r} is no unit of {dimension}.") from None
+    if dimension is not None:
+        # a normal cubic meter is often written Nm³
+        plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
+        try:
+            size = parse(f"1 {plain}", dimension, name)
+        except ValueError:
+            raise ValueError(f"{rule}: {unit!r} is no unit of {dimension}.") from None
     return Price(amount / size, sign or code)
 
 
@@ -356,7 +292,7 @@ def _quantity_parser(dimension: str) -> BeforeValidator:
 
 
 def _entry_validator(kind: type, rule: str) -> BeforeValidator:
-    """Validator of an entry of a `kind` or a list of them, to a tuple; `rule`: such as "a name"."""
+    """Validator of an entry of a `kind`, `rule` in words, or a list of them, to a tuple."""
 
     def check_entries(value: Any, info: Any) -> tuple[Any, ...]:
         entries = value if isinstance(value, list) else [value]
@@ -390,7 +326,7 @@ _Text = Annotated[StrictStr, Field(min_length=1)]
 
 
 class EntrySection(TableModel):
-    """`[entry]` of a measured muscle's file, keys as in `docs/_static/measured-muscle.toml`."""
+    """`[entry]` of a measured muscle's file, as in `docs/_static/measured-muscle.toml`."""
 
     title: _Text = Field(examples=['"Festo DMSP-20-300"'])
     maker: _Text = Field(examples=['"Festo"'])
@@ -454,6 +390,13 @@ class ProductSection(TableModel):
     source: StrictStr | None = None
 
 
+# [design.catalog] is a list of one product
+_Products = Annotated[
+    list[ProductSection],
+    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+]
+
+
 class CatalogFile(TableModel):
     """A catalog file."""
 
@@ -484,14 +427,7 @@ class DesignSection(TableModel):
     unit_factors: Numbers | None = None
     buckling: StrictStr | None = None
     density: Annotated[float, Quantity("density")] | None = None
-    catalog: (
-        Annotated[
-            Annotated[StrictStr, Tag(PLAIN)] | Annotated[list[ProductSection], Tag(TABLE)],
-            Discriminator(lambda value: TABLE if isinstance(value, list) else PLAIN),
-            BeforeValidator(lambda value: [value] if isinstance(value, dict) else value),
-        ]
-        | None
-    ) = None
+    catalog: PlainOrTable[StrictStr, _Products] | None = None
 
 
 class SweepSection(TableModel):
@@ -501,9 +437,7 @@ class SweepSection(TableModel):
 
 
 class ScatterSection(TableModel):
-    """`[scatter]`: fabrication scatter and the model's error; `calibrated`: true to draw the
-    calibration's constants, too; `enabled`: false to judge designs as they are drawn.
-    """
+    """`[scatter]`: of fabrication, of the model, and `calibrated` of the fitted constants."""
 
     enabled: StrictBool | None = None
     length: Number | None = None
@@ -515,9 +449,7 @@ class ScatterSection(TableModel):
 
 
 class CycleSection(TableModel):
-    """`[cycle]`: times to lift and to release, or one time for both, their number in a minute, each
-    unit's hose, and b of the valves.
-    """
+    """`[cycle]`: times to lift and release, or one for both; each unit's hose; b of the valves."""
 
     time: Annotated[float | None, Quantity("time")] = Field(None, examples=['"0.5 s"'])
     lift: Annotated[float | None, Quantity("time")] = Field(None, examples=['"0.3 s"'])

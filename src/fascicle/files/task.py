@@ -44,7 +44,7 @@ from ..muscle.buckling import BUCKLING_LAWS
 from ..table_model import validate
 from ..units import dimension_of_unit, parse, pretty
 from .measured_muscles import catalog as measured_muscles
-from .muscle_files import load_named, parse_file, provenance, read_text
+from .muscle_files import load_named, parse_file, provenance, read_file
 from .schema import (
     CatalogFile,
     CycleSection,
@@ -126,7 +126,7 @@ def load_task(path: str | os.PathLike[str]) -> TaskFile:
     values that aren't valid.
     """
     path = Path(path)
-    return loads_task(read_text(path), str(path), path.parent)
+    return _task_file(read_file(path), str(path), path.parent)
 
 
 def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> TaskFile:
@@ -142,7 +142,10 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
 
     **Raises:** as `load_task`.
     """
-    data = parse_file(text, source)
+    return _task_file(parse_file(text, source), source, folder)
+
+
+def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     check_kind(data, "task", source)
     file = validate(TaskFileSection, data, source)
     root = FileLocation(source, data)
@@ -425,10 +428,10 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
         if name not in shipped and not path.exists():
             with catalog.error_context():
                 check_choice(name, shipped, "catalog")
-        is_shipped = name in shipped
-        text = shipped_text("catalogs", name) if is_shipped else read_text(path)
-        source = name if is_shipped else str(path)
-        data = parse_file(text, source)
+        if name in shipped:
+            source, data = name, parse_file(shipped_text("catalogs", name), name)
+        else:
+            source, data = str(path), read_file(path)
         products = validate(CatalogFile, data, source).product
         catalog = FileLocation(source, data, ("product",), "catalog")
     bases: dict[str | None, tuple[str, Muscle]] = {}

@@ -14,14 +14,9 @@ _ON_FRONT = "true if no other design is better in all objectives"
 
 
 def front_variables(result: SearchResult) -> dict[str, Variable]:
-    """Variables of the designs on the front.
-
-    Objectives come first, then those under scatter if the `result` has any, composition and sizes.
-    """
-    indices, spread = result.front, None if result.safety is None else result.safety.spread
-    recommended = np.zeros(len(indices), bool)
-    if result.recommended is not None:
-        recommended[result.recommended] = True
+    """Variables of the designs on the front: objectives, also under scatter, composition, sizes."""
+    indices = result.front
+    recommended = np.arange(len(indices)) == result.recommended
     about = "cheapest, without prices the best compromise, of the front"
     rows: list[tuple] = [
         ("design", "design", result.index[indices], "-", _INDEX),
@@ -33,19 +28,18 @@ def front_variables(result: SearchResult) -> dict[str, Variable]:
     if not np.all(np.isnan(prices)):
         about = f"of muscles and valves, in {result.catalog.currency}"
         rows.append(("price", "design", prices, "-", about))
-    if spread is not None:
-        about = "share of draws that meet the task and all limits"
+    if result.safety is not None:
+        spread, about = result.safety.spread, "share of draws that meet the task and all limits"
         rows.append(("probability", "design", spread.probability, "-", about))
         for fraction in (0.05, 0.5, 0.95):
             prefix, suffix = f"{100 * fraction:g} % quantile of: ", f"_q{100 * fraction:02.0f}"
             rows += _objectives(spread.quantile(fraction), prefix, suffix)
-    return {**build_table(*rows), **design_variables(result.designs)}
+    return build_table(*rows) | design_variables(result.designs)
 
 
 def case_variables(summary: Summary) -> Table:
     """Table of one design's load cases, a case a row, its mass and diameter."""
-    cases = summary.cases
-    task, fluid = cases.task, cases.task.fluid
+    cases, task, fluid = summary.cases, summary.cases.task, summary.cases.task.fluid
     kind = "normal volume at 20 °C and 100 kPa (ISO 8778)" if fluid == "air" else "volume"
     mass, diameter = (np.nan if x is None else x for x in (summary.mass, summary.diameter))
     spare = "spare force, negative for a case that isn't reached"
@@ -67,8 +61,7 @@ def case_variables(summary: Summary) -> Table:
 
 def all_design_variables(result: SearchResult) -> Table:
     """Table of all evaluated designs, a row each."""
-    front = np.zeros(len(result.index), bool)
-    front[result.front] = True
+    front = np.isin(np.arange(len(result.index)), result.front)
     return build_table(
         ("design", "design", result.index, "-", _INDEX),
         *_objectives(result.values),
@@ -79,12 +72,9 @@ def all_design_variables(result: SearchResult) -> Table:
 
 def design_variables(designs: Designs) -> Table:
     """Table of composition and sizes, a design a row."""
-    names = list(designs.drawings)
-    drawings = np.array([names[i] for i in designs.kind], object)
-    radius, wall, angle = (
-        np.where(designs.counts == 0, np.nan, sizes)
-        for sizes in (designs.radius, designs.wall, designs.angle)
-    )
+    drawings = np.array(list(designs.drawings), object)[designs.kind]
+    sizes = (designs.radius, designs.wall, designs.angle)
+    radius, wall, angle = (np.where(designs.counts == 0, np.nan, size) for size in sizes)
     unit, about_sizes = np.arange(1, designs.counts.shape[1] + 1), "of the unit's muscles at rest"
     return build_table(
         ("unit", "unit", unit, "-", "motor unit, in the order of recruitment"),

@@ -1,8 +1,4 @@
-"""Results in and out: labelled arrays as netCDF, zarr, CSV or JSON.
-
-A result is a set of named variables, each with its dimensions, unit and meaning. It becomes
-an `xarray.Dataset` when it leaves as netCDF or zarr; CSV and JSON need no more than NumPy.
-"""
+"""Results as labelled arrays: files as netCDF, zarr, CSV or JSON; the last two need only NumPy."""
 
 import csv
 import errno
@@ -38,15 +34,7 @@ class Variable(NamedTuple):
 
 
 def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dataset":
-    """A labelled dataset of variables.
-
-    **Arguments:**
-
-    - `variables`: by name, each in its own unit.
-    - `attributes`: of the whole dataset: `title`, `source`.
-
-    **Returns:** the dataset, with unit, meaning and source on each variable.
-    """
+    """Labelled dataset of variables by name; `attributes`: of the whole: `title`, `source`."""
     import xarray
 
     data: dict[str, Any] = {}
@@ -66,28 +54,20 @@ def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dat
 
 
 def to_json(variables: Mapping[str, Variable]) -> str:
-    """Variables as one JSON object of nested lists.
-
-    **Arguments:** `variables`: by name.
-
-    **Returns:** the text; numbers that aren't finite are null.
-    """
-    lists, null = {}, np.array(None)
+    """JSON object of nested lists by variable; numbers that aren't finite are null."""
+    lists = {}
     for name, variable in variables.items():
         values = np.asarray(variable.values)
         if values.dtype.kind == "f":
-            values = np.where(np.isfinite(values), values.astype(object), null)
+            values = np.where(np.isfinite(values), values.astype(object), np.array(None))
         lists[name] = values.tolist()
     return json.dumps(lists, allow_nan=False)
 
 
 def to_csv(variables: Mapping[str, Variable]) -> str:
-    """CSV of variables: a row for each point of the first one that is no coordinate.
-
-    **Arguments:** `variables`: by name; a variable with one more dimension takes a column for
-    each index along it; others are omitted.
-
-    **Returns:** the text, with `name [unit]` as headings.
+    """CSV of variables, with `name [unit]` as headings and a row for each point of the first one
+    that is no coordinate. A variable with one more dimension takes a column for each index along
+    it; others are omitted.
     """
     first = next(iter(variables.values()))
     main = next((v for name, v in variables.items() if v.dims != (name,)), first)
@@ -101,8 +81,8 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
         axes = [dims.index(dim) for dim in variable.dims if dim in dims]
         slices = np.moveaxis(values, variable.dims.index(extra[0]), 0) if extra else values[None]
         absent = [axis for axis in range(len(dims)) if axis not in axes]
-        for index, selection in enumerate(slices):
-            label = f"{name}_{index + 1}" if extra else name
+        for index, selection in enumerate(slices, 1):
+            label = f"{name}_{index}" if extra else name
             expanded = np.expand_dims(np.transpose(selection, np.argsort(axes)), absent)
             column = np.broadcast_to(expanded, shape).ravel().tolist()
             columns[f"{label} [{variable.unit or '-'}]"] = column
@@ -118,13 +98,8 @@ def write(
 ) -> None:
     """Write variables, completely or not at all, in the format of the file's suffix.
 
-    **Arguments:**
-
-    - `variables`: by name.
-    - `path`: ends in `.nc`, `.zarr`, `.csv` or `.json`; an existing file is replaced.
-    - `attributes`: of the whole dataset: `title`, `source`.
-
-    **Raises:** `ValueError` for another suffix; `OSError` if it can't be written.
+    `path` ends in `.nc`, `.zarr`, `.csv` or `.json`; an existing file is replaced. `attributes`: as
+    for `dataset`. Raises `ValueError` for another suffix, `OSError` if it can't be written.
     """
     suffix = check_result_path(path).suffix.lower()
     fill: Mapping[str, Callable[[Path], object]] = {
@@ -147,25 +122,21 @@ class Table(dict[str, Variable]):
     def __repr__(self) -> str:
         """A line for each variable: name, unit, dimensions, meaning."""
         rows = []
-        for name, variable in self.items():
-            sizes = zip(variable.dims, np.shape(variable.values), strict=True)
+        for name, (dims, values, unit, about, _) in self.items():
+            sizes = zip(dims, np.shape(values), strict=True)
             shape = " × ".join(f"{dim} {size}" for dim, size in sizes)
-            rows.append((name, f"[{variable.unit or '-'}]", shape, variable.about))
+            rows.append((name, f"[{unit or '-'}]", shape, about))
         a, b, c = (max((len(row[i]) for row in rows), default=0) for i in range(3))
-        return "\n".join(
-            f"{name:{a}}  {unit:{b}}  {shape:{c}}  {about}".rstrip()
-            for name, unit, shape, about in rows
-        )
+        lines = (f"{row[0]:{a}}  {row[1]:{b}}  {row[2]:{c}}  {row[3]}" for row in rows)
+        return "\n".join(line.rstrip() for line in lines)
 
 
 def build_table(*rows: tuple[Any, ...]) -> Table:
     """Table from rows of name, dimensions in one text, values, unit and meaning."""
-    return Table(
-        {
-            name: Variable(tuple(dims.split()), np.asarray(values), *texts)
-            for name, dims, values, *texts in rows
-        }
-    )
+    table = Table()
+    for name, dims, values, *texts in rows:
+        table[name] = Variable(tuple(dims.split()), np.asarray(values), *texts)
+    return table
 
 
 def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
@@ -174,8 +145,7 @@ def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
         data.to_netcdf(path, engine="netcdf4")
     # netCDF4's own, for any failure of the system; a full disk is also "Permission denied"
     except (RuntimeError, PermissionError) as error:
-        reason = f"{error}; is the disk full?"
-        raise OSError(errno.EIO, reason) from None
+        raise OSError(errno.EIO, f"{error}; is the disk full?") from None
 
 
 def check_result_path(path: str | os.PathLike[str]) -> Path:
@@ -200,21 +170,15 @@ def is_zarr(path: Path) -> bool:
 
 
 def read(path: str | os.PathLike[str]) -> "xarray.Dataset":
-    """Read a result that `write` wrote as netCDF or zarr.
-
-    **Arguments:** `path`: ends in `.nc` or `.zarr`.
-
-    **Returns:** the dataset, in memory.
-
-    **Raises:** `ValueError` for another suffix; `OSError` if it can't be read.
-    """
+    """Dataset, in memory, that `write` wrote as netCDF or zarr; `ValueError` for another suffix."""
     import xarray
 
+    engines: dict[str, Any] = {
+        ".nc": {"engine": "netcdf4"},
+        ".zarr": {"engine": "zarr", "consolidated": False},
+    }
     suffix = Path(path).suffix.lower()
-    if suffix not in (".nc", ".zarr"):
+    if suffix not in engines:
         raise ValueError(f"{os.fspath(path)!r}: only .nc and .zarr can be read back.")
-    engine: dict[str, Any] = {"engine": "netcdf4"}
-    if suffix == ".zarr":
-        engine = {"engine": "zarr", "consolidated": False}
-    with xarray.open_dataset(path, **engine) as stored:
+    with xarray.open_dataset(path, **engines[suffix]) as stored:
         return stored.load()

@@ -1,10 +1,6 @@
-"""Results as labelled tables for the command line, Python and pages.
+"""Results as labelled tables for the command line, Python and pages."""
 
-A `Table` holds variables by name, each with its dimensions, unit and meaning; it leaves as an
-`xarray.Dataset`, as CSV or JSON, or as a file of any of these.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +18,8 @@ if TYPE_CHECKING:
     from ..dynamics import Audit, Plant, Trajectory
 
 _PRESSURE, _STRAIN = "gauge pressure", "contraction over length at rest"
+_FORCE, _BLOCKED = "pulling force, equation (27)", "force at rest length"
+_FREE = "strain of zero force"
 _COLLAPSE = "strain of collapse, inf where the muscle never collapses"
 _STABLE = "true where the force falls as the strain rises"
 # terms of the energy ledger, control metrics and stores, each with its meaning
@@ -55,50 +53,35 @@ _STORES = {"fluid": "exergy of a gas, energy of a liquid", "muscles": "in the mu
 
 
 def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
-    """A muscle's force and its parts.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `pressures`: a row of them [Pa].
-    - `strains`: a row of them [-].
-
-    **Returns:** a table, in the order of the JSON.
-    """
+    """A muscle's force and its parts over rows of `pressures` [Pa] and `strains` [-]."""
     P, eps = _si_array(pressures, "pressures", "Pa"), _si_array(strains, "strain", "-")
-    response = muscle.response(P[:, None], eps)
+    response, dims = muscle.response(P[:, None], eps), "pressure strain"
     regions = "0 tension, 1 post-buckling, 2 post-collapse, 3 straight compression"
     return build_table(
         ("pressure", "pressure", P, "Pa", _PRESSURE),
         ("strain", "strain", eps, "-", _STRAIN),
-        ("force", "pressure strain", response.force, "N", "pulling force, equation (27)"),
-        ("mesh", "pressure strain", response.mesh, "N", "the braid's part of the force"),
-        ("bladder", "pressure strain", response.bladder, "N", "the stretched bladder's part"),
-        ("bending", "pressure strain", response.bending, "N", "the rest, from the bent bladder"),
-        ("region", "pressure strain", response.region, "-", regions),
-        ("free_strain", "pressure", muscle.free_strain(P), "-", "strain of zero force"),
+        ("force", dims, response.force, "N", _FORCE),
+        ("mesh", dims, response.mesh, "N", "the braid's part of the force"),
+        ("bladder", dims, response.bladder, "N", "the stretched bladder's part"),
+        ("bending", dims, response.bending, "N", "the rest, from the bent bladder"),
+        ("region", dims, response.region, "-", regions),
+        ("free_strain", "pressure", muscle.free_strain(P), "-", _FREE),
         ("collapse_strain", "pressure", muscle.collapse_strain(P), "-", _COLLAPSE),
     )
 
 
 def muscle_table(muscle: Muscle, pressures: Values, strains: Values = None) -> Table:
-    """A muscle's table, for programs that interpolate: force, conjugate volume and deflection.
+    """A muscle's force, conjugate volume and deflection over rows of `pressures` [Pa] and `strains`
+    [-], for programs that interpolate: in a cycle the volume makes no energy with the force.
 
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `pressures`: a row of them [Pa].
-    - `strains`: a row of them [-]; left out, 101 even ones from the table's end to its other.
-
-    **Returns:** a table, whose volume makes no energy in a cycle with its force.
+    `strains`: default: 101 even ones from the table's end to its other.
     """
-    P = _si_array(pressures, "pressures", "Pa")
+    P, dims = _si_array(pressures, "pressures", "Pa"), "pressure strain"
     source = muscle.table(max(float(np.max(P)), 1.0))
     eps = np.linspace(*source.strains, 101) if strains is None else strains
     eps = _si_array(eps, "strain", "-")
     error = f"pulling force, within {source.errors[2]:.2g} N of the law"
     points, volume = (P[:, None], eps), "conjugate volume of the fluid, equation (V3)"
-    dims = "pressure strain"
     return build_table(
         ("pressure", "pressure", P, "Pa", _PRESSURE),
         ("strain", "strain", eps, "-", _STRAIN),
@@ -111,74 +94,46 @@ def muscle_table(muscle: Muscle, pressures: Values, strains: Values = None) -> T
 def force_comparison(
     muscles: Mapping[str, Muscle], pressures: Values, strains: Values, chosen_strain: float
 ) -> Table:
-    """Force of several muscles over strain, each at a pressure of its own, with the sizes and laws
-    in which they differ.
-
-    **Arguments:**
-
-    - `muscles`: by the name of their curve.
-    - `pressures`: one for each muscle [Pa].
-    - `strains`: a row of them [-].
-    - `chosen_strain`: at which the forces are compared [-].
-
-    **Returns:** a table, a curve and strain a row.
+    """Force of several `muscles` over a row of `strains` [-], with each one's blocked force, free
+    strain and force at a `chosen_strain` [-]; `pressures`: one for each muscle [Pa].
     """
     P, eps = _si_array(pressures, "pressures", "Pa"), _si_array(strains, "strain", "-")
     pairs = list(zip(muscles.values(), P, strict=True))
-
-    def values(compute: Callable[[Muscle, Any], Any]) -> np.ndarray:
-        return np.array([compute(muscle, pressure) for muscle, pressure in pairs])
-
-    force = values(lambda muscle, pressure: muscle.force(pressure, eps))
-    chosen = values(lambda muscle, pressure: muscle.force(pressure, chosen_strain))
-    blocked = values(lambda muscle, pressure: muscle.blocked_force(pressure))
-    free = values(lambda muscle, pressure: muscle.free_strain(pressure))
-    collapse = values(lambda muscle, pressure: muscle.collapse_strain(pressure))
+    chosen = "force at the chosen strain"
+    columns = (
+        ("blocked_force", Muscle.blocked_force, "N", _BLOCKED),
+        ("free_strain", Muscle.free_strain, "-", _FREE),
+        ("collapse_strain", Muscle.collapse_strain, "-", _COLLAPSE),
+        ("chosen_strain", lambda *_: chosen_strain, "-", "strain of comparison"),
+        ("chosen_force", lambda muscle, P: muscle.force(P, chosen_strain), "N", chosen),
+    )
     return build_table(
         ("curve", "curve", list(muscles), "-", "name of the curve"),
         ("strain", "strain", eps, "-", _STRAIN),
-        ("force", "curve strain", force, "N", "pulling force, equation (27)"),
+        ("force", "curve strain", [muscle.force(P, eps) for muscle, P in pairs], "N", _FORCE),
         ("pressure", "curve", P, "Pa", _PRESSURE),
-        ("blocked_force", "curve", blocked, "N", "force at rest length"),
-        ("free_strain", "curve", free, "-", "strain of zero force"),
-        ("collapse_strain", "curve", collapse, "-", _COLLAPSE),
-        ("chosen_strain", "curve", np.full(P.shape, chosen_strain), "-", "strain of comparison"),
-        ("chosen_force", "curve", chosen, "N", "force at the chosen strain"),
+        *((name, "curve", [of(*pair) for pair in pairs], *text) for name, of, *text in columns),
     )
 
 
 def muscle_free_strain(muscle: Muscle, pressures: Values) -> Table:
-    """A muscle's free strain, blocked force and collapse.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `pressures`: a row of them [Pa].
-
-    **Returns:** a table, a pressure a row.
-    """
+    """A muscle's free strain, blocked force and collapse over a row of `pressures` [Pa]."""
     P = _si_array(pressures, "pressures", "Pa")
     about = "bending moment at which the bladder collapses"
     return build_table(
         ("pressure", "pressure", P, "Pa", _PRESSURE),
-        ("free_strain", "pressure", muscle.free_strain(P), "-", "strain of zero force"),
-        ("blocked_force", "pressure", muscle.blocked_force(P), "N", "force at rest length"),
+        ("free_strain", "pressure", muscle.free_strain(P), "-", _FREE),
+        ("blocked_force", "pressure", muscle.blocked_force(P), "N", _BLOCKED),
         ("collapse_strain", "pressure", muscle.collapse_strain(P), "-", _COLLAPSE),
         ("collapse_moment", "pressure", muscle.collapse_moment(P), "N m", about),
     )
 
 
 def bundle_force(bundle: Bundle, states: Values, strains: Values, resistance: bool = True) -> Table:
-    """A bundle's force, and that of its motor units.
+    """Force of a bundle and of its motor units, a state a row, over a row of `strains` [-].
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `states`: pressures [Pa], one for each motor unit in each state.
-    - `strains`: a row of them [-].
-    - `resistance`: true if units past their own free strain push back.
-
-    **Returns:** a table, a state a row.
+    `states`: rows of pressures [Pa], one for each motor unit; `resistance`: true if units past
+    their own free strain push back.
     """
     P, eps = _si_array(states, "states", "Pa"), _si_array(strains, "strain", "-")
     forces = bundle.unit_forces(P[:, None, :], eps, resistance)
@@ -191,36 +146,24 @@ def bundle_force(bundle: Bundle, states: Values, strains: Values, resistance: bo
 
 
 def bundle_equilibria(bundle: Bundle, states: Values, resistance: bool = True) -> Table:
-    """A bundle's free strain, and all strains of zero force with their stability.
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `states`: pressures [Pa], one for each motor unit in each state.
-    - `resistance`: true if units past their own free strain push back.
-
-    **Returns:** a table; `equilibria` is NaN beyond a state's last one.
+    """A bundle's free strain, and all strains of zero force with their stability; NaN beyond a
+    state's last one. `states` [Pa] and `resistance` as for `bundle_force`.
     """
     P = _si_array(states, "states", "Pa")
     equilibria = bundle.equilibria(P, resistance)
     size = max(int(equilibria.count.max()), 1)
-    strain = equilibria.strain
+    strain, stable = equilibria.strain[:, :size], equilibria.stable[:, :size]
     # the first zero of the force is the free strain, by definition
     return build_table(
         ("free_strain", "state", strain[:, 0], "-", "smallest strain of zero force"),
         ("pressures", "state motor_unit", P, "Pa", "of each motor unit"),
-        ("equilibria", "state equilibrium", strain[:, :size], "-", "strains of zero force"),
-        ("stable", "state equilibrium", equilibria.stable[:, :size], "-", _STABLE),
+        ("equilibria", "state equilibrium", strain, "-", "strains of zero force"),
+        ("stable", "state equilibrium", stable, "-", _STABLE),
     )
 
 
 def space(workspace: recruitment.Workspace) -> Table:
-    """A bundle's recruitment states and their overlap.
-
-    **Arguments:** `workspace`: from `fascicle.recruitment.workspace`.
-
-    **Returns:** a table, a state a row.
-    """
+    """A bundle's recruitment states and their overlap, from `fascicle.recruitment.workspace`."""
     overlap = recruitment.overlap(workspace)
     pairs = np.asarray(overlap.states, dtype=int).reshape(-1, 2)
     about = "of each state at each throttled pressure"
@@ -240,24 +183,18 @@ def space(workspace: recruitment.Workspace) -> Table:
 
 
 def recruited(solution: recruitment.RecruitmentResult, forces: Values, strains: Values) -> Table:
-    """States and pressures of a bundle that give demanded forces at strains.
+    """States and pressures of a bundle that give a row of `forces` [N] at a row of `strains` [-].
 
-    **Arguments:**
-
-    - `solution`: from `fascicle.recruitment.recruit` for each force, down, and strain, across.
-    - `forces`: a row of demanded forces [N].
-    - `strains`: a row of strains [-].
-
-    **Returns:** a table; `solution_pressure` is NaN beyond a demand's last solution.
+    `solution`: from `fascicle.recruitment.recruit` for each force, down, and strain, across. In the
+    table, `solution_pressure` is NaN beyond a demand's last solution.
     """
     F, eps = _si_array(forces, "forces", "N"), _si_array(strains, "strain", "-")
     size = max(int(solution.count.max()), 1)
     pressure, state, stable = (
         getattr(solution.solutions, name)[..., :size] for name in ("pressure", "state", "stable")
     )
-    throttled = np.take_along_axis(solution.pressures, solution.unit[..., None] - 1, axis=-1)[
-        ..., 0
-    ]
+    last = solution.unit[..., None] - 1
+    throttled = np.take_along_axis(solution.pressures, last, axis=-1)[..., 0]
     status = "0 reached, 1 demand above all reachable forces, 2 below: then the nearest"
     dims = "demand strain solution"
     return build_table(
@@ -289,11 +226,9 @@ def joint_pressures(solution: "JointPressures") -> Table:
 
 
 def efficiency(maps: Sequence[EfficiencyMap]) -> Table:
-    """A bundle's efficiencies, along each path.
+    """A bundle's efficiencies and their averages over the points that are reached.
 
-    **Arguments:** `maps`: from `fascicle.energetics.efficiency_map`, a path each, on one grid.
-
-    **Returns:** a table, with the average over the points that are reached.
+    `maps`: from `fascicle.energetics.efficiency_map`, a path each, on one grid.
     """
     grids = np.stack([path.efficiency for path in maps])
     is_reached = np.isfinite(grids)
@@ -319,18 +254,10 @@ def simulated(
     controller: "Cascade | None" = None,
     reference: Any = None,
 ) -> Table:
-    """A run in time, a step a row, and its balances.
+    """A run in time, a step a row, its events, and with an `audit` the remainder of each balance.
 
-    **Arguments:**
-
-    - `plant`: that ran.
-    - `run`: one run, not a batch of them.
-    - `audit`: of the run; default: the table has events, but no balances.
-    - `controller`: of the run, from `control.cascade`, if there is one.
-    - `reference`: demand of the controlled output at each step [SI].
-
-    **Returns:** a table: quantities over `time`, the remainder of each balance, the events, and the
-    control metrics.
+    `run`: one run of the `plant`, not a batch. With a `controller`, from `control.cascade`, and the
+    `reference`, its demand at each step [SI], the table has the control metrics, too.
     """
     from ..dynamics import events
     from ..dynamics.energy_ledger import LEDGER, STORES
@@ -373,30 +300,27 @@ def simulated(
         rows.append((f"account_{name}", "time", energy, "kg" if name == "mass" else "J", about))
     for name, energy in zip(STORES, np.asarray(outputs.store).T, strict=True):
         rows.append((f"stored_{name}", "time", energy, "J", f"stored: {_STORES[name]}"))
-    if audit is not None:
-        names, residual, relative, tolerance, closes = (
-            [getattr(balance, name) for balance in audit.balances]
-            for name in ("name", "residual", "relative_residual", "tolerance", "closes")
-        )
-        rows += [
-            ("balance", "balance", names, "-", "balanced quantity"),
-            ("left_over", "balance", residual, "J", "in kg of the fluid's mass"),
-            ("left_over_share", "balance", relative, "-", "of the largest term"),
-            ("closes_within", "balance", tolerance, "-", "largest share of a balance that closes"),
-            ("closes", "balance", closes, "-", "true if the balance closes"),
-        ]
-    names, first, last, trusted = (
-        np.array([getattr(event, name) for event in events(run)], kind)
-        for name, kind in (("name", str), ("first", float), ("last", float), ("trusted", bool))
+    balance_columns = (
+        ("balance", "name", "-", "balanced quantity"),
+        ("left_over", "residual", "J", "in kg of the fluid's mass"),
+        ("left_over_share", "relative_residual", "-", "of the largest term"),
+        ("closes_within", "tolerance", "-", "largest share of a balance that closes"),
+        ("closes", "closes", "-", "true if the balance closes"),
     )
-    about = "true if the run can be trusted all the same"
-    return build_table(
-        *rows,
-        ("event", "event", names, "-", "event in the run"),
-        ("event_first", "event", first, "s", "first time"),
-        ("event_last", "event", last, "s", "last time"),
-        ("event_trusted", "event", trusted, "-", about),
+    for name, field, *texts in balance_columns if audit is not None else ():
+        values = [getattr(balance, field) for balance in audit.balances]
+        rows.append((name, "balance", values, *texts))
+    event_columns = (
+        ("event", "name", str, "-", "event in the run"),
+        ("event_first", "first", float, "s", "first time"),
+        ("event_last", "last", float, "s", "last time"),
+        ("event_trusted", "trusted", bool, "-", "true if the run can be trusted all the same"),
     )
+    run_events = events(run)
+    for name, field, kind, *texts in event_columns:
+        values = np.array([getattr(event, field) for event in run_events], kind)
+        rows.append((name, "event", values, *texts))
+    return build_table(*rows)
 
 
 def policy_table(
@@ -404,15 +328,10 @@ def policy_table(
     metrics: list["ControlMetrics"],
     is_trusted: Sequence[bool],
 ) -> Table:
-    """Control metrics of policies, a row each.
+    """Control metrics of policies, a row each, with the front of drawdown against supply energy.
 
-    **Arguments:**
-
-    - `controllers`: by the name of the policy.
-    - `metrics`: of each one's run.
-    - `is_trusted`: true for a run whose audit gives no reason to doubt it.
-
-    **Returns:** the table, with the front of drawdown against supply energy.
+    `controllers`: by policy; `metrics`: of each one's run; `is_trusted`: true if its audit gives no
+    reason to doubt it.
     """
     from ..control import pareto_front
 
