@@ -14,7 +14,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -31,7 +31,8 @@ from .units import parse
 
 
 _Model = TypeVar("_Model", bound=BaseModel)
-_Plain, _Table = TypeVar("_Plain"), TypeVar("_Table")
+_Plain = TypeVar("_Plain")
+_Table = TypeVar("_Table")
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
 _PLAIN, _TABLE = "\0plain", "\0table"
@@ -89,7 +90,7 @@ class Quantity:
 
 
 # a plain value, or a table or a list of them: the choice is by type, so an error names one key
-PlainOrTable = Annotated[
+PlainOrTable: TypeAlias = Annotated[
     Annotated[_Plain, Tag(_PLAIN)] | Annotated[_Table, Tag(_TABLE)],
     Discriminator(lambda value: _TABLE if isinstance(value, dict | list | BaseModel) else _PLAIN),
 ]

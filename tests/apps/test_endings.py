@@ -160,7 +160,7 @@ def test_an_unforeseen_error_is_one_line(fascicle, monkeypatch, error, expected,
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("fascicle.files.shipped_files.example_text", fail)
+    monkeypatch.setattr("fascicle.files.example_text", fail)
     code, out, err = fascicle("muscles", SIX)
     assert (code, out, err.count("\n")) == (expected, "", bool(texts))
     assert all(text in err for text in texts)

@@ -13,7 +13,7 @@ def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
 
 
 def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
-    from fascicle.files.shipped_files import example_text
+    from fascicle.files import example_text
 
     text = example_text("ramp_hand_over")
     (tmp_path / "ramp.toml").write_text(text.replace('"hand_over"  ', '"threshold"'))

@@ -45,7 +45,7 @@ def written(tmp_path):
 @pytest.mark.parametrize("options", [[], ["--json"], ["--csv"]])
 @pytest.mark.parametrize("trusted", [True, False])
 def test_of_a_scenario(fascicle, written, options, trusted):
-    from fascicle.files.shipped_files import example_text
+    from fascicle.files import example_text
 
     text = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
     if not trusted:

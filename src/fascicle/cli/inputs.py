@@ -61,8 +61,7 @@ def _cache_folder() -> Path | None:
 
 def read_target(target: str) -> Any:
     """Read a `Muscle` or `Bundle` by path or shipped name; a file of that name comes first."""
-    from ..files import example, scenarios
-    from ..files.shipped_files import named_muscles
+    from ..files import example, named_muscles, scenarios
 
     if not is_path(target) and target in scenarios():
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")

@@ -179,8 +179,7 @@ def muscles(
     as_json: bool = options.JSON,
 ) -> None:
     """List example or measured muscles, or print the file of one."""
-    from ..files import examples
-    from ..files.shipped_files import example_text
+    from ..files import example_text, examples
 
     if name is not None:
         if measured:

@@ -82,7 +82,7 @@ def with_options(name: str, group: Callable[..., Any]) -> Callable[[Callable], C
 
 def complete_target(incomplete: str) -> list[str]:
     """Named examples, measured muscles, and TOML files by path, that begin with `incomplete`."""
-    from ..files.shipped_files import named_muscles
+    from ..files import named_muscles
 
     folder, slash, _ = incomplete.rpartition("/")
     files: list[str] = []

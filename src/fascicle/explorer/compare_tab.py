@@ -12,7 +12,7 @@ import panel as pn
 
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_interval
-from ..files.shipped_files import named_muscles
+from ..files import named_muscles
 from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
 from ..muscle.laws import LAWS

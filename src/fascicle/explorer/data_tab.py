@@ -11,7 +11,7 @@ import panel as pn
 from ..calibrate import Selection
 from ..calibrate.parameters import parameters_of
 from ..core.validation import HIGHEST_PRESSURE
-from ..files.calibration_files import calibrated_text
+from ..files.calibration_files import calibrated_files
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
@@ -371,8 +371,9 @@ class DataView(Tab):
             candidates = selection if selection.candidates else None
             progress("drawing the report")
             page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
-            toml = calibrated_text(calibration, today, candidates, warning_lines(calibration))
-            return FitResult(selection, page, toml, record)
+            texts = warning_lines(calibration)
+            files = calibrated_files(calibration, today, candidates, texts, with_log=False)
+            return FitResult(selection, page, files["muscle.toml"], record)
 
         self._fits.request(compute)
 

@@ -22,8 +22,7 @@ from ..core.validation import (
     check_finite,
     check_interval,
 )
-from ..files import dumps, example, loads
-from ..files.shipped_files import named_muscles, scenarios
+from ..files import dumps, example, loads, named_muscles, scenarios
 from ..muscle import Muscle
 from ..units import exact, parse
 from .compare_tab import add_pin

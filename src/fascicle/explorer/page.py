@@ -12,8 +12,7 @@ from bokeh.models import CustomJS
 from panel.io.resources import get_dist_path
 
 from ..bundle import Bundle
-from ..files import example, loads
-from ..files.shipped_files import descriptions, named_muscles
+from ..files import descriptions, example, loads, named_muscles
 from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
 from ..plot.theme import TITLE

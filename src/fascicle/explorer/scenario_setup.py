@@ -14,9 +14,8 @@ import tomlkit
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
-from ..files import dumps
+from ..files import dumps, example_text, named_muscles
 from ..files.muscle_files import parse_file
-from ..files.shipped_files import example_text, named_muscles
 from ..units import exact, parse
 
 

@@ -17,8 +17,7 @@ import param
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
-from ..files import dumps, example
-from ..files.shipped_files import named_muscles
+from ..files import dumps, example, named_muscles
 from ..muscle import Muscle
 from .scenario_setup import Setup
 

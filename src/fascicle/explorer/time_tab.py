@@ -17,7 +17,7 @@ from bokeh.models import Button, CustomJS, Div, Select, Slider, Span
 from matplotlib.figure import Figure
 
 from ..core.errors import MissingExtraError, require
-from ..files.shipped_files import scenarios
+from ..files import scenarios
 from ..plot.theme import DOUBLE, LIGHT, Colors, new_figure, styled
 from .chart import Chart, cycle_colors, padded_range
 from .remarks import glossary_html

@@ -1,10 +1,9 @@
 """Files of a calibration: the fitted muscle, and a log of the whole fit.
 
-Values are written with their units. The muscle's numbers have as many digits as the data support:
-each fitted constant stays within `SHARE` of the width of its interval, and each reading's force
-within `SHARE` of the root mean square residual. Constants that weren't fitted stay as they were.
-The coordinates and their covariance, in the order of the parameters' names, keep all digits: of
-nearly dependent constants a rounded covariance is useless.
+The muscle's numbers have as many digits as the data support: each fitted constant stays within
+`_TOLERANCE` of the width of its interval, each reading's force within `_TOLERANCE` of the root mean
+square residual; constants that weren't fitted stay as they were. Coordinates and covariance keep
+all digits: of nearly dependent constants a rounded covariance is useless.
 """
 
 import os
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
     from ..calibrate.model_selection import Selection
 
 
-SHARE = 0.01  # of an interval, and of the residual: far below the scatter of a measurement
+_TOLERANCE = 0.01  # of an interval, and of the residual: far below a measurement's scatter
 _MIN_DIGITS = 3  # of a rounded number: fewer look like a guess
 _MAX_DIGITS = 17  # every float is exact
 _ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
@@ -46,14 +45,16 @@ def calibrated_files(
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
     reasons: Sequence[str] = (),
+    with_log: bool = True,
 ) -> dict[str, str]:
-    """Texts of "muscle.toml" and of its log, "muscle.log.toml", by name; arguments as for
-    `provenance_of`.
-
-    The muscle file has a summary in `[calibration]`, with the interval of each fitted constant;
-    `provenance` reads both.
+    """Texts of "muscle.toml", with a summary in `[calibration]`, and of its log, "muscle.log.toml",
+    by name; or of a muscle file that holds the log itself. Arguments as for `provenance_of`.
     """
-    muscle, table = _rounded_with_provenance(calibration, date, choice, warnings, reasons)
+    muscle, rounding = rounded_muscle(calibration)
+    table = provenance_of(calibration, date, choice, warnings, reasons)
+    table |= {"fitted_length": exact(float(muscle.length), "length"), "rounded": rounding}
+    if not with_log:
+        return {"muscle.toml": dumps(muscle, table)}
     summary = {key: table[key] for key in _SUMMARY}
     if not END_PARAMETERS.isdisjoint(table["coordinate_names"]):
         summary["fitted_ends"] = True
@@ -62,17 +63,6 @@ def calibrated_files(
     summary |= {"log": log, "intervals_of": intervals}
     text = f"format = 1\n\n{calibration_text(table)}"
     return {"muscle.toml": dumps(muscle, summary), log: text}
-
-
-def calibrated_text(
-    calibration: Calibration,
-    date: str,
-    choice: "Selection | None" = None,
-    warnings: Sequence[str] = (),
-    reasons: Sequence[str] = (),
-) -> str:
-    """Text of a muscle file that holds the log itself; arguments as for `provenance_of`."""
-    return dumps(*_rounded_with_provenance(calibration, date, choice, warnings, reasons))
 
 
 def provenance_of(
@@ -99,16 +89,13 @@ def provenance_of(
     rest_length = "the muscle's own length"
     if record.rest_length is not None:
         rest_length = exact(record.rest_length, "length")
-    residuals = [
-        {"against": trend.along, "share": _rounded(trend.share), "chance": _rounded(trend.chance),
-         "noise": not trend.found}
-        for trend in diagnosis.trends
-    ]  # fmt: skip
-    residuals += [
-        {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
-         "chance": _rounded(run.chance), "noise": not run.found}
-        for run in diagnosis.runs
-    ]  # fmt: skip
+    residuals: list[dict[str, Any]] = []
+    for trend in diagnosis.trends:
+        numbers = {"share": _rounded(trend.share), "chance": _rounded(trend.chance)}
+        residuals.append({"against": trend.along, **numbers, "noise": not trend.found})
+    for run in diagnosis.runs:
+        numbers = {"pairs": run.pairs, "changes": run.changes, "chance": _rounded(run.chance)}
+        residuals.append({"against": f"signs along {run.along}", **numbers, "noise": not run.found})
     table = {
         "method": calibration.method,
         "date": date,
@@ -139,9 +126,7 @@ def provenance_of(
         "residuals": residuals,
     }
     if faults := calibration.gauge.faults:
-        table["gauge"] = {
-            name: exact(value, GAUGE_DIMENSIONS[name]) for name, value in faults.items()
-        }
+        table["gauge"] = {key: exact(x, GAUGE_DIMENSIONS[key]) for key, x in faults.items()}
     if channel_faults := calibration.fit_data.faults:
         table["channel_fault"] = [vars(fault) for fault in channel_faults]
     if (loop := calibration.loop) is not None:
@@ -156,9 +141,8 @@ def provenance_of(
         table["candidate"] = [
             {
                 "free": ", ".join(row.names), "method": row.method, "numbers": row.constants,
-                "rmse": _rounded(row.rmse),
-                "left_out_rmse": _rounded(row.left_out_rmse), "on": row.readings,
-                "chosen": row.chosen,
+                "rmse": _rounded(row.rmse), "left_out_rmse": _rounded(row.left_out_rmse),
+                "on": row.readings, "chosen": row.chosen,
             }
             for row in choice.candidates
         ]  # fmt: skip
@@ -170,17 +154,6 @@ def laws_of(calibration: Calibration) -> dict[str, str]:
     return {kind: str(getattr(calibration.muscle, kind).name) for kind in LAWS}
 
 
-def round_to_uncertainty(value: float, dimension: str, width: float) -> str:
-    """Text of a fitted `value` [SI], in the fewest digits, at least three, that keep it within
-    `SHARE` of its interval's `width` [SI].
-    """
-    for digits in range(_MIN_DIGITS, _MAX_DIGITS):
-        text = pretty(value, dimension, digits)
-        if abs(parse(text, dimension) - value) <= SHARE * width:
-            return text
-    return exact(value, dimension)
-
-
 def rounded_muscle(calibration: Calibration) -> tuple[Muscle, str]:
     """The fitted muscle as its file has it, and a description of the rounding."""
     leaves = [np.asarray(leaf) for leaf in tree_leaves(calibration.start)]
@@ -189,25 +162,18 @@ def rounded_muscle(calibration: Calibration) -> tuple[Muscle, str]:
         muscle = _round_constants(calibration.muscle, unfitted, digits)
         deviation = _force_deviation(calibration, muscle)
         if deviation is not None:
-            return with_fields(muscle, fitted_length=calibration.muscle.fitted_length), (
-                f"to {digits} digits: no fitted constant is off by more than {SHARE:.0%} of its"
-                f" interval, no reading's force by more than {pretty(deviation, 'force', 2)}"
-            )
+            muscle = with_fields(muscle, fitted_length=calibration.muscle.fitted_length)
+            about = f"no fitted constant is off by more than {_TOLERANCE:.0%} of its interval"
+            force = f"no reading's force by more than {pretty(deviation, 'force', 2)}"
+            return muscle, f"to {digits} digits: {about}, {force}"
     return calibration.muscle, "not rounded"
 
 
 def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 0) -> Muscle:
-    """Draw a calibrated muscle's constants, normally distributed in the fitted coordinates.
+    """Muscle with draws of its calibrated constants, on the first axis of all its numbers, normally
+    distributed in the fitted coordinates.
 
-    **Arguments:**
-
-    - `path`: the muscle file of `fascicle calibrate`.
-    - `draws`: number of draws.
-    - `seed`: random seed.
-
-    **Returns:** the muscle, with draws on the first axis of all its numbers.
-
-    **Raises:** `ValueError` for a file without a calibration; `OSError` if it can't be read.
+    `path`: the muscle file of `fascicle calibrate`; `ValueError` for one without a calibration.
     """
     muscle, table = load_muscle(path), provenance(path)
     if not isinstance(muscle, Muscle) or "covariance" not in table:
@@ -226,19 +192,6 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
     return jax.vmap(lambda row: put(parameters, muscle, row))(jax.numpy.asarray(z))
 
 
-def _rounded_with_provenance(
-    calibration: Calibration,
-    date: str,
-    choice: "Selection | None",
-    warnings: Sequence[str],
-    reasons: Sequence[str],
-) -> tuple[Muscle, dict[str, Any]]:
-    muscle, rounding = rounded_muscle(calibration)
-    table = provenance_of(calibration, date, choice, warnings, reasons)
-    fitted_length = exact(float(muscle.length), "length")
-    return muscle, table | {"fitted_length": fitted_length, "rounded": rounding}
-
-
 def _springs(calibration: Calibration) -> dict[str, Any]:
     """Keys of a scenario's `[hysteresis]`."""
     friction = calibration.friction
@@ -247,26 +200,30 @@ def _springs(calibration: Calibration) -> dict[str, Any]:
     if friction.law is None:
         return {"kind": "none"}
     keys = {"stiffness": "stiffness", "slip_force": "force", "slip_force_slope": "slip"}
-    springs = {
+    springs: dict[str, Any] = {
         key: [pretty(float(x), unit, _ERROR_DIGITS) for x in getattr(friction.law, key)]
         for key, unit in keys.items()
     }
-    width = _force_text(friction.rmse)
-    resolved = list(friction.resolved)
-    return {"kind": "maxwell_slip", **springs, "width_rmse": width, "determined": resolved}
+    springs["width_rmse"] = _force_text(friction.rmse)
+    return {"kind": "maxwell_slip", **springs, "determined": list(friction.resolved)}
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:
-    dimension, width = estimate.dimension, estimate.high - estimate.low
-    value, low, high = (
-        round_to_uncertainty(x, dimension, width)
-        for x in (estimate.value, estimate.low, estimate.high)
-    )
-    return {
-        "name": estimate.name, "value": value, "low": low, "high": high,
-        "prior": pretty(estimate.start, dimension, _PRIOR_DIGITS),
-        "identifiable": estimate.identifiable,
-    }  # fmt: skip
+    """Table of a fitted constant, in the fewest digits, at least three, that keep each number
+    within `_TOLERANCE` of its interval's width.
+    """
+    dimension, tolerance = estimate.dimension, _TOLERANCE * (estimate.high - estimate.low)
+
+    def text(value: float) -> str:
+        for digits in range(_MIN_DIGITS, _MAX_DIGITS):
+            rounded = pretty(value, dimension, digits)
+            if abs(parse(rounded, dimension) - value) <= tolerance:
+                return rounded
+        return exact(value, dimension)
+
+    table = {key: text(getattr(estimate, key)) for key in ("value", "low", "high")}
+    prior = pretty(estimate.start, dimension, _PRIOR_DIGITS)
+    return {"name": estimate.name, **table, "prior": prior, "identifiable": estimate.identifiable}
 
 
 def _force_text(force: Any) -> str:
@@ -288,12 +245,12 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
             continue
         value = parameters[estimate.name].value
         change = abs(float(value(muscle)) - float(value(calibration.muscle)))
-        if not change <= SHARE * (estimate.high - estimate.low):
+        if not change <= _TOLERANCE * (estimate.high - estimate.low):
             return None
     readings = calibration.record.pressure, calibration.record.strain
     rounded, fitted = (static_force(m, *readings) for m in (muscle, calibration.muscle))
     change = float(np.nanmax(np.abs(rounded - fitted)))
-    return change if change <= SHARE * calibration.rmse else None
+    return change if change <= _TOLERANCE * calibration.rmse else None
 
 
 def _round_constants(muscle: Muscle, unfitted: set[float], digits: int) -> Muscle:

@@ -1,7 +1,5 @@
-"""Catalog of measured muscles: for each a muscle file with an `[entry]`, and perhaps a record.
-
-The file `measured/NAME.toml` is all that an entry takes. It may name a record beside it, readings
-whose license allows it. The error is that of the file's `[calibration]`, or of the `[entry]`.
+"""Catalog of measured muscles: for each a file `measured/NAME.toml` with an `[entry]`, which may
+name a record beside it, readings whose license allows it.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,9 +16,9 @@ from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
 from ..table_model import validate
 from ..units import format_digits, parse, pretty
+from . import shipped_names, shipped_text
 from .muscle_files import from_dict, parse_file
 from .schema import EntryFile, EntrySection
-from .shipped_files import shipped_names, shipped_text
 
 
 if TYPE_CHECKING:
@@ -46,13 +44,12 @@ class FitError(NamedTuple):
 
     def __str__(self) -> str:
         """Text with units."""
-        rmse = "" if self.rmse is None else f"{format_digits(self.rmse, 3)} N"
+        text = "" if self.rmse is None else f"{format_digits(self.rmse, 3)} N"
         if self.relative_rmse is not None:
-            rmse += f" ({format_digits(100 * self.relative_rmse, 2)} % of the largest force)"
-        largest = (
-            "" if self.largest is None else f"at most {format_digits(100 * self.largest, 3)} %"
-        )
-        return ", ".join(filter(None, (rmse, largest))) or "not published"
+            text += f" ({format_digits(100 * self.relative_rmse, 2)} % of the largest force)"
+        if self.largest is not None:
+            text += f"{', ' if text else ''}at most {format_digits(100 * self.largest, 3)} %"
+        return text or "not published"
 
 
 class MeasuredRange(NamedTuple):
@@ -84,8 +81,6 @@ def _entry_table(entry: "CatalogEntry") -> ReprTable:
 class CatalogEntry:
     """A muscle that somebody measured.
 
-    - `name`: in the catalog, and in commands.
-    - `title`, `maker`: name of the muscle, and who makes or made it.
     - `source`, `url`, `license`: citation and address of the numbers, and their license.
     - `sizes`, `measured`: published sizes, and what was measured, in words.
     - `basis`: "fit" to the record by fascicle, or constants "published" by the source.
@@ -93,8 +88,7 @@ class CatalogEntry:
     - `muscle`: the muscle. A fitted one has its active length, without the parts at the fittings.
     - `error`, `range`: error of its force, and the pressures and strains that were measured.
     - `rest_length`: reference of the source's contractions [m].
-    - `record_file`: name of the file of readings, or `None`.
-    - `toml`: text of its file.
+    - `record_file`: name of the file of readings, or `None`; `toml`: text of the muscle's file.
     """
 
     name: str
@@ -142,13 +136,11 @@ class CatalogEntry:
         """Sentence that says which of a largest `pressure` [Pa] and `strain` [-] lies beyond those
         that were measured; empty if none does, or if the range is unknown.
         """
-        texts = [
-            f"a {word} of {pretty(value, kind, 3)} (measured up to {pretty(ends[1], kind, 3)})"
-            for value, ends, (word, kind) in zip(
-                (pressure, strain), self.range, _RANGES, strict=True
-            )
-            if ends is not None and value > ends[1] * (1 + _ROUNDING)
-        ]
+        texts = []
+        for value, ends, (word, kind) in zip((pressure, strain), self.range, _RANGES, strict=True):
+            if ends is not None and value > ends[1] * (1 + _ROUNDING):
+                measured = f"measured up to {pretty(ends[1], kind, 3)}"
+                texts.append(f"a {word} of {pretty(value, kind, 3)} ({measured})")
         return f"{self.name}: {' and '.join(texts)} is an extrapolation." if texts else ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -220,7 +212,9 @@ def read_entry(text: str, name: str) -> CatalogEntry:
     texts = {field.name for field in fields(CatalogEntry)} & EntrySection.model_fields.keys()
     values: dict[str, Any] = {key: getattr(entry, key) for key in texts - {"rest_length"}}
     rest_length = float(muscle.length) if entry.rest_length is None else entry.rest_length
-    ratio, strain = rest_length / float(muscle.length), entry.strain
+    ratio, pressure, strain = rest_length / float(muscle.length), entry.pressure, entry.strain
+    pressures = (pressure[0], pressure[1]) if pressure else None
+    strains = (strain[0] * ratio, strain[1] * ratio) if strain else None
     rmse = file.calibration.get("rmse")
     rmse = entry.rmse if rmse is None else parse(rmse, "force", "rmse")
     relative_rmse = file.calibration.get("relative_rmse", entry.relative_rmse)
@@ -230,10 +224,7 @@ def read_entry(text: str, name: str) -> CatalogEntry:
         basis="fit" if file.calibration else "published",
         muscle=muscle,
         error=FitError(rmse, relative_rmse, entry.largest_error),
-        range=MeasuredRange(
-            None if entry.pressure is None else (entry.pressure[0], entry.pressure[1]),
-            None if strain is None else (strain[0] * ratio, strain[1] * ratio),
-        ),
+        range=MeasuredRange(pressures, strains),
         rest_length=rest_length,
         record_file=entry.record,
         toml=text,

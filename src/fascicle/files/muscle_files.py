@@ -28,6 +28,7 @@ from ..muscle.validation import (
 )
 from ..table_model import did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
+from . import example_text, named_muscles
 from .schema import (
     BundleSection,
     FileLocation,
@@ -37,7 +38,6 @@ from .schema import (
     TuningSection,
     check_kind,
 )
-from .shipped_files import example_text, named_muscles
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
@@ -350,7 +350,9 @@ def _muscle_table(muscle: Muscle) -> dict[str, Any]:
     if type(material) is not MooneyRivlin:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     names = (name for name, named in MATERIALS.items() if material == named)
-    table = {name: _entry(getattr(muscle, name), kind, name) for name, kind in _SIZES.items()}
+    table: dict[str, Any] = {
+        name: _entry(getattr(muscle, name), kind, name) for name, kind in _SIZES.items()
+    }
     table["material"] = next(names, None) or _constants(material)
     for kind in LAWS:
         law = getattr(muscle, kind)

@@ -17,7 +17,7 @@ from .schema import Angle, FileLocation, Force, Length, Number, Pressure
 
 # of a part whose quantities are lengths, or angles where its load turns
 _LINEAR_DIMENSIONS = {"low": "length", "high": "length"}
-_ROTARY_DIMENSIONS = dict.fromkeys(("low", "high", "position"), "angle")
+_ROTARY_DIMENSIONS: dict[str, str] = dict.fromkeys(("low", "high", "position"), "angle")
 _ROTARY_DIMENSIONS |= {"damping": "angular_damping", "stiffness": "angular_stiffness"}
 _NAME: tuple[Any, Any] = (str | None, None)
 # keys of a valve's data sheet that stand for C; nominal flow: 6 to 5 bar gauge, normal liters

@@ -1,13 +1,12 @@
 """Task files: from TOML to a task, a space of designs, objectives and limits, and a catalog.
 
-A catalog's product has a radius, and lengths: those in stock, or a range of lengths cut to order.
-Sizes that it doesn't give, such as wall and braid angle, are those of the muscle that gives it
-material and laws. One product of one length becomes one drawing.
+A catalog's product has a radius, and lengths: in stock, or a range of them, cut to order. Material,
+laws and sizes that it doesn't give are those of a muscle. In one length it becomes one drawing.
 """
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,19 +29,14 @@ from ..design.objectives import (
     check_search,
     with_reach_limits,
 )
-from ..design.scatter import (
-    USUAL_DRAWS,
-    USUAL_SCATTER,
-    USUAL_SHARE,
-    DesignScatter,
-    Uncertainty,
-)
+from ..design.scatter import USUAL_SCATTER, USUAL_SHARE, DesignScatter, Uncertainty
 from ..design.space import SPLITS, Catalog, Product, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..table_model import validate
 from ..units import dimension_of_unit, parse, pretty
+from . import named_muscles, shipped_names, shipped_text
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_named, parse_file, provenance, read_file
 from .schema import (
@@ -58,7 +52,6 @@ from .schema import (
     TaskSection,
     check_kind,
 )
-from .shipped_files import named_muscles, shipped_names, shipped_text
 
 
 _BOUNDS = {"at_least": "least", "at_most": "most"}  # keys of a limit, and their names in `Limit`
@@ -72,8 +65,12 @@ _BLOCK = 4096  # designs evaluated together: some 100 MB
 _MAX_VALVES = 1e6  # a limit above is none
 _MAX_DRAWINGS = 10_000  # more products are a slip in a list of lengths
 # more than any product's, a slip in the unit
-_MAX_VALUES = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
-               "mass_per_length": (1e6, "kg/m")}  # fmt: skip
+_MAX_VALUES = (
+    ("largest_pressure", 1e9, "Pa"),
+    ("largest_strain", 1.0, "-"),
+    ("mass", 1e6, "kg"),
+    ("mass_per_length", 1e6, "kg/m"),
+)
 
 
 class Offer(NamedTuple):
@@ -116,32 +113,13 @@ class TaskFile:
 
 
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
-    """Read a task file.
-
-    **Arguments:** `path`: the TOML file; muscles that it names by a path stand beside it.
-
-    **Returns:** its contents.
-
-    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
-    values that aren't valid.
-    """
+    """Read a task file; muscles that it names by a path stand beside it. Raises as `load`."""
     path = Path(path)
     return _task_file(read_file(path), str(path), path.parent)
 
 
 def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> TaskFile:
-    """Read a task from text.
-
-    **Arguments:**
-
-    - `text`: the TOML.
-    - `source`: its name in errors.
-    - `folder`: of the muscle files that the task names.
-
-    **Returns:** its contents.
-
-    **Raises:** as `load_task`.
-    """
+    """Read a task from the `text` of a file, `source` in errors, with muscles in a `folder`."""
     return _task_file(parse_file(text, source), source, folder)
 
 
@@ -165,16 +143,13 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
-    section, scatter_location = file.scatter or ScatterSection(), root.child("scatter")
-    uncertainty = None
-    if section.enabled is not False:
-        uncertainty = _uncertainty(section, design, scatter_location, folder, probability)
-    notes = _fit_notes(design.muscle, folder, task, space)
-    notes += () if offer is None else offer.notes
-    return TaskFile(
-        task, space, senses, limits, catalog, uncertainty, block, data, tuple(notes), least_margin,
-        _cycle(file.cycle, task, root.child("cycle")),
-    )  # fmt: skip
+    scatter, uncertainty = file.scatter or ScatterSection(), None
+    if scatter.enabled is not False:
+        uncertainty = _uncertainty(scatter, design, root.child("scatter"), folder, probability)
+    notes = (*_fit_notes(design.muscle, folder, task, space), *(offer.notes if offer else ()))
+    cycle = _cycle(file.cycle, task, root.child("cycle"))
+    options = (catalog, uncertainty, block, data, notes, least_margin, cycle)
+    return TaskFile(task, space, senses, limits, *options)
 
 
 def _cycle(section: CycleSection | None, task: Task, location: FileLocation) -> Cycle | None:
@@ -199,9 +174,8 @@ def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> 
         if (entry := measured_muscles.get(name)) and entry.error.rmse is not None:
             rmse = pretty(entry.error.rmse, "force", 3)
         if isinstance(rmse, str):
-            notes.append(
-                f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
-            )
+            rule = f"was fitted with an error of {rmse} (rmse): a margin doesn't count it."
+            notes.append(f"{name} {rule}")
         if entry is not None and name in space.drawings:
             strain = float(np.max(task.strain_of(float(space.drawings[name].length))))
             notes.append(entry.extrapolation(task.supply_pressure, strain))
@@ -223,10 +197,11 @@ def _task(section: TaskSection, location: FileLocation) -> Task:
     if "strain" in values and "stroke" in values:
         rule = "`strain` is there too, and gives the same for bundles of one length: keep one."
         raise location.error(("stroke",), rule)
-    for key in ("force", "strain"):
-        if key not in values and not (key == "strain" and "stroke" in values):
-            stroke = ' (or stroke = ["25 mm", …])' if key == "strain" else ""
-            raise location.error((key,), f'missing, write {key} = […]{stroke}, or example = "…".')
+    if "force" not in values:
+        raise location.error(("force",), 'missing, write force = […], or example = "…".')
+    if "strain" not in values and "stroke" not in values:
+        rule = 'missing, write strain = […] (or stroke = ["25 mm", …]), or example = "…".'
+        raise location.error(("strain",), rule)
     if "time" in values and "weight" in values:
         rule = "points in time count for as long as they last: drop it."
         raise location.error(("weight",), rule)
@@ -255,34 +230,28 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
     for name, entry in section.items():
         with location.error_context():
             check_objectives([name])
-        is_margin, ends = name == "margin", {}
-        if not isinstance(entry, dict) and not is_margin:
+        is_table, ends = isinstance(entry, dict), {}
+        if not is_table and name != "margin":
             raise location.error((name,), "must be a table: write { at_most = … }.")
         if entry == {}:
             raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
         # a margin without a table is that of the warning
-        bounds = entry if isinstance(entry, dict) else {_WARNING: entry}
-        for key, text in bounds.items():
-            keys = (name, key) if bounds is entry else (name,)
-            warns = is_margin and key == _WARNING
-            if not warns and key not in _BOUNDS:
-                raise location.error(keys, "unknown key: write at_least or at_most.")
-            dimension = dimension_of_unit("-" if warns else OBJECTIVES[name].unit) or "number"
-            rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
-            rule += ' margin = { at_least = "50 N" }.'
-            try:
-                value = parse(text, dimension, keys[-1])
-            except ValueError as error:
-                raise location.error(keys, rule if warns else str(error)) from None
-            if warns and not 0 <= value <= 10:
-                raise location.error(keys, rule)
+        for key, text in (entry if is_table else {_WARNING: entry}).items():
+            if name == "margin" and key == _WARNING:
+                rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
+                rule += ' margin = { at_least = "50 N" }.'
+                keys = (name, key) if is_table else (name,)
+                least_margin = _share(text, lambda x: 0 <= x <= 10, location, keys, rule)
+                continue
+            if key not in _BOUNDS:
+                raise location.error((name, key), "unknown key: write at_least or at_most.")
+            dimension = dimension_of_unit(OBJECTIVES[name].unit) or "number"
+            with location.child(name, key).error_context():
+                value = parse(text, dimension)
             if name in SHARES and not 0 <= value < 1:
                 rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
                 raise location.error((name,), rule)
-            if warns:
-                least_margin = value
-            else:
-                ends[_BOUNDS[key]] = value
+            ends[_BOUNDS[key]] = value
         if ends:
             limits[name] = Limit(**ends)
     return limits, least_margin
@@ -333,14 +302,21 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
 
 def _safety(entry: Any, location: FileLocation) -> float:
     """Share of the draws in which a recommended design must hold [-]."""
+    rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
+    return _share(entry, lambda x: 0 < x < 1, location, (_SAFETY,), rule)
+
+
+def _share(
+    entry: Any, holds: Callable[[float], bool], location: FileLocation, keys: tuple, rule: str
+) -> float:
+    """A share [-] for which `holds` is true; else an error with the `rule`."""
     try:
-        probability = parse(entry, "number", _SAFETY)
+        value = parse(entry, "number")
     except ValueError:
-        probability = -1.0
-    if not 0 < probability < 1:
-        rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
-        raise location.error((_SAFETY,), rule)
-    return probability
+        value = np.nan
+    if not holds(value):
+        raise location.error(keys, rule)
+    return value
 
 
 def _uncertainty(
@@ -360,16 +336,29 @@ def _uncertainty(
     usual = attrs.asdict(USUAL_SCATTER)
     if fitted:
         usual["model_error"] = max(error or 0.0 for error in errors)
-    path, single = folder / design.muscle[0], len(design.muscle) == 1 and not design.catalog
+    name, single = design.muscle[0], len(design.muscle) == 1 and not design.catalog
+    path, is_own_law = folder / name, design.buckling is None
     with location.error_context():
         scatter = DesignScatter(**usual | deviations)
-        calibrated = section.calibrated
+        calibrated, muscles = section.calibrated, None
         if calibrated is None:
-            drawable = single and path.exists() and design.buckling is None
+            drawable = single and path.exists() and is_own_law
             calibrated = drawable and "covariance" in provenance(path)
-        muscles = _calibrated_draws(path, design, single) if calibrated else None
+        if calibrated:
+            if not single:
+                raise InvalidInputError("calibrated", "needs one muscle and no catalog", None)
+            if not path.exists():
+                rule = f"needs a muscle file, {name!r} is none"
+                raise InvalidInputError("calibrated", rule, None)
+            if not is_own_law:
+                rule = "constants hold for the law they were fitted with"
+                raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
+            from .calibration_files import sample_muscles
+
+            muscles = sample_muscles(path)
     basis = "given" if "model_error" in deviations else basis
-    return Uncertainty(scatter, section.draws or USUAL_DRAWS, muscles, probability, basis)
+    draws = section.draws or Uncertainty.draws
+    return Uncertainty(scatter, draws, muscles, probability, basis)
 
 
 def _fit_error(name: str, folder: Path) -> float | None:
@@ -380,21 +369,6 @@ def _fit_error(name: str, folder: Path) -> float | None:
         return None
     error = provenance(folder / name).get("relative_rmse")
     return error if isinstance(error, float) and 0 <= error < 1 else None
-
-
-def _calibrated_draws(path: Path, design: DesignSection, single: bool) -> Muscle:
-    """Draws of the constants of the calibrated muscle in the file `path`."""
-    from .calibration_files import sample_muscles
-
-    name = design.muscle[0]
-    if not single:
-        raise InvalidInputError("calibrated", "needs one muscle and no catalog", None)
-    if not path.exists():
-        raise InvalidInputError("calibrated", f"needs a muscle file, {name!r} is none", None)
-    if design.buckling is not None:
-        rule = "constants hold for the law they were fitted with"
-        raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
-    return sample_muscles(path)
 
 
 def _catalog(
@@ -424,21 +398,22 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
         raise location.error(("muscle",), rule)
     catalog, products = location.child("catalog", kind="catalog"), section.catalog
     if isinstance(products, str):
-        name, path, shipped = products, folder / products, shipped_names("catalogs")
-        if name not in shipped and not path.exists():
-            with catalog.error_context():
-                check_choice(name, shipped, "catalog")
-        if name in shipped:
-            source, data = name, parse_file(shipped_text("catalogs", name), name)
+        source, path, shipped = products, folder / products, shipped_names("catalogs")
+        if source in shipped:
+            data = parse_file(shipped_text("catalogs", source), source)
         else:
+            if not path.exists():
+                with catalog.error_context():
+                    check_choice(source, shipped, "catalog")
             source, data = str(path), read_file(path)
         products = validate(CatalogFile, data, source).product
         catalog = FileLocation(source, data, ("product",), "catalog")
-    bases: dict[str | None, tuple[str, Muscle]] = {}
+    # names and muscles that give products their material and laws
+    bases = []
     for i, product in enumerate(products):
         name = product.muscle or section.muscle[0]
         name_location = location if product.muscle is None else catalog.child(i, kind="catalog")
-        bases[product.muscle] = name, _drawing(name, section, name_location, folder)
+        bases.append((name, _drawing(name, section, name_location, folder)))
     return _build_offer(products, catalog, section.length or (), bases)
 
 
@@ -446,21 +421,18 @@ def _build_offer(
     sections: Sequence[ProductSection],
     catalog: FileLocation,
     lengths: Sequence[float],
-    bases: Mapping[str | None, tuple[str, Muscle]],
+    bases: Sequence[tuple[str, Muscle]],
 ) -> Offer:
-    """Muscles on sale, in `lengths` [m] if they are cut to order; `bases`: names and muscles that
-    give products their material and laws, by the name in the product's table.
-    """
+    """Muscles on sale, in `lengths` [m] if they are cut to order; `bases`: of each product."""
     if not sections:
         raise catalog.error((), "holds no product.")
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
     currencies: dict[str, FileLocation] = {}
     notes: list[str] = []
-    borrowed: dict[tuple[str, str], list[str]] = {}  # products by the sizes they take from a base
-    for i, section in enumerate(sections):
+    borrowed: dict[str, list[str]] = {}  # products by what they take from a base
+    for i, (section, (base_name, base)) in enumerate(zip(sections, bases, strict=True)):
         location = catalog.child(i, kind="catalog")
-        base_name, base = bases[section.muscle]
         candidates = section.length or tuple(lengths) or (float(base.length),)
         low, high = section.least_length or 0.0, section.most_length or float("inf")
         if low > high:
@@ -481,7 +453,7 @@ def _build_offer(
                 warnings.simplefilter("ignore", UserWarning)  # of other lengths: a note says it
                 drawings[name] = _product_muscle(section, base, base_name, length)
                 products[name] = _product(section, length)
-        borrowed.setdefault((base_name, _borrowed_sizes(section)), []).append(section.name)
+        borrowed.setdefault(f"{_borrowed_sizes(section)} of {base_name}.", []).append(section.name)
         if len(drawings) > _MAX_DRAWINGS:
             raise catalog.error((), f"holds more than {_MAX_DRAWINGS} products and lengths.")
     if len(currencies) > 1:
@@ -489,8 +461,7 @@ def _build_offer(
         raise list(currencies.values())[1].error((), rule)
     if not drawings:
         raise catalog.error((), f"none of its products is available: {' '.join(notes)}")
-    for (base_name, defaults), names in borrowed.items():
-        notes.append(f"{', '.join(names)}: {defaults} of {base_name}.")
+    notes += [f"{', '.join(names)}: {sizes}" for sizes, names in borrowed.items()]
     return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
 
 
@@ -514,8 +485,7 @@ def _product_muscle(section: ProductSection, base: Muscle, base_name: str, lengt
         entry = measured_muscles.get(base_name)
         nominal = float(base.length) if entry is None else entry.rest_length
         return base.replace(length=length * float(base.length) / nominal)
-    ratio = float(base.wall_thickness) / float(base.outer_radius)
-    wall = section.wall_thickness
+    ratio, wall = float(base.wall_thickness) / float(base.outer_radius), section.wall_thickness
     sizes = [key for key in _RADII if getattr(section, key) is not None]
     if len(sizes) != 1:
         rule = ", outer_diameter or inner_diameter is needed"
@@ -526,27 +496,20 @@ def _product_muscle(section: ProductSection, base: Muscle, base_name: str, lengt
         radius = inner / (1 - ratio) if wall is None else inner + wall
     else:
         radius = section.outer_radius or 0.5 * (section.outer_diameter or 0.0)
-    return base.replace(
-        length=length,
-        outer_radius=radius,
-        wall_thickness=ratio * radius if wall is None else wall,
-        braid_angle=float(base.braid_angle) if section.braid_angle is None else section.braid_angle,
-    )
+    wall = ratio * radius if wall is None else wall
+    angle = float(base.braid_angle) if section.braid_angle is None else section.braid_angle
+    return base.replace(length=length, outer_radius=radius, wall_thickness=wall, braid_angle=angle)
 
 
 def _product(section: ProductSection, length: float) -> Product:
     """Price, mass and limits of a product at a `length` [m]."""
-    for key, (limit, unit) in _MAX_VALUES.items():
+    for key, limit, unit in _MAX_VALUES:
         if (value := getattr(section, key)) is not None:
             check_interval(value, 0.0, limit, key, unit, closed=(False, True))
-    return Product(
-        section.name,
-        _total(section.price, section.price_per_length, length),
-        _total(section.mass, section.mass_per_length, length),
-        section.largest_pressure,
-        section.largest_strain,
-        section.source or "",
-    )
+    price = _total(section.price, section.price_per_length, length)
+    mass = _total(section.mass, section.mass_per_length, length)
+    limits = section.largest_pressure, section.largest_strain
+    return Product(section.name, price, mass, *limits, section.source or "")
 
 
 def _total(fixed: Price | float | None, rate: Price | float | None, length: float) -> float | None:

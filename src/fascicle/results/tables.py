@@ -307,9 +307,10 @@ def simulated(
         ("closes_within", "tolerance", "-", "largest share of a balance that closes"),
         ("closes", "closes", "-", "true if the balance closes"),
     )
-    for name, field, *texts in balance_columns if audit is not None else ():
-        values = [getattr(balance, field) for balance in audit.balances]
-        rows.append((name, "balance", values, *texts))
+    if audit is not None:
+        for name, field, *texts in balance_columns:
+            values = [getattr(balance, field) for balance in audit.balances]
+            rows.append((name, "balance", values, *texts))
     event_columns = (
         ("event", "name", str, "-", "event in the run"),
         ("event_first", "first", float, "s", "first time"),

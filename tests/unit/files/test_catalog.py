@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.files.shipped_files import descriptions
+from fascicle.files import descriptions
 from fascicle.files.task import load_task, loads_task
 
 

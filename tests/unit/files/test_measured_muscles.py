@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
+from fascicle.files import example_text
 from fascicle.files.measured_muscles import read_entry
-from fascicle.files.shipped_files import example_text
 from fascicle.files.task import loads_task
 
 

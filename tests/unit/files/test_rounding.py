@@ -8,11 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.files import dumps, loads, provenance
-from fascicle.files.calibration_files import (
-    calibrated_files,
-    calibrated_text,
-    rounded_muscle,
-)
+from fascicle.files.calibration_files import calibrated_files, rounded_muscle
 from fascicle.io.input_file import parse_toml
 from fascicle.records import Record
 from fascicle.report.calibration_figures import curves_csv
@@ -37,10 +33,14 @@ def noisy():
     return calibration(2.0)
 
 
+def text_with_log(fitted):
+    return calibrated_files(fitted, "2026-01-02", with_log=False)["muscle.toml"]
+
+
 def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
     _, fitted = noisy
     path = tmp_path / "m.toml"
-    path.write_text(calibrated_text(fitted, "2026-01-02"), encoding="utf-8")
+    path.write_text(text_with_log(fitted), encoding="utf-8")
     read = fs.load(path)
     for one, value in zip(fitted.parameters, (read.braid_angle, read.outer_radius), strict=True):
         assert one.name in ("braid_angle", "outer_radius")
@@ -52,7 +52,7 @@ def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
 
 def test_log_is_rounded_to_the_uncertainty(noisy):
     _, fitted = noisy
-    text = "[calibration]" + calibrated_text(fitted, "2026-01-02").partition("[calibration]")[2]
+    text = "[calibration]" + text_with_log(fitted).partition("[calibration]")[2]
     # but for the coordinates and their covariance, which belong together
     lines = [one for one in text.splitlines() if not one.startswith(("coordinates", "covariance"))]
     assert len(lines) < len(text.splitlines())
@@ -68,7 +68,7 @@ def test_log_is_rounded_to_the_uncertainty(noisy):
 
 
 def test_file_has_the_fitted_length(noisy, tmp_path):
-    text = calibrated_text(noisy[1], "2026-01-02")
+    text = text_with_log(noisy[1])
     assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
     with pytest.warns(UserWarning, match="of 200 mm and its length is now 300 mm"):
         loads(text).replace(length=0.3)
@@ -95,7 +95,7 @@ def test_unfitted_constants_stay_unchanged(noisy):
 def test_without_noise_digits_are_kept():
     # what is left over is nothing but rounding: so are the digits
     _, fitted = calibration(0.0)
-    read = loads(calibrated_text(fitted, "2026-01-02"))
+    read = loads(text_with_log(fitted))
     force = fitted.muscle.force(P[:, None], EPS)
     np.testing.assert_allclose(read.force(P[:, None], EPS), force, atol=0.011 * fitted.rmse, rtol=0)
 
