@@ -1,8 +1,7 @@
 """Force over contraction and free strain over pressure: curves, labeled and with units.
 
-A force can be split into components, as in the paper's Fig. 6: mesh, bladder with bending, and
-their sum. Dashed beside them is the tension law continued past the free strain, as a model without
-buckling has it. Curves of free strain that jump are open there, with the jump dotted.
+A force can be split into components, as in the paper's Fig. 6; dashed is the tension law continued
+past the free strain. Curves of free strain that jump are open there, with the jump dotted.
 """
 
 import itertools
@@ -23,24 +22,8 @@ from ..core.types import Float
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle
 from ..muscle.tuning import TunedTension
-from .theme import (
-    BLACK,
-    BLUE,
-    CYCLE,
-    DASHES,
-    DOUBLE,
-    GRAY,
-    SINGLE,
-    VERMILION,
-    force_strain_axes,
-    in_kilopascals,
-    letters,
-    new_figure,
-    new_panels,
-    pressure_colors,
-    single_axes,
-    styled,
-)
+from . import theme
+from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, in_kilopascals, styled
 from .workspace import workspace
 
 
@@ -86,9 +69,8 @@ class Components:
 
 
 def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
-    """Force and components [N] of `muscle` at all `pressures` [Pa] and `strains` [-].
-
-    Free and collapse strains join the strains, so that kinks are drawn sharp.
+    """Force and components [N] of `muscle` at all `pressures` [Pa] and `strains` [-], to which free
+    and collapse strains are added, so that kinks are drawn sharp.
     """
     P, eps = np.asarray(pressures, float), np.asarray(strains, float)
     free, collapse = (np.asarray(x(P)) for x in (muscle.free_strain, muscle.collapse_strain))
@@ -97,10 +79,8 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
     eps = np.sort(np.r_[eps, kinks])
     response = muscle.response(P[:, None], eps)
     tension = TunedTension(muscle.tension, muscle.bladder, muscle.tuning, muscle.ends)
-    mesh, bladder = (
-        np.broadcast_to(np.asarray(x), (P.size, eps.size))
-        for x in tension.pull(P[:, None], eps)[:2]
-    )
+    pull = tension.pull(P[:, None], eps)[:2]
+    mesh, bladder = (np.broadcast_to(np.asarray(x), (P.size, eps.size)) for x in pull)
     law, force = np.asarray(response.mesh), np.asarray(response.force)
     wall = np.asarray(response.bladder) + np.asarray(response.bending)
     return Components(P, eps, law, wall, force, mesh, bladder, free, collapse)
@@ -114,18 +94,12 @@ def force_strain(
     components: bool = False,
     ax: Axes | None = None,
 ) -> Figure:
-    """Figure of a muscle's force over contraction, a curve for each pressure.
+    """Figure of a muscle's force over contraction, a curve for each pressure, on the axes `ax`, or
+    with `components` a panel for each pressure with mesh and bladder force.
 
-    **Arguments:**
-
-    - `muscle`: one muscle.
-    - `pressures`: gauge pressures [Pa]; default: even ones up to the highest that was measured.
-    - `strains`: contractions [-], rising; default: from rest to past the largest free strain.
-    - `components`: a panel for each pressure with mesh and bladder force.
-    - `ax`: axes to draw on, without components; default: a new figure's.
-
-    **Raises:** `InvalidInputError` for arrays of muscles, values off the domain, and more than four
-    pressures with components.
+    `pressures` [Pa]; default: even ones up to the highest that was measured. `strains` [-], rising;
+    default: from rest to past the largest free strain. `InvalidInputError` for arrays of muscles,
+    values off the domain, and more than four pressures with components.
     """
     if np.ndim(muscle.length + muscle.outer_radius + muscle.wall_thickness + muscle.braid_angle):
         raise InvalidInputError("muscle", "must be a single one to be drawn, got an array", None)
@@ -139,10 +113,10 @@ def force_strain(
         strains = _default_strains(float(np.max(muscle.free_strain(P))))
     eps = np.asarray(to_si(strains, "strain", "-"), float)
     if not components:
-        figure, ax = single_axes(ax)
+        figure, ax = theme.single_axes(ax)
         force = np.asarray(muscle.force(P[:, None], eps))
-        force_strain_axes(ax)
-        for row, pressure, color in zip(force, P, pressure_colors(len(force)), strict=True):
+        theme.force_strain_axes(ax)
+        for row, pressure, color in zip(force, P, theme.pressure_colors(len(force)), strict=True):
             ax.plot(eps, row, color=color, label=in_kilopascals(pressure))
         ax.margins(x=0)
         ax.legend(reverse=True)  # highest pressure on top, as the curves lie
@@ -153,11 +127,11 @@ def force_strain(
     if P.size > _MAX_PANELS:
         raise InvalidInputError("pressures", f": at most {_MAX_PANELS} with components", P.size)
     columns = min(P.size, 2)
-    figure, axes = new_panels(P.size, columns, DOUBLE if columns > 1 else SINGLE)
+    figure, axes = theme.new_panels(P.size, columns, DOUBLE if columns > 1 else theme.SINGLE)
     forces = components_of(muscle, P, eps)
     for row, panel in enumerate(axes.flat[: P.size]):
         draw_components(panel, forces, row)
-    letters(axes, map(in_kilopascals, P))
+    theme.letters(axes, map(in_kilopascals, P))
     components_legend(figure, axes.flat[0])
     return figure
 
@@ -166,15 +140,15 @@ def draw_components(ax: Axes, components: Components, row: int) -> None:
     """Draw the curves at one pressure, a `row` of `components`."""
     eps = components.strain
     past = eps >= components.free_strain[row]
-    force_strain_axes(ax)
+    theme.force_strain_axes(ax)
     for force, color, label in (
-        (components.straight_mesh, BLUE, r"$F_{mesh}$, straight"),
+        (components.straight_mesh, theme.BLUE, r"$F_{mesh}$, straight"),
         (components.straight_bladder, VERMILION, r"$F_{bladder}$, straight"),
         (components.straight_force, GRAY, r"$F_{mesh} + F_{bladder}$, straight"),
     ):
         ax.plot(eps[past], force[row][past], color=color, label=label, **_DASHED)
     for force, color, width, label in (
-        (components.mesh, BLUE, None, r"$F'_{mesh}$, along the bent arc"),
+        (components.mesh, theme.BLUE, None, r"$F'_{mesh}$, along the bent arc"),
         (components.wall, VERMILION, None, r"$F_{bladder}$ with bending $F'_b$"),
         (components.force, BLACK, 1.8, r"$F_{total}$"),
     ):
@@ -196,20 +170,12 @@ def force_comparison(
     chosen_strain: float,
     ax: Axes | None = None,
 ) -> Figure:
-    """Plot the force of several muscles over contraction in one figure, each at a pressure of its
-    own.
-
-    **Arguments:**
-
-    - `muscles`: by the name of their curve.
-    - `pressures`: a gauge pressure for each [Pa].
-    - `strains`: contractions [-], rising.
-    - `chosen_strain`: contraction that is marked [-].
-    - `ax`: axes to draw on; default: a new figure's.
+    """Figure of the force of several `muscles`, each at its own of the `pressures` [Pa], over
+    rising `strains` [-], of which `chosen_strain` is marked; on the axes `ax`, or new ones.
     """
-    figure, ax = single_axes(ax)
-    force_strain_axes(ax)
-    styles = itertools.cycle(zip(CYCLE, DASHES, strict=False))
+    figure, ax = theme.single_axes(ax)
+    theme.force_strain_axes(ax)
+    styles = itertools.cycle(zip(CYCLE, theme.DASHES, strict=False))
     rows = zip(muscles.items(), pressures, styles, strict=False)
     for (name, muscle), pressure, (color, dashes) in rows:
         label = name.replace("$", r"\$")  # else it would be a formula
@@ -230,26 +196,16 @@ def bundle_force_strain(
     ax: Axes | None = None,
 ) -> Figure:
     """Figure of a bundle's force over contraction: one state with its units, several states, or,
-    without pressures, the workspace of all recruitment states.
+    without pressures, the workspace of all recruitment states; on the axes `ax`, or new ones.
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `pressures`: gauge pressures, one for each motor unit, or a row of them for each state [Pa];
-      default: the figure shows the workspace.
-    - `strains`: contractions [-], rising; default: from rest to past the free strain.
-    - `resistance`: resisting force of units past their own free strain.
-    - `ax`: axes to draw on; default: a new figure's.
-
-    **Raises:** `InvalidInputError` without pressures and without a supply pressure.
+    `pressures` [Pa]: one for each motor unit, or a row of them for each state. `strains` [-],
+    rising; default: from rest to past the free strain. `resistance`: of units past their own free
+    strain. `InvalidInputError` without pressures and without a supply pressure.
     """
     if pressures is None and bundle.supply_pressure is None:
-        raise InvalidInputError(
-            "pressures",
-            "must be given in Pa, one for each motor unit",
-            None,
-            "the bundle has no supply pressure, for which its states would be drawn",
-        )
+        rule = "must be given in Pa, one for each motor unit"
+        remedy = "the bundle has no supply pressure, for which its states would be drawn"
+        raise InvalidInputError("pressures", rule, None, remedy)
     if pressures is None:
         space = recruitment.workspace(bundle, strain=strains, resistance=resistance)
         return workspace(space, overlap(space), ax)
@@ -257,8 +213,8 @@ def bundle_force_strain(
         strains = _default_strains(float(bundle.free_strain(pressures, resistance=False)))
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
-    figure, ax = single_axes(ax)
-    force_strain_axes(ax)
+    figure, ax = theme.single_axes(ax)
+    theme.force_strain_axes(ax)
     if P.ndim == 1:
         forces = np.asarray(bundle.unit_forces(P, eps, resistance))
         for i, unit in enumerate(bundle.motor_units):
@@ -284,18 +240,12 @@ def free_strain(
     turns: Mapping[str, Reversal] | None = None,
     ax: Axes | None = None,
 ) -> Figure:
-    """Figure of free strain over pressure, a curve for each entry of `strains`.
+    """Figure of free strain over `pressures` [Pa], a curve for each label of `strains` [-], on the
+    axes `ax`, or new ones.
 
-    **Arguments:**
-
-    - `pressures`: gauge pressures [Pa].
-    - `strains`: free strains by label [-].
-    - `pressure_of`: the pressure's symbol.
-    - `turns`: reversal points of curves, by label; a curve that jumps there is open, with a
-      dotted jump.
-    - `ax`: axes to draw on; default: a new figure's.
+    `pressure_of`: the pressure's symbol; `turns`: reversal points by label, where jumps are dotted.
     """
-    figure, ax = single_axes(ax)
+    figure, ax = theme.single_axes(ax)
     P = np.asarray(pressures, float)
     draw_free_strain(ax, P, strains, pressure_of)
     for label, turn in (turns or {}).items():
@@ -324,12 +274,8 @@ def free_strain_states(
 ) -> Figure:
     """Figure of free strain over the pressure that varies most, a curve for each state.
 
-    **Arguments:**
-
-    - `system`: the muscle or bundle.
-    - `pressures`: of a muscle, or a row of all units' for each state [Pa].
-    - `strains`: their free strains [-].
-    - `resistance`: resisting force of units past their own free strain.
+    `pressures`: of a muscle, or a row of all units' for each state [Pa]; `strains`: their free
+    strains [-]; `resistance`: of units past their own free strain.
     """
     rows = np.reshape(pressures, (len(strains), -1))
     unit = int(np.argmax(np.ptp(rows, axis=0)))
@@ -337,7 +283,7 @@ def free_strain_states(
     states = np.unique(constant, axis=0)
     names = [f"$P_{{{i + 1}}}$" for i in range(rows.shape[1]) if i != unit]
     labeled = len(states) <= _MAX_LABELS
-    figure, axes = new_figure(width=SINGLE)
+    figure, axes = theme.new_figure(width=theme.SINGLE)
     ax, jump_count, turn_points = axes[0, 0], 0, []
     for i, state in enumerate(states):
         mask = (constant == state).all(axis=1)
@@ -380,16 +326,8 @@ def free_strain_states(
 def split_at_jumps(
     pressure: np.ndarray, strain: np.ndarray, curve: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[Line, list[Line]]:
-    """Curve of free strain with a gap (NaN) at each jump, and the two ends of each jump.
-
-    **Arguments:**
-
-    - `pressure`: of the unit that varies [Pa], rising.
-    - `strain`: free strains [-] at these pressures.
-    - `curve`: free strains [-] at any pressures [Pa].
-
-    **Returns:** pressures [Pa] and strains [-] of the curve, NaN in each gap; and the two ends of
-    each jump.
+    """Free `strain` [-] over rising `pressure` [Pa], with a gap (NaN) at each jump, and the two
+    ends of each jump; `curve`: free strains [-] at any pressures [Pa].
     """
     steps = np.flatnonzero(np.abs(np.diff(strain)) > _VISIBLE)
     low, high = pressure[steps], pressure[steps + 1]
@@ -412,17 +350,8 @@ def split_at_jumps(
 def split_at_reversal(
     pressure: np.ndarray, strain: np.ndarray, turn: Reversal
 ) -> tuple[Line, Line]:
-    """Curve of free strain through its reversal point, with a gap (NaN) if it jumps there, and the
-    two ends of the jump.
-
-    **Arguments:**
-
-    - `pressure`: of the second unit [Pa], rising.
-    - `strain`: free strains [-] at these pressures.
-    - `turn`: the reversal point.
-
-    **Returns:** pressures [Pa] and strains [-] of the curve, NaN in the gap of a jump; and those
-    of the jump's two ends, empty without a jump.
+    """Free `strain` [-] over rising `pressure` [Pa] through its reversal point `turn`, with a gap
+    (NaN) if it jumps there, and the two ends of the jump, empty without one.
     """
     jump = (np.empty(0), np.empty(0))
     if turn.depth <= 0:

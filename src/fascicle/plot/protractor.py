@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from .theme import BLACK, GRAY, new_figure, styled
 
@@ -28,9 +29,8 @@ def protractor() -> Figure:
     ax.set_position((0, 0, 1, 1))
     ax.set(xlim=(0, width), ylim=(height, 0), aspect="equal")
     ax.axis("off")
-    ax.text(
-        _MARGIN, 6, "Braid angle: hold a row along the tube; print at 100 %, the bar is 100 mm long"
-    )
+    text = "Braid angle: hold a row along the tube; print at 100 %, the bar is 100 mm long"
+    ax.text(_MARGIN, 6, text)
     ax.plot([_MARGIN, _MARGIN + 100], [11, 11], color=BLACK, linewidth=1.0, solid_capstyle="butt")
     for index, degrees in enumerate(_ANGLES):
         row, column = divmod(index, _COLUMNS)
@@ -41,13 +41,8 @@ def protractor() -> Figure:
         both = [[(s, y + _HEIGHT), (s + run, y)] for s in starts]
         both += [[(s, y), (s + run, y + _HEIGHT)] for s in starts]
         threads = LineCollection(both, colors=BLACK, linewidths=0.35)
-        frame = ax.fill(
-            [x, x + _WIDTH - 3, x + _WIDTH - 3, x],
-            [y, y, y + _HEIGHT, y + _HEIGHT],
-            facecolor="none",
-            edgecolor=GRAY,
-            linewidth=0.4,
-        )[0]
+        frame = Rectangle((x, y), _WIDTH - 3, _HEIGHT, fill=False, edgecolor=GRAY, linewidth=0.4)
+        ax.add_patch(frame)
         ax.add_collection(threads, autolim=False)
         threads.set_clip_path(frame)
     return figure

@@ -15,10 +15,8 @@ _THIN = 1e-6  # of the largest force: edges that are equal differ by rounding
 
 
 class Maps(NamedTuple):
-    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points.
-
-    `resistance_gaps`: outlines (strain [-], force [N]) of the points that a recruitment state
-    reaches without resistance, but not with it.
+    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points, with the
+    outlines (strain [-], force [N]) of the points that a state reaches without resistance alone.
     """
 
     resisted: EfficiencyMap
@@ -27,24 +25,18 @@ class Maps(NamedTuple):
 
     @property
     def difference(self) -> np.ndarray:
-        """Efficiency lost to resistance [-], at points that both reach.
-
-        Negative on isobaric paths where the higher pressure against resistance does more work on
-        the way, for the same fluid energy.
+        """Efficiency lost to resistance [-], at points that both reach; negative on isobaric paths
+        where the higher pressure against resistance does more work for the same fluid energy.
         """
         return self.free.efficiency - self.resisted.efficiency
-
-    @property
-    def changes_state(self) -> np.ndarray:
-        """True at points where resistance makes another recruitment state the best."""
-        return np.isfinite(self.difference) & (self.free.state != self.resisted.state)
 
     @property
     def loss(self) -> EfficiencyMap:
         """Map of the efficiency lost to resistance [-]; where resistance changes the state, in
         strips thinner than a cell, that of the nearest point below or above where it doesn't.
         """
-        values, empty = self.difference, self.changes_state.copy()
+        values = self.difference
+        empty = np.isfinite(values) & (self.free.state != self.resisted.state)
         for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
             for i in rows:
                 fill = empty[i] & ~empty[i + step] & np.isfinite(values[i + step])
@@ -54,10 +46,7 @@ class Maps(NamedTuple):
 
 @lru_cache(maxsize=16)  # visitors of the explorer share it
 def efficiency_maps(bundle: Bundle, path: str) -> Maps:
-    """Efficiency maps with the resistance of inactive muscles and without, on the same grid.
-
-    `path`: "isobaric" or "isotonic".
-    """
+    """Efficiency maps on a `path`, "isobaric" or "isotonic"."""
     resisted = efficiency_map(bundle, path=path, resistance=True)
     force, strain = resisted.force, resisted.strain
     free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)

@@ -63,23 +63,18 @@ def outlines(
     """
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
-    collapse = np.asarray(
-        muscle.collapse_strain(P) if collapse_strains is None else collapse_strains
-    )
+    collapse = muscle.collapse_strain(P) if collapse_strains is None else collapse_strains
+    collapse = np.asarray(collapse)
     # the second of each pair is the last state with an arc by the law
     pairs = np.stack([eps, np.minimum(eps, collapse)], axis=1)
     centerlines = muscle.shape(P[:, None], pairs, ARC_POINTS)
     z, y = np.asarray(centerlines.z), np.asarray(centerlines.y)
     arcs = np.hypot(np.diff(z[:, 1]), np.diff(y[:, 1])).sum(axis=1)
     arc_strains = 1 - arcs / float(muscle.length)
-    radii = np.asarray(muscle.radius(arc_strains))
-    angles = np.asarray(muscle.braid.angle_at(arc_strains))
-    return [
-        outline(
-            muscle, z[i, 0], y[i, 0], float(radii[i]), float(angles[i]), bool(eps[i] > collapse[i])
-        )
-        for i in range(len(eps))
-    ]
+    radii = np.asarray(muscle.radius(arc_strains)).tolist()
+    angles = np.asarray(muscle.braid.angle_at(arc_strains)).tolist()
+    rows = zip(z[:, 0], y[:, 0], radii, angles, (eps > collapse).tolist(), strict=True)
+    return [outline(muscle, *row) for row in rows]
 
 
 def outline(
@@ -107,12 +102,8 @@ def outline(
 
 
 def shapes(muscle: Muscle, states: Mapping[str, tuple[float, float]]) -> Figure:
-    """Figure of a muscle in several states, one below the other, to one scale.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `states`: pressure [Pa] and strain [-] by title.
+    """Figure of a muscle in several `states`, pressure [Pa] and strain [-] by title, one below the
+    other, to one scale.
     """
     pressures, strains = zip(*states.values(), strict=True)
     return draw_states(float(muscle.length), outlines(muscle, pressures, strains), list(states))
@@ -131,13 +122,8 @@ def draw_states(rest_length: float, states: list[Outline], titles: list[str]) ->
 def shape_axes(
     rest_length: float, states: list[Outline], gap: float = 8.0, right: float = 0.0
 ) -> tuple[Figure, Axes, list[float]]:
-    """Figure with undistorted axes in millimeters, without frame, and the levels [mm] of muscles.
-
-    **Arguments:**
-
-    - `rest_length`: of the muscles [m].
-    - `states`: their outlines, one below the other.
-    - `gap`, `right`: room for text above each muscle and at the right [mm].
+    """Figure with undistorted axes in millimeters, without frame, and the levels [mm] of muscles of
+    a `rest_length` [m]; `gap`, `right`: room for text above each and at the right [mm].
     """
     half = 1.3 * states[0].rest_radius * 1e3
     levels, level = [], 0.0
@@ -167,17 +153,15 @@ def draw_muscle(ax: Axes, state: Outline, level: float = 0.0, color: str = BLUE)
     upper, lower = _offset(state, state.above, level), _offset(state, -state.below, level)
     border = np.concatenate([upper, lower[::-1]])
     ax.add_patch(Polygon(border, facecolor=LIGHT.tube, edgecolor="none", zorder=2))
-    fibers = LineCollection(
-        _fibers(state, level), colors=color, linewidths=0.45, alpha=0.75, zorder=3
-    )
+    fibers = LineCollection(_fibers(state, level), colors=color, linewidths=0.45, alpha=0.75)
+    fibers.set_zorder(3)
     ax.add_collection(fibers, autolim=False)
     for edge in (upper, lower):
         ax.plot(edge[:, 0], edge[:, 1], color=color, linewidth=0.9, zorder=3)
     half, depth = 1.3 * state.rest_radius * 1e3, 1.1 * state.rest_radius * 1e3
     for corner in (-depth, state.z[-1] * 1e3):
-        ax.add_patch(
-            Rectangle((corner, level - half), depth, 2 * half, color=LIGHT.fitting, zorder=4)
-        )
+        fitting = Rectangle((corner, level - half), depth, 2 * half, color=LIGHT.fitting, zorder=4)
+        ax.add_patch(fitting)
 
 
 def _offset(state: Outline, offset: np.ndarray, level: float) -> np.ndarray:

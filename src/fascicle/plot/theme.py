@@ -1,12 +1,9 @@
 """Theme: colors, typeface and spacing of figures, reports, explorer and docs; style of figures.
 
-Colors stand here and nowhere else. Curves can be told apart by the color-blind, too; text keeps a
-contrast of 4.5 : 1 on light and dark pages, which a test computes. The typeface is the one that
-figures embed, DejaVu Sans, or Verdana, which has its widths and nearly its shapes.
-
-Figures are matplotlib's own objects. Their style is switched on while one is built and while it is
-drawn, and touches no global state that outlives a call. Widths are those of a journal's columns,
-so that text has its printed size, 7 to 8 points.
+Curves can be distinguished by the color-blind, too; text keeps a contrast of 4.5 : 1 on light and
+dark pages. Figures are matplotlib's own objects, whose style is switched on while one is built and
+drawn, and touches no global state. Widths are those of a journal's columns, so that text has its
+printed size, 7 to 8 points.
 
 **Source:** colors of Okabe and Ito (2008); contrast as in WCAG 2.2, 1.4.3.
 """
@@ -153,22 +150,13 @@ def mix(first: str, second: str, fraction: float) -> str:
 
 def css_variables(colors: Colors) -> dict[str, str]:
     """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
-    names = (
-        "ink",
-        "soft",
-        "edge",
-        "line",
-        "raised",
-        "paper",
-        "accent",
-        "deep",
-        "good",
-        "odd",
-        "bad",
-        "alarm",
-    )
+    of_muscles = ("tube", "fiber", "fitting")
     return {
-        **{f"--{name}": getattr(colors, name) for name in names},
+        **{
+            f"--{name}": value
+            for name, value in vars(colors).items()
+            if isinstance(value, str) and name not in of_muscles
+        },
         "--sans": SANS,
         "--mono": MONO,
         "--round": f"{ROUND}px",
@@ -203,10 +191,8 @@ class StyledFigure(Figure):
 def new_figure(
     rows: int = 1, columns: int = 1, width: float = SINGLE, height: float | None = None, **more: Any
 ) -> tuple[Figure, np.ndarray]:
-    """Create a figure of `rows` × `columns` axes, `width` by `height` [inch], with a layout engine.
-
-    `more` goes to matplotlib's `subplots`. Axes come as a two-dimensional array. Where pyplot is in
-    use, the figure is its current one, until `to_bytes` has written it.
+    """Create a figure of `rows` × `columns` axes, `width` by `height` [inch], for `subplots`; where
+    pyplot is in use, the figure is its current one, until `to_bytes` has written it.
     """
     height = 0.72 * width * rows / columns if height is None else height
     settings: Any = {"figsize": (width, height), "layout": "constrained"}
@@ -271,10 +257,7 @@ def in_kilopascals(pressure: float) -> str:
 
 
 def to_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
-    """Bytes of a figure's "png", "svg" or "pdf" file, the same each time.
-
-    `dpi`: dots per inch of raster images.
-    """
+    """Bytes of a figure's "png", "svg" or "pdf" file, the same each time; `dpi`: of pixels."""
     out = io.BytesIO()
     with rc_context(_STYLE):
         figure.savefig(out, format=kind, dpi=dpi, metadata=_METADATA[kind])

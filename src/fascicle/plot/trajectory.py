@@ -10,22 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..units import format_digits
-from .theme import (
-    BLACK,
-    BLUE,
-    CYCLE,
-    DOUBLE,
-    GRAY,
-    GRID,
-    ORANGE,
-    SKY,
-    VERMILION,
-    WHITE,
-    letter,
-    letters,
-    new_figure,
-    styled,
-)
+from . import theme
+from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, styled
 
 
 if TYPE_CHECKING:
@@ -37,12 +23,7 @@ _STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
 _MARKS = "osD^vPX"
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
 _HATCHES = ("", "////", "....")  # of terms beyond the colors
-_HATCHED: dict[str, Any] = {
-    "facecolor": "none",
-    "edgecolor": GRAY,
-    "hatch": "////",
-    "linewidth": 0,
-}
+_HATCHED: dict[str, Any] = {"fc": "none", "ec": GRAY, "hatch": "////", "linewidth": 0}
 _ZERO: dict[str, Any] = {"color": GRAY, "linewidth": 0.6, "zorder": 1}
 
 
@@ -69,27 +50,18 @@ class PolicyCosts(NamedTuple):
 
 @styled
 def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) -> Figure:
-    """Figure of position, pressures, forces and valves over time, below demand and error if given.
-
-    **Arguments:**
-
-    - `plant`: the plant.
-    - `run`: one run of it, not a batch [SI].
-    - `tracking`: its demand and output [SI], or none.
-    """
+    """Figure of a run's position, pressures, forces and valves, below demand and error if given."""
     extra = 0 if tracking is None else 2
     heights = [*[1.3, 0.7][:extra], 1.0, 1.0, 1.0, 0.12 + 0.13 * plant.units]
-    figure, axes = new_figure(
-        4 + extra, 1, DOUBLE, 0.19 * DOUBLE * sum(heights) + 0.5, sharex=True, height_ratios=heights
-    )
+    height = 0.19 * DOUBLE * sum(heights) + 0.5
+    options: dict[str, Any] = {"sharex": True, "height_ratios": heights}
+    figure, axes = theme.new_figure(4 + extra, 1, DOUBLE, height, **options)
     position, pressure, force, valves = axes[extra:, 0]
     if tracking is not None:
         _draw_tracking(axes[0, 0], axes[1, 0], plant, run, tracking)
     _draw_position(position, plant, run)
-    for ax, values in (
-        (pressure, np.asarray(run.outputs.pressures) / 1e3),
-        (force, np.asarray(run.outputs.forces)),
-    ):
+    pressures, forces = np.asarray(run.outputs.pressures) / 1e3, np.asarray(run.outputs.forces)
+    for ax, values in ((pressure, pressures), (force, forces)):
         for unit in range(plant.units):
             # the later the thinner, so that curves on top of one another can be told apart
             width = 1.0 + 1.2 * (plant.units - 1 - unit) / max(plant.units - 1, 1)
@@ -102,16 +74,14 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
     force.set_ylabel("Force F [N]")
     _draw_valves(valves, run)
     valves.set(xlabel="Time t [s]", xlim=(float(run.time[0]), float(run.time[-1])))
-    letters(
-        axes,
-        (
-            *("what was demanded and what was done", "error")[:extra],
-            "position of the load",
-            "gauge pressure of each unit, and of the supply",
-            "pull of each unit's muscles together",
-            "valve of each unit",
-        ),
+    titles = (
+        *("what was demanded and what was done", "error")[:extra],
+        "position of the load",
+        "gauge pressure of each unit, and of the supply",
+        "pull of each unit's muscles together",
+        "valve of each unit",
     )
+    theme.letters(axes, titles)
     handles: list[Line2D | Patch] = []
     for unit in range(plant.units):
         count = int(plant.counts[unit])
@@ -120,9 +90,9 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
         handles.append(Line2D([], [], color=CYCLE[unit % len(CYCLE)], label=label))
     handles += [
         Line2D([], [], color=BLACK, linestyle=_DASHED, label="supply"),
-        Patch(color=SKY, label="open to the supply"),
-        Patch(color=ORANGE, label="open to the room"),
-        Patch(color=GRID, label="shut"),
+        Patch(color=theme.SKY, label="open to the supply"),
+        Patch(color=theme.ORANGE, label="open to the room"),
+        Patch(color=theme.GRID, label="shut"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
@@ -139,15 +109,8 @@ def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
     q = factor * np.asarray(run.outputs.position)
     _draw_line(ax, run, q, BLACK, "position")
     ax.axhline(q[0], color=GRAY, linewidth=0.8, linestyle=_DOTTED)
-    ax.annotate(
-        "start",
-        (1, q[0]),
-        xycoords=("axes fraction", "data"),
-        xytext=(3, 0),
-        textcoords="offset points",
-        va="center",
-        color=GRAY,
-    )
+    offset: dict[str, Any] = {"xytext": (3, 0), "textcoords": "offset points", "va": "center"}
+    ax.annotate("start", (1, q[0]), xycoords=("axes fraction", "data"), color=GRAY, **offset)
     ax.set_ylabel(f"{'Angle' if plant.load.unit == 'rad' else 'Position'} q [{unit}]")
     if plant.load.stop is None:
         return
@@ -173,7 +136,7 @@ def _draw_valves(ax: Axes, run: "Trajectory") -> None:
     for unit, state in enumerate(states.T):
         changes = np.concatenate([[0], np.flatnonzero(np.diff(state)) + 1, [len(state) - 1]])
         spans = np.stack([time[changes[:-1]], np.diff(time[changes])], axis=1)
-        colors = [(GRID, SKY, ORANGE)[state[begin]] for begin in changes[:-1]]
+        colors = [(theme.GRID, theme.SKY, theme.ORANGE)[state[begin]] for begin in changes[:-1]]
         ax.broken_barh(spans.tolist(), (unit + 0.6, 0.8), facecolors=colors, linewidth=0)
     ax.set_yticks(range(1, units + 1), [f"unit {unit + 1}" for unit in range(units)])
     ax.set_ylim(units + 0.6, 0.4)
@@ -186,7 +149,7 @@ def _draw_tracking(
     """Draw demand and output of a `run` onto `ax`, and output less demand onto `error`."""
     factor, unit = display_unit(plant, tracking.quantity)
     target, output = factor * tracking.demand, factor * tracking.output
-    _draw_line(ax, run, output, BLUE, "done")
+    _draw_line(ax, run, output, theme.BLUE, "done")
     _draw_line(ax, run, np.append(target, target[-1]), BLACK, "demanded", linestyle=_DASHED)
     # an unreachable demand has no error
     difference = np.append(0.0, np.where(tracking.reachable, output[1:] - target, np.nan))
@@ -217,34 +180,22 @@ def display_unit(plant: "Plant", quantity: str) -> tuple[float, str]:
 def policies(
     plant: "Plant", runs: Mapping[str, tuple["Trajectory", Tracking]], costs: PolicyCosts
 ) -> Figure:
-    """Figure of the front of drawdown against energy, and of all policies' errors over time.
-
-    **Arguments:**
-
-    - `plant`: the plant.
-    - `runs`: by policy, each with its demand and output [SI].
-    - `costs`: of each run [SI].
+    """Figure of the front of drawdown against energy, and of all policies' errors over time;
+    `runs` by policy, and the `costs` of each [SI].
     """
     # one panel below the other: names need room
-    figure, axes = new_figure(2, 1, DOUBLE, 0.75 * DOUBLE, height_ratios=[1.2, 1.0])
+    figure, axes = theme.new_figure(2, 1, DOUBLE, 0.75 * DOUBLE, height_ratios=[1.2, 1.0])
     front, error = axes[:, 0]
     quantity = next(iter(runs.values()))[1].quantity
     factor, unit = display_unit(plant, quantity)
     drawdowns, energies = factor * np.asarray(costs.drawdown), np.asarray(costs.energy)
     best = np.asarray(costs.front)
     order = np.flatnonzero(best)[np.argsort(energies[best])]
-    front.step(
-        energies[order],
-        drawdowns[order],
-        where="post",
-        color=GRAY,
-        linewidth=0.8,
-        zorder=1,
-        label="front",
-    )
+    style: dict[str, Any] = {"color": GRAY, "linewidth": 0.8, "zorder": 1, "label": "front"}
+    front.step(energies[order], drawdowns[order], where="post", **style)
     for k, (name, (run, tracking)) in enumerate(runs.items()):
         color, mark = CYCLE[k % len(CYCLE)], _MARKS[k % len(_MARKS)]
-        face = color if best[k] else WHITE  # dominated policies are hollow
+        face = color if best[k] else theme.WHITE  # dominated policies are hollow
         front.plot(energies[k], drawdowns[k], mark, color=color, markerfacecolor=face, label=name)
         difference = tracking.output[1:] - tracking.demand
         values = factor * np.where(tracking.reachable, difference, np.nan)
@@ -254,27 +205,21 @@ def policies(
     front.margins(x=0.1)
     error.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
     error.set(xlabel="Time t [s]", ylabel=f"Error of {quantity} [{unit}]")
-    letters(
-        axes,
-        (
-            "what a smaller dip costs; full marks: no other policy betters both",
-            "what each policy does more or less than demanded",
-        ),
-    )
+    title = "what a smaller dip costs; full marks: no other policy betters both"
+    theme.letters(axes, (title, "what each policy does more or less than demanded"))
     figure.legend(loc="outside right upper")
     return figure
 
 
 @styled
 def energy_balances(balances: "list[Balance]") -> Figure:
-    """Figure of balances [J], two bars each, inputs above outputs, on its own scale.
-
-    A negative term counts on the other side, as "given back" or "taken back".
+    """Figure of balances [J], two bars each, inputs above outputs, on its own scale; a negative
+    term counts on the other side, as "given back" or "taken back".
     """
-    figure, axes = new_figure(len(balances), 1, DOUBLE, 0.3 * DOUBLE * len(balances))
+    figure, axes = theme.new_figure(len(balances), 1, DOUBLE, 0.3 * DOUBLE * len(balances))
     for ax, mark, balance in zip(axes.flat, "abcdefgh", balances, strict=False):
         total = _draw_balance(ax, balance)
-        letter(ax, mark, f"{balance.name}: {total:.3g} {balance.unit} in all")
+        theme.letter(ax, mark, f"{balance.name}: {total:.3g} {balance.unit} in all")
     return figure
 
 
@@ -292,18 +237,8 @@ def _draw_balance(ax: Axes, balance: "Balance") -> float:
             amount = amount if value > 1e-4 * total else "below 0.01 %"
             label = f"{'in' if row == 0 else 'out'}: {name} {amount}"
             color, hatch = CYCLE[(i + 3 * row) % len(CYCLE)], _HATCHES[i // len(CYCLE)]
-            ax.barh(
-                row,
-                value,
-                left=left,
-                height=0.7,
-                color=color,
-                alpha=0.75,
-                hatch=hatch,
-                edgecolor=WHITE,
-                linewidth=0.4,
-                label=label,
-            )
+            style = {"color": color, "alpha": 0.75, "hatch": hatch, "edgecolor": theme.WHITE}
+            ax.barh(row, value, 0.7, left, linewidth=0.4, label=label, **style)
             left += value
     ax.set_yticks([0, 1], ["in", "out"])
     ax.set(ylim=(1.5, -0.5), xlim=(0, total or 1.0), xlabel=f"Energy [{balance.unit}]")

@@ -10,22 +10,8 @@ from matplotlib.figure import Figure
 from ..bundle.energetics import EfficiencyMap
 from ..bundle.recruitment import Overlap, Workspace
 from ..core.types import Bool, Float
-from .theme import (
-    BLACK,
-    CYCLE,
-    DOUBLE,
-    GRAY,
-    SINGLE,
-    VERMILION,
-    WHITE,
-    YELLOW,
-    force_strain_axes,
-    in_kilopascals,
-    letter,
-    new_figure,
-    single_axes,
-    styled,
-)
+from . import theme
+from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, in_kilopascals, styled
 
 
 _THIN, _THICK = 0.4, 2.2  # points, lines of the lowest and the highest pressure
@@ -39,7 +25,7 @@ def workspace(space: Workspace, overlap: Overlap | None = None, ax: Axes | None 
     """Figure of a bundle's workspace, a color for each recruitment state, its `overlap` shaded; on
     the axes `ax`, or in a new figure.
     """
-    figure, ax = single_axes(ax, DOUBLE, 0.45 * DOUBLE)
+    figure, ax = theme.single_axes(ax, DOUBLE, 0.45 * DOUBLE)
     for state in range(1, len(space.force) + 1):
         color = CYCLE[(state - 1) % len(CYCLE)]
         ax.fill(*space.outline(state), color=color, alpha=0.12, linewidth=0)
@@ -54,12 +40,12 @@ def draw_workspace(
     ax: Axes, space: Workspace, overlap: Overlap | None = None, thick: float = _THICK
 ) -> None:
     """Draw curves [N] of all states over strain [-], thicker for higher pressures, and overlap."""
-    force_strain_axes(ax)
+    theme.force_strain_axes(ax)
     label: str | None = "overlap of the states"
     outlines = [] if overlap is None else map(overlap.outline, range(len(overlap.states)))
     for strain, force in outlines:
         if strain.size:
-            ax.fill(strain, force, color=YELLOW, alpha=0.6, linewidth=0, label=label)
+            ax.fill(strain, force, color=theme.YELLOW, alpha=0.6, linewidth=0, label=label)
         label = None
     widths = np.linspace(_THIN, thick, space.level.size)
     for state, curves in enumerate(space.force, start=1):
@@ -80,17 +66,11 @@ def task(
     weight: Float[np.ndarray, " point"],
     reached: Bool[np.ndarray, " point"],
 ) -> Figure:
-    """Figure of a bundle's workspace with the demands of a task.
+    """Figure of a bundle's workspace with the demands of a task: `force` [N] and `strain` [-].
 
-    **Arguments:**
-
-    - `space`: its curves and regions.
-    - `overlap`: its overlap, or none.
-    - `force`, `strain`: of each demand [N], [-].
-    - `weight`: of each demand [-]; larger marks count more.
-    - `reached`: demands that the bundle meets; the others are crosses, of one size.
+    A larger `weight` [-] has a larger mark; demands that aren't `reached` are crosses of one size.
     """
-    figure, axes = new_figure(width=1.4 * SINGLE, height=SINGLE)
+    figure, axes = theme.new_figure(width=1.4 * theme.SINGLE, height=theme.SINGLE)
     ax = axes[0, 0]
     draw_workspace(ax, space, overlap)
     sizes = _SMALLEST + (_LARGEST - _SMALLEST) * np.sqrt(weight / weight.max())
@@ -100,16 +80,8 @@ def task(
         (~reached, "x", VERMILION, "demanded, not reached"),
     ):
         if np.any(mask):
-            ax.scatter(
-                strain[mask],
-                force[mask],
-                s=sizes[mask] ** 2,
-                marker=mark,
-                color=color,
-                zorder=5,
-                label=label,
-                linewidths=1.0,
-            )
+            style: dict[str, Any] = {"marker": mark, "color": color, "label": label, "zorder": 5}
+            ax.scatter(strain[mask], force[mask], sizes[mask] ** 2, linewidths=1.0, **style)
     ax.set_xlim(0, max(space.strain[-1], 1.05 * strain.max()))
     ax.set_ylim(0, 1.05 * max(space.high.max(), force.max()))
     figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -119,14 +91,14 @@ def task(
 @styled
 def efficiency(*maps: EfficiencyMap) -> Figure:
     """Figure of efficiency over force and strain, a panel for each of one or two maps."""
-    figure, axes = new_figure(1, len(maps), SINGLE * len(maps), 0.72 * SINGLE)
+    figure, axes = theme.new_figure(1, len(maps), theme.SINGLE * len(maps), 0.72 * theme.SINGLE)
     for ax, mark, result in zip(axes[0], "ab", maps, strict=False):
         highest = float(np.nanmax(result.efficiency)) if result.state.any() else 1.0
         image = draw_efficiency(ax, result, highest)
         figure.colorbar(image, ax=ax, label="Efficiency η [–]", pad=0.02)
         title = f"{result.path}: average {result.average:.3f}"
         if len(maps) > 1:
-            letter(ax, mark, title)
+            theme.letter(ax, mark, title)
         else:
             ax.set_title(title, loc="left")
     return figure
@@ -134,14 +106,10 @@ def efficiency(*maps: EfficiencyMap) -> Figure:
 
 @styled
 def efficiency_loss(loss: EfficiencyMap, gaps: Sequence[tuple[np.ndarray, np.ndarray]]) -> Figure:
-    """Figure of the efficiency lost to resistance over force and strain.
-
-    **Arguments:**
-
-    - `loss`: the efficiency lost [-].
-    - `gaps`: outlines (strain [-], force [N]) of what a state reaches without resistance alone.
+    """Figure of the efficiency lost to resistance, the map `loss` [-]; `gaps`: outlines (strain
+    [-], force [N]) of what a state reaches without resistance alone.
     """
-    figure, axes = new_figure(1, 1, SINGLE, 0.72 * SINGLE)
+    figure, axes = theme.new_figure(1, 1, theme.SINGLE, 0.72 * theme.SINGLE)
     ax = axes[0, 0]
     # negative where the map with resistance is the higher one
     finite = loss.efficiency[np.isfinite(loss.efficiency)]
@@ -158,33 +126,20 @@ def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float, lowest: flo
     """Draw a map with contour lines, colors from `lowest` to `highest` [-]; returns the image."""
     strain, force, eta = result.strain, result.force, result.efficiency
     # cividis reads alike to all eyes; a raster image, or a vector file would be megabytes
-    image = ax.pcolormesh(
-        strain,
-        force,
-        eta,
-        cmap="cividis",
-        vmin=lowest,
-        vmax=highest,
-        rasterized=True,
-        shading="nearest",
-    )
+    style: dict[str, Any] = {"cmap": "cividis", "rasterized": True, "shading": "nearest"}
+    image = ax.pcolormesh(strain, force, eta, vmin=lowest, vmax=highest, **style)
     for state in range(1, int(result.state.max()) + 1):
         # state by state: lines must not crowd where efficiency jumps
         inside = result.state == state
         if min(eta.shape) > 1:  # a single row or column has no lines
-            contours = ax.contour(
-                strain,
-                force,
-                np.where(inside, eta, np.nan),
-                _CONTOURS,
-                colors=BLACK,
-                linewidths=0.5,
-            )
+            lines: dict[str, Any] = {"colors": BLACK, "linewidths": 0.5}
+            eta_inside = np.where(inside, eta, np.nan)
+            contours = ax.contour(strain, force, eta_inside, _CONTOURS, **lines)
             ax.clabel(contours, fmt="%.1f", fontsize=6)
         if state < result.state.max():
             columns = inside.any(axis=0)
             edge = force[len(force) - 1 - np.argmax(inside[::-1], axis=0)]
-            ax.plot(strain[columns], edge[columns], color=WHITE, linewidth=1.0)
+            ax.plot(strain[columns], edge[columns], color=theme.WHITE, linewidth=1.0)
     ax.set(xlabel="Contraction ε [–]", ylabel="Force F [N]", xlim=(0, None), ylim=(0, None))
     ax.grid(False)
     ax.tick_params(color=GRAY)
