@@ -57,7 +57,7 @@ LINES = [
     # outputs
     (f"force {SIX} --out no/x.nc", "--out no/x.nc: can't be written: no such folder"),
     (f"force {SIX} --out x.xls", ".nc, .zarr, .csv, .json"),
-    ("reproduce kim2021 --out d.csv", "it is no folder"),
+    ("reproduce kim2021 --out d.csv", "--out d.csv: can't be created"),
     (f"export {SIX}", "give --table"),
     (f"export {SIX} --table code --precision half", "double, float"),
     (f"export {SIX} --table code --name class", "keyword or a standard header of C"),

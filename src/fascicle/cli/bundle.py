@@ -1,44 +1,41 @@
 """Commands of a bundle: `bundle`, `space`, `recruit` and `efficiency`."""
 
 import math
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from . import options
 from .errors import UserError, exit_incomplete, user_errors
-from .inputs import (
-    check_grid,
-    read_bundle,
-    read_list,
-    read_quantity,
-    read_rising_strains,
-    read_states,
-    read_supply,
-)
-from .options import option, with_options
-from .outputs import Outputs, count_decimals, number, print_table, print_text, status
+from .inputs import check_grid, read_bundle, read_list, read_rising_strains, read_states
+from .options import Text, option, with_options
+from .outputs import Outputs, count_decimals, kilopascals, number, print_table, print_text, status
 
+
+if TYPE_CHECKING:
+    from ..results.labelled import Variable
 
 _ROWS = 12  # strains of the workspace that are printed, about: as many as fit on a screen
 _LIMITS = {1: "largest", 2: "least"}  # the force that a demand of each status misses
 _MAX_MESSAGES = 6  # above the table: with its first line, a summary of less than ten lines
 _PATHS = ("isobaric", "isotonic")
+_UNSTABLE = "u: unstable, the force rises with strain there and the bundle leaves it"
 
 
 @with_options("outputs", Outputs)
 def bundle(
     outputs: Outputs,
-    file: str = options.TARGET,
-    units: str | None = options.UNITS,
-    pressure: list[str] | None = options.PRESSURES,
-    strain: str = options.STRAIN,
-    no_resistance: bool = options.NO_RESISTANCE,
+    file: options.Target,
+    units: options.Units = None,
+    pressure: options.Pressures = None,
+    strain: options.Strain = options.DEFAULT_STRAIN,
+    no_resistance: options.NoResistance = False,
 ) -> None:
     """Compute a bundle's force and equilibria over contraction.
 
     An equilibrium is a strain at which the bundle without load can rest.
     """
     strains = read_list(strain, "strain", "--strain")
-    target = read_bundle(file, units=units)
+    target = read_bundle(file, units)
     states = read_states(pressure, target)
     unit_count = len(states[0])
     check_grid(len(states), unit_count, max(unit_count, len(strains)))
@@ -49,17 +46,28 @@ def bundle(
         forces = bundle_force(target, states, strains, resistance)
         variables = {**forces, **bundle_equilibria(target, states, resistance)}
 
+    def table() -> None:
+        print_states(variables)
+        force = variables["force"].values
+        decimals = count_decimals(force.ravel())
+        rows = [
+            [f"{strain:.6g}", *(number(value, decimals) for value in values)]
+            for strain, values in zip(strains, force.T, strict=True)
+        ]
+        heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(force)))]
+        print_table("Force by strain", heads, rows)
+
     def figure() -> Any:
         from ..plot.curves import bundle_force_strain, smooth
 
         pressures = states[0] if len(states) == 1 else states
         return bundle_force_strain(target, pressures, smooth(strains), resistance)
 
-    outputs.write(variables, lambda: _print_forces(variables), figure, title=f"Bundle {file}")
+    outputs.write(variables, table, figure, title=f"Bundle {file}")
     check_equilibria(variables)
 
 
-def check_equilibria(variables: Any) -> None:
+def check_equilibria(variables: Mapping[str, "Variable"]) -> None:
     """End a command with states that have no strain of zero force; `variables`: its result."""
     free = variables["free_strain"].values.tolist()
     missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
@@ -70,12 +78,11 @@ def check_equilibria(variables: Any) -> None:
         )
 
 
-def print_states(variables: Any) -> None:
+def print_states(variables: Mapping[str, "Variable"]) -> None:
     """Print pressures, free strain and equilibria of states; `variables`: `bundle_equilibria`."""
     names = ("pressures", "free_strain", "equilibria", "stable")
     columns, rows = [variables[name].values.tolist() for name in names], []
-    finite = [strain for strain in columns[1] if math.isfinite(strain)]
-    if finite:
+    if finite := [strain for strain in columns[1] if math.isfinite(strain)]:
         limits = sorted({number(strain, 4) for strain in (min(finite), max(finite))})
         count = len(columns[1])
         states = "the state" if count == 1 else f"{count} states"
@@ -86,59 +93,36 @@ def print_states(variables: Any) -> None:
             for strain, is_stable in zip(*equilibria, strict=True)
             if math.isfinite(strain)  # a row with fewer equilibria is filled with NaN
         ]
-        kilopascals = [f"{pressure / 1e3:.6g}" for pressure in pressures]
-        rows.append([f"{len(rows) + 1}", *kilopascals, number(free, 4), ", ".join(strains)])
+        cells = [*map(kilopascals, pressures), number(free, 4), ", ".join(strains)]
+        rows.append([f"{len(rows) + 1}", *cells])
     heads = ["state", *_unit_heads(variables), "free strain [-]", "equilibria [-]"]
-    has_unstable = not all(map(all, columns[3]))
-    caption = _unstable_caption(has_unstable)
+    caption = "" if all(map(all, columns[3])) else _UNSTABLE
     print_table("Free strain and equilibria without load", heads, rows, caption)
 
 
-def _unit_heads(variables: Any) -> list[str]:
+def _unit_heads(variables: Mapping[str, "Variable"]) -> list[str]:
     return [f"P{unit + 1} [kPa]" for unit in range(variables["pressures"].values.shape[-1])]
-
-
-def _unstable_caption(is_marked: bool) -> str:
-    """Caption that explains the mark "u", if the table has one."""
-    text = "u: unstable, the force rises with strain there and the bundle leaves it"
-    return text if is_marked else ""
-
-
-def _print_forces(variables: Any) -> None:
-    """Print the free strains, and a table of force over strain by recruitment state."""
-    print_states(variables)
-    force = variables["force"].values
-    decimals = count_decimals(force.ravel())
-    rows = [
-        [f"{strain:.6g}", *(number(value, decimals) for value in values)]
-        for strain, values in zip(variables["strain"].values, force.T, strict=True)
-    ]
-    heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(force)))]
-    print_table("Force by strain", heads, rows)
 
 
 @with_options("outputs", Outputs)
 def space(
     outputs: Outputs,
-    file: str = options.TARGET,
-    units: str | None = options.UNITS,
-    supply: str | None = options.SUPPLY,
-    levels: str | None = option(
-        "Pressures of the throttled motor unit; default: seven from zero to the supply pressure.",
-        metavar="LIST",
-    ),
-    strain: str | None = options.SPACE_STRAIN,
-    scheme: str | None = options.SCHEME,
-    no_resistance: bool = options.NO_RESISTANCE,
+    file: options.Target,
+    units: options.Units = None,
+    supply: options.Supply = None,
+    levels: Text = option("Throttled pressures; default: seven up to the supply's.", "LIST"),
+    strain: options.RisingStrain = None,
+    scheme: options.Scheme = None,
+    no_resistance: options.NoResistance = False,
 ) -> None:
     """Compute the workspaces of recruitment states.
 
     A state's workspace is the range of forces that it reaches at each contraction; those of two
     states may overlap.
     """
-    pressure, strains = read_supply(supply), read_rising_strains(strain)
+    strains = read_rising_strains(strain)
     throttled = None if levels is None else read_list(levels, "pressure", "--levels")
-    target = read_bundle(file, pressure, units)
+    target = read_bundle(file, units)
     unit_count = len(target.motor_units)
     check_grid(max(unit_count, len(throttled or ())), unit_count, len(strains or range(201)))
     from ..bundle import recruitment
@@ -146,7 +130,7 @@ def space(
 
     with status("computing the workspace of each state"), user_errors():
         workspace = recruitment.workspace(
-            target, pressure, throttled or 7, strains, resistance=not no_resistance, scheme=scheme
+            target, supply, throttled or 7, strains, resistance=not no_resistance, scheme=scheme
         )
         variables = tables.space(workspace)
 
@@ -155,19 +139,21 @@ def space(
 
         return draw(workspace, recruitment.overlap(workspace))
 
-    outputs.write(
-        variables, lambda: _print_space(variables, unit_count), figure, title=f"Space of {file}"
-    )
+    def table() -> None:
+        _print_space(variables, unit_count)
+
+    outputs.write(variables, table, figure, title=f"Space of {file}")
 
 
-def _print_space(variables: Any, units: int) -> None:
+def _print_space(variables: Mapping[str, "Variable"], units: int) -> None:
     values = {name: variable.values for name, variable in variables.items()}
     strains, high, low = values["strain"], values["high"], values["low"]
     decimals = count_decimals(high.ravel())
     print_text(
         f"{units} motor unit{'s' * (units > 1)}, {values['scheme']} recruitment, supply pressure"
-        f" {values['supply_pressure'] / 1e3:.6g} kPa: forces up to {number(high.max(), decimals)} N"
-        f" at a strain of {strains[high.max(axis=0).argmax()]:.4g}."
+        f" {kilopascals(values['supply_pressure'])} kPa: forces up to"
+        f" {number(high.max(), decimals)} N at a strain of"
+        f" {strains[high.max(axis=0).argmax()]:.4g}."
     )
     rows = []
     names = ("overlap_states", "overlap_area", "overlap_low", "overlap_high")
@@ -187,71 +173,53 @@ def _print_space(variables: Any, units: int) -> None:
         print_table("Overlap of states", heads, rows)
     elif units > 1:
         print_text("One state reaches the whole workspace: there is no overlap.")
-    rows = [
-        [
-            f"{strains[j]:.4g}",
-            *(
-                f"{number(bottom[j], decimals)} to {number(top[j], decimals)}"
-                for bottom, top in zip(low, high, strict=True)
-            ),
-        ]
-        for j in range(0, len(strains), max(1, round(len(strains) / _ROWS)))
-    ]
+    rows = []
+    for j in range(0, len(strains), max(1, round(len(strains) / _ROWS))):
+        ends = [[number(force, decimals) for force in edge[:, j]] for edge in (low, high)]
+        ranges = [f"{least} to {largest}" for least, largest in zip(*ends, strict=True)]
+        rows.append([f"{strains[j]:.4g}", *ranges])
     heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(high)))]
     print_table("Range of force of each state", heads, rows)
 
 
 def recruit(
-    file: str = options.TARGET,
-    units: str | None = options.UNITS,
-    force: str | None = option(
-        "Demanded forces: one (40N), a list (20N,40N) or a range (0N:100N:10N).",
-        "--force -f",
-        metavar="LIST",
-    ),
+    file: options.Target,
+    units: options.Units = None,
+    force: Text = option("Demanded forces: 40N, or 20N,40N, or 0N:100N:10N.", "LIST", "--force -f"),
     strain: str = option(
-        "Contractions: one (0.12), a list (0,0.1) or a range (0:0.2:0.05); of a joint, that of"
-        " both sides at the angle 0.",
-        "--strain -s",
-        metavar="LIST",
-        default=...,
+        "Contractions; of a joint, that of both sides at the angle 0.", "LIST", "--strain -s", ...
     ),
-    torque: str | None = option(
-        "Demanded torques of a joint that two of these pull in opposite directions (5N*m).",
-        metavar="LIST",
-    ),
-    stiffness: str | None = option("Demanded stiffness of the joint (60N*m/rad).", metavar="VALUE"),
-    angle: str | None = option("Angle of the joint (10deg).", metavar="VALUE"),
-    moment_arm: str | None = option("Moment arm of the joint (50mm).", metavar="VALUE"),
-    supply: str | None = options.SUPPLY,
-    scheme: str | None = options.SCHEME,
-    no_resistance: bool = options.NO_RESISTANCE,
-    as_json: bool = options.JSON,
-    as_csv: bool = options.CSV,
-    out: str | None = options.OUT,
-    overwrite: bool = options.OVERWRITE,
+    torque: Text = option("Torques of a joint that two of these pull (5N*m).", "LIST"),
+    stiffness: Text = option("Demanded stiffness of the joint (60N*m/rad).", "VALUE"),
+    angle: Text = option("Angle of the joint (10deg).", "VALUE"),
+    moment_arm: Text = option("Moment arm of the joint (50mm).", "VALUE"),
+    supply: options.Supply = None,
+    scheme: options.Scheme = None,
+    no_resistance: options.NoResistance = False,
+    as_json: options.Json = False,
+    as_csv: options.Csv = False,
+    out: options.Out = None,
+    overwrite: options.Overwrite = False,
 ) -> None:
     """Find the pressures that give a force at a contraction.
 
     Of several solutions, the one that takes the least fluid comes first; the table lists the
     others. With --torque, --stiffness, --angle and --moment-arm: the pressures of a joint.
     """
+    joint = {
+        "--torque": torque,
+        "--stiffness": stiffness,
+        "--angle": angle,
+        "--moment-arm": moment_arm,
+    }
+    if force is None and (missing := [name for name, text in joint.items() if text is None]):
+        raise UserError(f"recruit needs --force, or of a joint {', '.join(missing)}, too.")
+    outputs = Outputs(as_json, as_csv, out, None, overwrite)
     if force is None:
-        joint = {
-            "--torque": torque,
-            "--stiffness": stiffness,
-            "--angle": angle,
-            "--moment-arm": moment_arm,
-        }
-        if missing := [name for name, value in joint.items() if value is None]:
-            raise UserError(f"recruit needs --force, or of a joint {', '.join(missing)}, too.")
-        outputs = Outputs(as_json, as_csv, out, None, overwrite)
         _recruit_joint(file, units, joint, strain, supply, outputs)
         return
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
-    pressure = read_supply(supply)
-    outputs = Outputs(as_json, as_csv, out, None, overwrite)
-    target = read_bundle(file, pressure, units)
+    target = read_bundle(file, units)
     unit_count = len(target.motor_units)
     check_grid(len(forces), len(strains), unit_count, unit_count)
     import numpy as np
@@ -263,16 +231,15 @@ def recruit(
     demands = np.array(forces)
     with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
         result = recruitment.recruit(
-            target, demands[:, None], strains, pressure, scheme, resistance=not no_resistance
+            target, demands[:, None], strains, supply, scheme, resistance=not no_resistance
         )
         variables = recruited(result, demands, np.array(strains))
     is_free = resolve_scheme(target, scheme).independent
     title = f"Recruitment of {file}"
     outputs.write(variables, lambda: _print_pressures(variables, is_free), title=title)
-    unreached = variables["status"].values
-    if count := int((unreached != 0).sum()):
+    if count := int((result.status != 0).sum()):
         exit_incomplete(
-            f"{count} of {unreached.size} demands can't be reached; the table has the nearest"
+            f"{count} of {result.status.size} demands can't be reached; the table has the nearest"
             " force. Change the force, the strain or the supply pressure."
         )
 
@@ -287,35 +254,29 @@ def _recruit_joint(
 ) -> None:
     """Find the pressures of a `joint`'s options, with a file's muscle or bundle on both sides."""
     torques = read_list(joint["--torque"], "moment", "--torque")
-    stiffness = read_quantity(joint["--stiffness"], "angular_stiffness", "--stiffness")
-    angle = read_quantity(joint["--angle"], "angle", "--angle")
-    arm = read_quantity(joint["--moment-arm"], "length", "--moment-arm")
-    contraction = read_quantity(strain, "strain", "--strain")
-    pressure = read_supply(supply)
-    target = read_bundle(file, pressure, units)
-    if pressure is not None:
-        target = target.replace(supply_pressure=pressure)
+    target = read_bundle(file, units)
     from ..control import Joint
     from ..results.tables import joint_pressures
 
     with user_errors():
-        result = Joint(target, target, arm, contraction).pressures(angle, torques, stiffness)
+        if supply is not None:
+            target = target.replace(supply_pressure=supply)
+        made = Joint(target, target, joint["--moment-arm"], strain)
+        result = made.pressures(joint["--angle"], torques, joint["--stiffness"])
     heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
     rows = [
-        [f"{T:.6g}", f"{P1 / 1e3:.6g}", f"{P2 / 1e3:.6g}", f"{K:.6g}", f"{code}"]
+        [f"{T:.6g}", kilopascals(P1), kilopascals(P2), f"{K:.6g}", f"{code}"]
         for P1, P2, T, K, code in zip(*result, strict=True)
     ]
     caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
-    outputs.write(
-        joint_pressures(result),
-        lambda: print_table(caption, heads, rows),
-        title=f"Joint of two {file}",
-    )
+    variables = joint_pressures(result)
+    title = f"Joint of two {file}"
+    outputs.write(variables, lambda: print_table(caption, heads, rows), title=title)
     if count := int((result.status != 0).sum()):
         exit_incomplete(f"{count} of {len(rows)} demands can't be reached; see the nearest.")
 
 
-def _print_pressures(variables: Any, is_free: bool) -> None:
+def _print_pressures(variables: Mapping[str, "Variable"], is_free: bool) -> None:
     import numpy as np
 
     values = {name: variable.values for name, variable in variables.items()}
@@ -324,19 +285,17 @@ def _print_pressures(variables: Any, is_free: bool) -> None:
     for index, code in np.ndenumerate(values["status"]):
         demand, strain = f"{values['demand'][index[0]]:.6g}", f"{values['strain'][index[1]]:.6g}"
         force, state = number(values["force"][index], decimals), values["state"][index]
-        solution = values["throttled_pressure"][index], state
+        names = ("pressure", "state", "stable")
+        solutions = zip(*(values[f"solution_{name}"][index] for name in names), strict=True)
         alternatives = [
-            f"{other_state}: {pressure / 1e3:.6g} kPa{'' if is_stable else ' u'}"
-            for pressure, other_state, is_stable in zip(
-                *(values[f"solution_{name}"][index] for name in ("pressure", "state", "stable")),
-                strict=True,
-            )
-            if other_state and (pressure, other_state) != solution
+            f"{other}: {kilopascals(pressure)} kPa{'' if is_stable else ' u'}"
+            for pressure, other, is_stable in solutions
+            if other and (pressure, other) != (values["throttled_pressure"][index], state)
         ]
-        pressures = [f"{pressure / 1e3:.6g}" for pressure in values["pressures"][index]]
         mark = "" if values["stable"][index] else " u"
-        others = "\n".join(alternatives) or "-"
-        rows.append([demand, strain, f"{state}", *pressures, force + mark, others])
+        pressures = map(kilopascals, values["pressures"][index])
+        cells = [f"{state}", *pressures, force + mark, "\n".join(alternatives) or "-"]
+        rows.append([demand, strain, *cells])
         if code:
             limit = f"the {_LIMITS[int(code)]} force there is {force} N"
             messages.append(f"{demand} N at a strain of {strain} is out of reach: {limit}.")
@@ -352,46 +311,38 @@ def _print_pressures(variables: Any, is_free: bool) -> None:
         print_text(f"{len(messages) - _MAX_MESSAGES} more are out of reach, see the table.")
     if is_free:
         print_text("Of a range of solutions, the table has the one that takes the least fluid.")
-    unit_heads = _unit_heads(variables)
-    heads = ["demand [N]", "strain [-]", "state", *unit_heads, "force [N]", "other solutions"]
-    unstable = any(" u" in "\n".join(row[-2:]) for row in rows)
-    captions = [_unstable_caption(unstable)]
+    heads = ["demand [N]", "strain [-]", "state", *_unit_heads(variables), "force [N]"]
+    captions = []
     if any(row[-1] != "-" for row in rows):
-        captions.insert(
-            0, "other solutions: recruitment state, and pressure of its throttled motor unit"
-        )
-    caption = "; ".join(filter(None, captions))
-    print_table("Pressures for each demand", heads, rows, caption, key_columns=2)
+        captions = ["other solutions: recruitment state, and pressure of its throttled motor unit"]
+    if any(" u" in cell for row in rows for cell in row[-2:]):
+        captions.append(_UNSTABLE)
+    title = "Pressures for each demand"
+    print_table(title, [*heads, "other solutions"], rows, "; ".join(captions), key_columns=2)
 
 
 @with_options("outputs", Outputs)
 def efficiency(
     outputs: Outputs,
-    file: str = options.TARGET,
-    units: str | None = options.UNITS,
-    supply: str | None = options.SUPPLY,
-    path: str | None = option(
-        "Path of the work: isobaric or isotonic; default: both.",
-        autocompletion=lambda: list(_PATHS),
+    file: options.Target,
+    units: options.Units = None,
+    supply: options.Supply = None,
+    path: Text = option(
+        "Path of the work: isobaric or isotonic; default: both.", autocompletion=lambda: [*_PATHS]
     ),
-    force: str | None = option(
-        "Forces of a table: 20N or 10N:100N:10N; default: 80, for the average alone.",
-        metavar="LIST",
-    ),
-    strain: str | None = options.SPACE_STRAIN,
-    scheme: str | None = options.SCHEME,
-    no_resistance: bool = options.NO_RESISTANCE,
+    force: Text = option("Forces of a table; default: 80, for the average alone.", "LIST"),
+    strain: options.RisingStrain = None,
+    scheme: options.Scheme = None,
+    no_resistance: options.NoResistance = False,
 ) -> None:
     """Compute the average efficiency of isobaric and isotonic work.
 
     The average is over a bundle's force-strain workspace. With --force, a table gives the
     efficiency of each point, too.
     """
-    if path is not None and path not in _PATHS:
-        raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
-    pressure, strains = read_supply(supply), read_rising_strains(strain)
+    strains = read_rising_strains(strain)
     forces = None if force is None else read_list(force, "force", "--force")
-    target = read_bundle(file, pressure, units)
+    target = read_bundle(file, units)
     paths = _PATHS if path is None else (path,)
     check_grid(len(target.motor_units), len(forces or range(80)), len(strains or range(225)))
     from ..bundle.energetics import efficiency_map
@@ -399,7 +350,7 @@ def efficiency(
 
     with status("finding efficiencies"), user_errors():
         maps = [
-            efficiency_map(target, pressure, path, forces, strains, not no_resistance, scheme)
+            efficiency_map(target, supply, path, forces, strains, not no_resistance, scheme)
             for path in paths
         ]
         variables = tables.efficiency(maps)
@@ -423,7 +374,7 @@ def efficiency(
         )
 
 
-def _print_efficiency(variables: Any, points: bool) -> None:
+def _print_efficiency(variables: Mapping[str, "Variable"], points: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     columns = (values[name] for name in ("path", "average", "reached"))
     for path, average, fraction in zip(*columns, strict=True):

@@ -14,7 +14,7 @@ from ..io.sanitize import dump_json
 from . import options
 from .errors import INCOMPLETE, StoppedError, UserError, user_errors
 from .inputs import load_laws
-from .options import argument, flag, option
+from .options import Text, argument, flag, option
 from .outputs import (
     SOURCE,
     check_file,
@@ -42,25 +42,18 @@ def design(
         "TASK.toml",
         "Task file: demands, buildable sizes, objectives; `fascicle init --task` writes one.",
     ),
-    out: str | None = option(
-        "Folder of report, data and bundles; default: designed-TASK, none with --json.",
-        "--out -o",
-        metavar="FOLDER",
-    ),
-    also: str | None = option(
-        "Objectives to record as well, such as reversal_depth,largest_force.",
-        metavar="LIST",
-    ),
+    out: options.OutFolder = None,
+    also: Text = option("Objectives to record, too: reversal_depth,largest_force.", "LIST"),
     generations: int | None = option(
-        "Generations of an NSGA-II search with continuous sizes, in place of an evaluation of every"
-        " design (needs pymoo).",
+        "Generations of an NSGA-II search of continuous sizes (needs pymoo), in place of all"
+        " designs.",
         min=1,
         max=100_000,
     ),
     population: int = option("Number of designs in a generation.", default=100, min=4, max=10_000),
-    seed: int = options.SEED,
-    overwrite: bool = options.OVERWRITE,
-    as_json: bool = options.JSON,
+    seed: options.Seed = 0,
+    overwrite: options.Overwrite = False,
+    as_json: options.Json = False,
 ) -> int:
     """Recommend a safe bundle for a task, and alternatives.
 
@@ -77,27 +70,19 @@ def design(
     with user_errors():
         file = load_task(task)
     problem = (file.space, file.task, file.senses, file.limits)
-    extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
     common: dict[str, Any] = {
-        "extra": extra,
+        "extra": () if also is None else tuple(name.strip() for name in also.split(",")),
         "catalog": file.catalog,
         "least_margin": file.least_margin,
     }
     begin = time.perf_counter()
     with status(f"evaluating {len(file.space)} designs") as update, user_errors():
         if generations is None:
-
-            def show_designs(done: int, count: int) -> None:
-                update(f"{done} of {count} designs")
-
-            result = search(*problem, progress=show_designs, **common)
+            common["progress"] = lambda done, count: update(f"{done} of {count} designs")
+            result = search(*problem, **common)
         else:
-
-            def show_generation(done: int) -> None:
-                update(f"{done} of {generations} generations")
-
-            sizes = (population, generations, seed)
-            result = evolve(*problem, *sizes, watch=show_generation, **common)
+            common["watch"] = lambda done: update(f"{done} of {generations} generations")
+            result = evolve(*problem, population, generations, seed, **common)
         answer = _judge(result, file, update)
     seconds = time.perf_counter() - begin
     names: list[str] = []
@@ -106,11 +91,13 @@ def design(
             names = _write(answer, file.notes, seconds, folder, overwrite)
     if as_json:
         print(_json(answer, file.notes))
-        return 0 if answer.is_recommended else INCOMPLETE
-    code = _print_answer(answer, file.notes)
-    if folder is not None:
-        print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")
-    return code
+    else:
+        _print_answer(answer, file.notes)
+        if folder is not None:
+            print_line(
+                f"wrote {folder / names[0]} with all details and {len(names) - 1} more files"
+            )
+    return 0 if answer.is_recommended else INCOMPLETE
 
 
 def _judge(result: "SearchResult", file: "TaskFile", update: Callable[[str], None]) -> "Answer":
@@ -124,33 +111,28 @@ def _judge(result: "SearchResult", file: "TaskFile", update: Callable[[str], Non
     return answer_search(replace(result, cycle=file.cycle))
 
 
-def _print_answer(answer: "Answer", notes: tuple[str, ...]) -> int:
-    """Print what is recommended, or what is missing; returns the exit code."""
+def _print_answer(answer: "Answer", notes: tuple[str, ...]) -> None:
+    """Print what is recommended, or what is missing."""
     from ..report import design_summary as text
 
-    for line in text.headline(answer):
-        print_line(line)
-    for finding in answer.findings[0 if answer.is_recommended else 1 :]:
-        print_line(f"{finding.severity.name.lower()}: {text.words(finding, answer)}")
+    findings = answer.findings[0 if answer.is_recommended else 1 :]
+    lines = [*text.headline(answer)]
+    lines += [f"{x.severity.name.lower()}: {text.words(x, answer)}" for x in findings]
     if answer.changes:
-        print_line("Changes that would make it safe, each by itself:")
-    for line in text.remedy_lines(answer):
-        print_line(f"- {line}")
+        lines.append("Changes that would make it safe, each by itself:")
+    lines += [f"- {line}" for line in text.remedy_lines(answer)]
     if answer.is_recommended:
-        for name, fact in text.facts(answer).items():
-            print_line(f"{name}: {fact}")
-    for note in notes:
-        print_line(f"note: {note}")
+        lines += [f"{name}: {fact}" for name, fact in text.facts(answer).items()]
+    for line in [*lines, *(f"note: {note}" for note in notes)]:
+        print_line(line)
     tables = [text.cases_table(answer.summary, _CASES)]
     if answer.is_recommended:
-        tables = [text.offers_table(answer), *tables]
-        if (splits := text.splits_table(answer)) is not None:
-            tables.append(splits)
+        splits = text.splits_table(answer)
+        tables = [text.offers_table(answer), *tables, *([splits] if splits else [])]
     if answer.result.front.size:
         tables.append(text.front_table(answer, _PRINTED))
     for table in tables:
         print_table(*table)
-    return 0 if answer.is_recommended else INCOMPLETE
 
 
 def _write(
@@ -236,9 +218,8 @@ def _json(answer: "Answer", notes: tuple[str, ...]) -> str:
     if is_recommended:
         variables = front_variables(result) | case_variables(summary)
         return dump_json(data | json.loads(to_json(variables)))
-    nearest = design_variables(result.all_designs(np.array([answer.index]))) | case_variables(
-        summary
-    )
+    design = result.all_designs(np.array([answer.index]))
+    nearest = design_variables(design) | case_variables(summary)
     data |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
     data["would_reach"] = [
         {"change": x.what, "now": x.now, "value": x.value, "looked_up_to": x.most}
@@ -251,19 +232,13 @@ def sweep(
     study: str = argument(
         "STUDY.toml", "Task file as for `fascicle design`; its [sweep] sets the designs per block."
     ),
-    out: str | None = option(
-        "Folder of results; default: swept-STUDY.", "--out -o", metavar="FOLDER"
-    ),
+    out: options.OutFolder = None,
     resume: bool = flag("Continuation of the interrupted study in FOLDER.", "--resume"),
-    scheduler: str | None = option(
-        "Address (tcp://…) of a Dask scheduler whose workers see FOLDER under the same path;"
-        " default: workers on this machine.",
-        metavar="ADDRESS",
-    ),
+    scheduler: Text = option("Address (tcp://…) of a Dask scheduler that sees FOLDER.", "ADDRESS"),
     workers: int | None = option(
         "Worker processes on this machine, 0 for none; default: one per core.", min=0, max=4096
     ),
-    overwrite: bool = options.OVERWRITE,
+    overwrite: options.Overwrite = False,
 ) -> int:
     """Evaluate every design of a task on many workers; can resume."""
     if scheduler is not None and workers is not None:
@@ -321,7 +296,8 @@ def sweep(
         with replace_output("", front, overwrite or resume) as draft:
             write(variables, draft, title=f"Front of designs for {task.task.name}", source=SOURCE)
     print_line(f"wrote {len(task.space)} designs in {designs.blocks} blocks: {path}")
-    return _print_answer(answer, task.notes)
+    _print_answer(answer, task.notes)
+    return 0 if answer.is_recommended else INCOMPLETE
 
 
 COMMANDS = {"design": design, "sweep": sweep}

@@ -13,7 +13,7 @@ from ..core.errors import require
 from . import options
 from .errors import INCOMPLETE, UserError, user_errors
 from .inputs import load_laws, read_target
-from .options import argument, option
+from .options import Texts, argument, option
 from .outputs import print_line, print_written, result_folder, status, write_folder
 
 
@@ -21,16 +21,11 @@ MEASUREMENTS = "measurements"
 
 
 def explore(
-    file: str = options.TARGET_OR_EXAMPLE,
-    host: str = option(
-        "Address to listen on; at 127.0.0.1 no other machine reaches it.", default="127.0.0.1"
-    ),
+    file: options.Target = "kim2021_figure_6",
+    host: str = option("Address to listen on: by default this machine's own.", default="127.0.0.1"),
     port: int | None = option("Port; default: 5006 or the next free one.", min=1, max=65535),
-    allow_host: list[str] | None = option(
-        "Additional host name of this server, such as a proxy's; repeatable.",
-        metavar="NAME",
-    ),
-    show: bool = option("Automatic opening of a browser.", "--show/--no-show", default=True),
+    allow_host: Texts = option("Additional name of this server; repeatable.", "NAME"),
+    show: bool = option("Automatic opening of a browser.", names="--show/--no-show", default=True),
 ) -> None:
     """Open a muscle or bundle in the explorer, in a browser."""
     require("panel")
@@ -62,9 +57,9 @@ def reproduce(
         "Paper: kim2021; or measurements: every available record against every law.",
         autocompletion=lambda: ["kim2021", MEASUREMENTS],
     ),
-    out: str | None = option("Folder of results; default: out/PAPER.", "--out -o", metavar="DIR"),
-    overwrite: bool = options.OVERWRITE,
-    verbose: bool = options.VERBOSE,
+    out: options.OutFolder = None,
+    overwrite: options.Overwrite = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Reproduce the figures and check the claims of a paper.
 
@@ -98,7 +93,7 @@ def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
     for record in records:
         if record.left_out:
             omitted.setdefault(record.left_out, []).append(record.name)
-    if any(not record.left_out for record in records):
+    if is_measured := any(not record.left_out for record in records):
         comparisons, names = _write(
             folder, overwrite, lambda draft, update: measurements.run(draft, records, update)
         )
@@ -107,7 +102,7 @@ def _compare_measurements(folder: Path, overwrite: bool, verbose: bool) -> None:
         print_written(folder, names, verbose)
     for reason, names in omitted.items():
         print_line(f"omitted, {reason}: {', '.join(names)}")
-    if all(record.left_out for record in records):
+    if not is_measured:
         print_line(measurements.no_records_message())
     if omitted:
         raise typer.Exit(INCOMPLETE)
@@ -119,9 +114,10 @@ def _check_claims(folder: Path, overwrite: bool, verbose: bool) -> None:
     terminal = import_module("reproduction.terminal")
 
     def run(draft: Path, update: Callable[[str], None]) -> list[Any]:
-        return kim2021.run(
-            draft, lambda done, total, figure: update(f"{figure}, {done} of {total}")
-        )
+        def show(done: int, total: int, figure: str) -> None:
+            update(f"{figure}, {done} of {total}")
+
+        return kim2021.run(draft, show)
 
     claims, names = _write(folder, overwrite, run)
     terminal.print_claims(claims, verbose)
@@ -138,11 +134,8 @@ def _write(
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise UserError(f"--out {folder}: it is no folder.") from None
     except OSError as error:
-        reason = error.strerror or error
-        raise UserError(f"--out {folder}: can't be created: {reason}.") from None
+        raise UserError(f"--out {folder}: can't be created: {error.strerror or error}.") from None
     result_folder(f"{folder}", "", False, overwrite)
     results: list[Any] = []
     with user_errors(), status("computing") as update:

@@ -6,54 +6,34 @@ from typing import Any
 from . import options
 from .errors import UserError, user_errors
 from .inputs import bundle_of, is_scenario, read_list, read_scenario, read_target
-from .options import option
+from .options import Text, option
 from .outputs import Outputs, check_file, print_line, replace_output, status, write_text
 
 
+_ENDINGS = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
+
+
 def export(
-    file: str = options.TARGET,
-    units: str | None = options.UNITS,
-    table: str | None = option(
-        "Folder for a table of force, volume and inverse in C: tens of nanoseconds per force.",
-        metavar="FOLDER",
-    ),
-    fmu: str | None = option(
-        "Functional mock-up unit (.fmu) with the table, for co-simulation by FMI 2.0.",
-        metavar="PATH",
-    ),
-    page: str | None = option(
-        "Web page (.html) that draws the muscle or bundle offline, in any browser.",
-        metavar="PATH",
-    ),
-    values: str | None = option(
-        "Force, conjugate volume and deflection as .csv, .json or .nc, for a program that"
-        " interpolates.",
-        metavar="PATH",
-    ),
-    opensim: str | None = option(
-        "OpenSim's McKibbenActuator of the muscle's braid (.xml), which leaves out the bladder.",
-        metavar="PATH",
-    ),
-    pressure: str | None = option(
-        "Pressures of the page's curves, of --values, or up to which --opensim goes: a list"
-        " (100kPa,2bar) or a range (start:stop:step).",
+    file: options.Target,
+    units: options.Units = None,
+    table: Text = option("Folder for force, volume and inverse as a table in C.", "FOLDER"),
+    fmu: Text = option("Functional mock-up unit (.fmu) for co-simulation by FMI 2.0.", "PATH"),
+    page: Text = option("Web page (.html) that draws FILE offline, in any browser.", "PATH"),
+    values: Text = option("Force, volume and deflection: .csv, .json or .nc.", "PATH"),
+    opensim: Text = option("OpenSim's McKibbenActuator (.xml), without the bladder.", "PATH"),
+    pressure: Text = option(
+        "Pressures of --page and --values, or up to which --opensim goes: a list or range.",
+        "LIST",
         "--pressure -p",
-        metavar="LIST",
     ),
-    precision: str = option(
-        "Number type of the table; float takes a seventh of the memory.",
-        metavar="double|float",
-        default="double",
-    ),
+    precision: str = option("Number type of the table.", "double|float", default="double"),
     name: str = option("Prefix of file names and of names in C.", default="muscle"),
-    sample_time: str | None = option(
-        "Communication step of the FMU; default: 1 ms, or the controller's.", metavar="TIME"
-    ),
-    platform: str | None = option(
+    sample_time: Text = option("Step of the FMU; default: 1 ms, or the controller's.", "TIME"),
+    platform: Text = option(
         "Platform of the FMU's binary; default: this machine's. MinGW builds win64 elsewhere.",
-        metavar="linux64|darwin64|win64",
+        "linux64|darwin64|win64",
     ),
-    overwrite: bool = options.OVERWRITE,
+    overwrite: options.Overwrite = False,
 ) -> None:
     """Write a muscle or bundle as C code, an FMU or a web page.
 
@@ -65,17 +45,18 @@ def export(
     contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
-    _check_outputs(
-        table,
-        {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim},
-        pressure,
-        overwrite,
-    )
+    files = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
+    _check_outputs(table, files, pressure, overwrite)
     target = _read_exported(file, page is not None)
     if units is not None:
         target = bundle_of(target, units)
     from .. import export
     from ..export.c_files import check_c_name
+    from ..muscle import Muscle
+
+    if (values or opensim) and not isinstance(target, Muscle):
+        option_name = "--values" if values else "--opensim"
+        raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
 
     with user_errors():
         check_c_name(name)
@@ -83,14 +64,24 @@ def export(
         _check_c(table, name, overwrite)
     pressures = None if pressure is None else read_list(pressure, "pressure", "--pressure")
     if values is not None:
-        _write_values(values, target, file, pressures, overwrite)
+        from ..results.tables import muscle_table
+
+        outputs = Outputs(out=values, overwrite=overwrite)
+        with status("computing the table"), user_errors():
+            variables = muscle_table(target, pressures)
+        outputs.write(variables, lambda: None, title=f"Table of {file}")
     if opensim is not None:
-        muscle = _single_muscle(target, file, "--opensim")
         with user_errors():
-            text = export.opensim_element(muscle, name, max(pressures or ()))
-        _write_page("--opensim", opensim, overwrite, text)
+            text = export.opensim_element(target, name, max(pressures or ()))
+        write_text("--opensim", opensim, overwrite, text)
+        print_line(f"wrote {opensim}")
     if page is not None:
-        _write_page("--page", page, overwrite, _page_text(target, file, pressures))
+        from ..export.page import CURVES, page_text
+
+        with user_errors("--page: "):
+            text = page_text(target, Path(file).stem, pressures or CURVES)
+        write_text("--page", page, overwrite, text)
+        print_line(f"wrote {page}")
     if table is not None:
         with status("computing the table"), user_errors():
             tables = export.tabulate(target, precision)
@@ -105,20 +96,18 @@ def _check_outputs(
     table: str | None, files: dict[str, str | None], pressure: str | None, overwrite: bool
 ) -> None:
     """Refuse outputs that can't be written, or lack their pressures, before the work begins."""
-    endings = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
     written = {name: path for name, path in files.items() if path is not None}
     if table is None and not written:
         names = ", ".join(files)
         raise UserError(f"nothing to write: give --table and a folder, or one of {names}.")
-    with_pressure = {"--page", "--values", "--opensim"} & set(written)
-    if pressure is not None and not with_pressure:
+    needy = [name for name in ("--opensim", "--values") if name in written]
+    if pressure is not None and not needy and "--page" not in written:
         raise UserError("--pressure: it is of --page, --values or --opensim: give one, too.")
-    if pressure is None and with_pressure - {"--page"}:
-        name = min(with_pressure - {"--page"})
-        raise UserError(f"{name}: give --pressure, too, such as 0kPa:400kPa:5kPa.")
+    if pressure is None and needy:
+        raise UserError(f"{needy[0]}: give --pressure, too, such as 0kPa:400kPa:5kPa.")
     for name, path in written.items():
-        if name in endings:
-            check_file(name, path, overwrite, endings[name])
+        if name in _ENDINGS:
+            check_file(name, path, overwrite, _ENDINGS[name])
 
 
 def _read_exported(file: str, page: bool) -> Any:
@@ -136,12 +125,6 @@ def _read_exported(file: str, page: bool) -> Any:
         return single_bundle(scenario.plant)
 
 
-def _write_page(option_name: str, path: str, overwrite: bool, text: str) -> None:
-    """Write a `text`, and print its path."""
-    write_text(option_name, path, overwrite, text)
-    print_line(f"wrote {path}")
-
-
 def _write_fmu(
     fmu: str,
     target: Any,
@@ -155,37 +138,14 @@ def _write_fmu(
     from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
     message = ""
-    with (
-        status("computing the table, building the unit"),
-        replace_output("", fmu, overwrite) as draft,
-    ):
+    with status("computing the table, building the unit"), replace_output("", fmu, overwrite) as x:
         try:
-            write_fmu(target, draft, name, sample_time, platform)
+            write_fmu(target, x, name, sample_time, platform)
         except UnbuiltUnitError as error:
             message = f"{error}"
     if message:
         raise UserError(f"--fmu {fmu}: {message}; the file holds sources only.")
     print_line(f"wrote {fmu}")
-
-
-def _single_muscle(target: Any, file: str, option_name: str) -> Any:
-    """The muscle that an option needs."""
-    from ..bundle import Bundle
-
-    if isinstance(target, Bundle):
-        raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
-    return target
-
-
-def _write_values(path: str, target: Any, file: str, pressures: Any, overwrite: bool) -> None:
-    """Write the values of a muscle's table as a file of labelled data."""
-    from ..results.tables import muscle_table
-
-    muscle = _single_muscle(target, file, "--values")
-    outputs = Outputs(False, False, path, None, overwrite)
-    with status("computing the table"), user_errors():
-        made = muscle_table(muscle, pressures)
-    outputs.write(made, lambda: None, title=f"Table of {file}")
 
 
 def _check_c(folder: str, name: str, overwrite: bool) -> None:
@@ -212,14 +172,6 @@ def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) ->
         for draft, text in zip((header_draft, source_draft), texts, strict=True):
             draft.write_text(text, encoding="utf-8", newline="\n")
     print_line(f"wrote {header} and {source}")
-
-
-def _page_text(target: Any, file: str, pressures: list[float] | None) -> str:
-    """Text of the page of a muscle or bundle."""
-    from ..export.page import CURVES, page_text
-
-    with user_errors("--page: "):
-        return page_text(target, Path(file).stem, pressures or CURVES)
 
 
 COMMANDS = {"export": export}

@@ -10,7 +10,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..units import parse, parse_list
+from ..io.sanitize import sanitize_line
+from ..units import parse_list
 from .errors import UserError, user_errors
 from .outputs import status
 
@@ -91,8 +92,7 @@ def _check_target(target: str, names: list[str]) -> None:
         return
     matches = difflib.get_close_matches(target, names, n=1, cutoff=0.5)  # half of the letters
     hint = f"did you mean {matches[0]}?" if matches else f"choose one of {', '.join(names)}."
-    label = target if target.isprintable() and len(target) < 200 else repr(target)[:100]
-    raise UserError(f"{label}: no such file, nor an example: {hint}")
+    raise UserError(f"{sanitize_line(target, 100)}: no such file, nor an example: {hint}")
 
 
 def is_scenario(target: str) -> bool:
@@ -124,25 +124,16 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
     return muscle
 
 
-def read_bundle(target: str, supply: float | None = 0.0, units: str | None = None) -> "Bundle":
-    """Read a bundle, or a muscle as a bundle of one; refuse a muscle where `supply` is `None`.
-
-    `units`: numbers of the muscle in each motor unit, such as "1,4".
-    """
-    muscle_or_bundle = read_target(target)
-    if not is_bundle(muscle_or_bundle) and supply is None:
-        raise UserError(
-            "--supply is required: a single muscle has no supply pressure; give one, such as"
-            " --supply 400kPa."
-        )
-    return bundle_of(muscle_or_bundle, units)
+def read_bundle(target: str, units: str | None = None) -> "Bundle":
+    """Read a bundle, or a muscle as a bundle of its `units`, such as "1,4"; default: of one."""
+    return bundle_of(read_target(target), units)
 
 
-def bundle_of(target: Any, units: str | None) -> "Bundle":
+def bundle_of(target: "Muscle | Bundle", units: str | None) -> "Bundle":
     """The bundle `target`, or one of the muscle with its numbers in each of the motor `units`."""
     from ..bundle import Bundle, MotorUnit
 
-    if is_bundle(target):
+    if isinstance(target, Bundle):
         if units is not None:
             raise UserError(f"--units {units}: FILE is a bundle, which has its motor units.")
         return target
@@ -190,17 +181,6 @@ def read_list(text: str, dimension: str, option: str) -> list[float]:
     """Read an option's list or range, in the SI unit of its dimension."""
     with user_errors():
         return parse_list(text, dimension, option)
-
-
-def read_quantity(text: str, dimension: str, option: str) -> float:
-    """Read an option's quantity, in the SI unit of its dimension."""
-    with user_errors():
-        return parse(text, dimension, option)
-
-
-def read_supply(text: str | None) -> float | None:
-    """Read the supply pressure [Pa], if there is one."""
-    return None if text is None else read_quantity(text, "pressure", "--supply")
 
 
 def read_rising_strains(text: str | None) -> list[float] | None:

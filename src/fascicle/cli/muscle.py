@@ -4,6 +4,7 @@ import inspect
 import json
 import sys
 import textwrap
+from collections.abc import Mapping
 from importlib.resources import files
 from math import degrees
 from string import Template
@@ -23,11 +24,12 @@ from .inputs import (
     read_states,
     read_target,
 )
-from .options import argument, complete_target, flag, option, with_options
+from .options import Text, Texts, argument, complete_target, flag, option, with_options
 from .outputs import (
     Outputs,
     check_file,
     count_decimals,
+    kilopascals,
     number,
     print_line,
     print_table,
@@ -40,8 +42,10 @@ from .outputs import (
 
 if TYPE_CHECKING:
     from ..muscle.law import AbstractLaw
+    from ..results.labelled import Variable
 
 _LIFTS = {"air": "lift_gas", "oil": "lift_oil"}  # scenarios that are templates, by fluid
+_ENDS = ("free", "collapse")  # of the stretches of a curve
 _WIDTH = 74  # characters of a line of constants: with the indent, a terminal's 80
 # marks in the table of the result's regions 0 to 3, and what they mean
 _MARKS = (" ", "b", "c", "s")
@@ -55,9 +59,14 @@ _MEANINGS = {
 @with_options("outputs", Outputs)
 def force(
     outputs: Outputs,
-    file: str = options.TARGET,
-    pressure: str = options.PRESSURE,
-    strain: str = options.STRAIN,
+    file: options.Target,
+    pressure: str = option(
+        "Gauge pressures: 34.5kPa, or 0kPa,5psi, or start:stop:step.",
+        "LIST",
+        "--pressure -p",
+        options.DEFAULT_PRESSURE,
+    ),
+    strain: options.Strain = options.DEFAULT_STRAIN,
 ) -> None:
     """Compute a muscle's force over pressure and contraction."""
     pressures = read_list(pressure, "pressure", "--pressure")
@@ -79,11 +88,12 @@ def force(
     outputs.write(variables, lambda: _print_forces(variables, blocked), figure, title=title)
 
 
-def _print_forces(variables: Any, blocked: float) -> None:
+def _print_forces(variables: Mapping[str, "Variable"], blocked: float) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
-    labels = [f"{pressure / 1e3:.6g} kPa" for pressure in values["pressure"]]
+    labels = [f"{kilopascals(pressure)} kPa" for pressure in values["pressure"]]
     highest = values["pressure"].index(max(values["pressure"]))
-    free, collapse = (number(values[f"{x}_strain"][highest], 4) for x in ("free", "collapse"))
+    ends = {x: [number(strain, 4) for strain in values[f"{x}_strain"]] for x in _ENDS}
+    free, collapse = (texts[highest] for texts in ends.values())
     print_text(
         f"At {labels[highest]}: blocked force {blocked:.4g} N, free strain {free}, "
         + ("no collapse." if collapse == "-" else f"collapse strain {collapse}.")
@@ -100,24 +110,21 @@ def _print_forces(variables: Any, blocked: float) -> None:
     marks = {_MARKS[region] for regions in values["region"] for region in regions}
     caption = "; ".join(f"{mark}: {text}" for mark, text in _MEANINGS.items() if mark in marks)
     print_table("Force [N]", ["strain [-]", *labels], rows, caption)
-    rows = [
-        [label, *(number(strain, 4) for strain in values[f"{label}_strain"])]
-        for label in ("free", "collapse")
-    ]
+    rows = [[label, *texts] for label, texts in ends.items()]
     print_table("Free strain and collapse strain [-]", ["", *labels], rows)
 
 
 @with_options("outputs", Outputs)
 def free_strain(
     outputs: Outputs,
-    file: str = options.TARGET,
-    pressure: list[str] | None = option(
+    file: options.Target,
+    pressure: Texts = option(
         "Gauge pressures: a list or range for a muscle; for a bundle one value or range per motor"
         " unit (344.7kPa,0kPa); repeat for more.",
+        "LIST",
         "--pressure -p",
-        metavar="LIST",
     ),
-    no_resistance: bool = options.NO_RESISTANCE,
+    no_resistance: options.NoResistance = False,
 ) -> None:
     """Compute the free strain of a muscle or a bundle.
 
@@ -154,8 +161,8 @@ def free_strain(
     check_equilibria(variables)
 
 
-def _print_free_strains(variables: Any) -> None:
-    columns = [[f"{pressure / 1e3:.6g}" for pressure in variables["pressure"].values.tolist()]]
+def _print_free_strains(variables: Mapping[str, "Variable"]) -> None:
+    columns = [[kilopascals(pressure) for pressure in variables["pressure"].values.tolist()]]
     highest = variables["pressure"].values.argmax()
     free, blocked = (variables[x].values[highest] for x in ("free_strain", "blocked_force"))
     print_text(
@@ -172,11 +179,9 @@ def _print_free_strains(variables: Any) -> None:
 
 
 def muscles(
-    name: str | None = argument(
-        "NAME", "Example or measured muscle to print.", None, autocompletion=complete_target
-    ),
+    name: Text = argument("NAME", "One to print.", None, autocompletion=complete_target),
     measured: bool = flag("Measured muscles, with ranges and errors of their fits.", "--measured"),
-    as_json: bool = options.JSON,
+    as_json: options.Json = False,
 ) -> None:
     """List example or measured muscles, or print the file of one."""
     from ..files import example_text, examples
@@ -200,48 +205,41 @@ def _print_measured(as_json: bool) -> None:
     load_laws()
     from ..files import catalog
 
-    entries = list(catalog.values())
     if as_json:
-        print(json.dumps({entry.name: entry.as_dict() for entry in entries}))
+        print(json.dumps({name: entry.as_dict() for name, entry in catalog.items()}))
         return
+    heads = ["name", "length [mm]", "outer diameter [mm]", "pressure [kPa]", "contraction [%]"]
     rows = []
-    for entry in entries:
+    for entry in catalog.values():
         pressure, strain = (ends and ends[1] for ends in entry.range)
-        columns = {
-            "length [mm]": (float(entry.muscle.length), 1e3, 1),
-            "outer diameter [mm]": (2 * float(entry.muscle.outer_radius), 1e3, 1),
-            "pressure [kPa]": (pressure, 1e-3, 0),
-            "contraction [%]": (strain, 100, 1),
-            "error [N]": (entry.error.rmse, 1, 2),
-            "error [%]": (entry.error.relative_rmse, 100, 2),
-        }
-        row = {
-            "name": entry.name,
-            **{
-                head: "-" if x is None else number(factor * x, digits)
-                for head, (x, factor, digits) in columns.items()
-            },
-            "basis": entry.basis,
-            "license": entry.license.partition(";")[0],
-        }
-        rows.append(row)
+        numbers = [
+            (float(entry.muscle.length), 1e3, 1),
+            (2 * float(entry.muscle.outer_radius), 1e3, 1),
+            (pressure, 1e-3, 0),
+            (strain, 100, 1),
+            (entry.error.rmse, 1, 2),
+            (entry.error.relative_rmse, 100, 2),
+        ]
+        texts = ["-" if x is None else number(factor * x, n) for x, factor, n in numbers]
+        rows.append([entry.name, *texts, entry.basis, entry.license.partition(";")[0]])
     caption = (
         "pressure, contraction: largest measured values; error: root mean square, in N and in % of"
         " the largest force; basis: whose fit it is, published or of `fascicle calibrate` (fit); -:"
         " not published. Every command takes a muscle by its name; `fascicle muscles NAME` prints"
         " it with its source."
     )
-    print_table("Measured muscles", [*rows[0]], [[*row.values()] for row in rows], caption)
+    heads += ["error [N]", "error [%]", "basis", "license"]
+    print_table("Measured muscles", heads, rows, caption)
 
 
 def laws(
-    kind: str | None = argument(
+    kind: Text = argument(
         "KIND",
         "Kind of law (tension, buckling, collapse, post_collapse or ends), or a law's name, for its"
         " equation, constants, source and domain; default: all laws.",
         None,
     ),
-    as_json: bool = options.JSON,
+    as_json: options.Json = False,
 ) -> None:
     """List the laws and their constants, including those of other packages, or explain one."""
     load_laws()
@@ -295,39 +293,20 @@ def _print_law(kind: str, law: "type[AbstractLaw]") -> None:
     print(f"Source: {sanitize_line(law.source)}\n\n{inspect.getdoc(sys.modules[law.__module__])}\n")
 
 
-def _fluids(incomplete: str) -> list[str]:
-    return [name for name in _LIFTS if name.startswith(incomplete)]
-
-
 def init(
-    path: str | None = argument(
-        "FILE", "File to write; default: muscle.toml, task.toml or scenario.toml.", None
-    ),
-    example: str | None = option(
-        "Named example to copy instead of the template.",
-        "--from",
-        metavar="NAME",
-        autocompletion=complete_target,
+    path: Text = argument("FILE", "File to write; default: muscle.toml, by its kind.", None),
+    example: Text = option(
+        "Named example to copy.", "NAME", "--from", autocompletion=complete_target
     ),
     task: bool = flag("Task file for `fascicle design`.", "--task"),
-    mass: str | None = option("Mass that a task lifts: 25kg.", metavar="MASS"),
-    stroke: str | None = option("Stroke that a task lifts it by: 40mm.", metavar="LENGTH"),
+    mass: Text = option("Mass that a task lifts: 25kg.", "MASS"),
+    stroke: Text = option("Stroke that a task lifts it by: 40mm.", "LENGTH"),
     scenario: bool = flag("Scenario file for `fascicle simulate`.", "--scenario"),
-    fluid: str | None = option(
-        "Fluid of a scenario: air or oil; default: air.", metavar="NAME", autocompletion=_fluids
-    ),
-    sleeve: str | None = option(
-        "Sleeve's nominal diameter and its angle there: '12 mm at 40 deg'; without an angle 30 deg"
-        " is assumed.",
-        metavar="SIZE",
-    ),
-    tube: str | None = option(
-        "Tube's outer and inner diameter: '9 mm x 7 mm', or '9x7 mm'.", metavar="SIZES"
-    ),
-    protractor: str | None = option(
-        "Strip to print (.svg, .pdf) that measures a braid angle on the tube.", metavar="PATH"
-    ),
-    overwrite: bool = options.OVERWRITE,
+    fluid: Text = option("Fluid of a scenario: air or oil; default: air.", "NAME"),
+    sleeve: Text = option("Sleeve's diameter and angle there: '12 mm at 40 deg'.", "SIZE"),
+    tube: Text = option("Tube's outer and inner diameter: '9 mm x 7 mm', or '9x7 mm'.", "SIZES"),
+    protractor: Text = option("Strip (.svg, .pdf) that measures a braid angle on a tube.", "PATH"),
+    overwrite: options.Overwrite = False,
 ) -> None:
     """Write a commented muscle, task or scenario file to edit."""
     from ..files import example_text, scenarios
@@ -340,7 +319,6 @@ def init(
         raise UserError("--sleeve and --tube: give both, or none of them.")
     if sleeve is not None and (task or scenario or example is not None):
         raise UserError("--sleeve: makes a muscle: drop --task, --scenario and --from.")
-
     if (mass is None) != (stroke is None) or (mass is not None and not task):
         raise UserError("--mass and --stroke: give both, with --task.")
     if task and example is not None:
@@ -352,16 +330,12 @@ def init(
     kind = "task" if task else "scenario" if scenario else "muscle"
     path = path or f"{kind}.toml"
     check_file("", path, overwrite)
-    if scenario:
-        with user_errors():
+    with user_errors():
+        if scenario:
             from ..core.validation import check_choice  # imports NumPy
 
-            fluid = check_choice(fluid or "air", _LIFTS, "--fluid")
-        example = example or _LIFTS[fluid]
-        if example not in scenarios():
-            names = ", ".join(scenarios())
-            raise UserError(f"--from {example}: not a scenario: choose one of {names}.")
-    with user_errors():
+            example = example or _LIFTS[check_choice(fluid or "air", _LIFTS, "fluid")]
+            check_choice(example, scenarios(), "example")
         text = example_text(example) if example else template(kind)
         if sleeve is not None and tube is not None:
             text = _with_product(text, sleeve, tube)
@@ -380,10 +354,10 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
 
     weight = parse(mass, "mass", "--mass") * STANDARD_GRAVITY
     travel = 1e3 * parse(stroke, "length", "--stroke")
-    load = f'force = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
-    lines = text.splitlines()
-    first = next(i for i, line in enumerate(lines) if line.startswith("example = "))
-    return "\n".join([*lines[:first], f'name = "lift"\n{load}', *lines[first + 2 :]]) + "\n"
+    head, _, remainder = text.partition("example = ")
+    _, _, remainder = remainder.partition("# name =")
+    load = f'name = "lift"\nforce = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
+    return f"{head}{load}\n# name ={remainder}"
 
 
 def _write_protractor(path: str, overwrite: bool) -> None:
@@ -413,20 +387,18 @@ def _with_product(text: str, sleeve: str, tube: str) -> str:
         raise UserError(f"--tube {tube!r}: the inner diameter must be below the outer one.")
     nominal = parse(size.strip(), "length", "--sleeve")
     at_nominal = parse(angle.strip() or "30 deg", "angle", "--sleeve")
-    on_tube = float(sleeve_angle(nominal, at_nominal, outer))
+    on_tube = degrees(float(sleeve_angle(nominal, at_nominal, outer)))
     assumed = "" if angle else "; 30 deg at the nominal diameter is assumed: measure it"
-    sizes_of = {
+    lines = {
         "outer_radius": (f"{500 * outer:.6g} mm", "of the tube"),
         "wall_thickness": (f"{500 * (outer - inner):.6g} mm", "of the tube"),
-        "braid_angle": (f"{degrees(on_tube):.2f} deg", f"of the sleeve on the tube{assumed}"),
+        "braid_angle": (f"{on_tube:.2f} deg", f"of the sleeve on the tube{assumed}"),
     }
-    lines = text.splitlines()
-    for i, line in enumerate(lines):
-        key = line.partition(" = ")[0]
-        if key in sizes_of:
-            value, comment = sizes_of[key]
-            lines[i] = f'{key} = "{value}"'.ljust(33) + f"# {comment}"
-    return "\n".join(lines) + "\n"
+    for key, (value, comment) in lines.items():
+        before, _, after = text.partition(f"\n{key} = ")
+        line = f'{key} = "{value}"'.ljust(33) + f"# {comment}"
+        text = "\n".join([before, line, after.partition("\n")[2]])
+    return text
 
 
 def template(kind: str) -> str:

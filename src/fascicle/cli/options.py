@@ -3,11 +3,10 @@
 import contextlib
 import functools
 import inspect
-import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
@@ -31,31 +30,34 @@ _PARAMETERS = {
     "zeros": "zero",
     "signs": "sign",
 }
+Text = str | None
+Texts = list[str] | None
 
 
-def option(text: str, names: str = "", *, default: Any = None, **settings: Any) -> Any:
+def option(
+    text: str, metavar: str = "", names: str = "", default: Any = None, **settings: Any
+) -> Any:
     """Typer's description of an option, the default of a command's parameter.
 
     **Arguments:**
 
     - `text`: its help.
+    - `metavar`: name of its value.
     - `names`: its spellings, separated by spaces; default: made of the parameter's name.
-    - `default`: shown in the help, unless it is `None`; an ellipsis if it is required.
+    - `default`: an ellipsis if it is required.
     - `settings`: further ones of `typer.Option`.
     """
-    show = default not in (None, ...)
-    return typer.Option(default, *names.split(), help=text, show_default=show, **settings)
+    return typer.Option(default, *names.split(), help=text, metavar=metavar or None, **settings)
 
 
 def flag(text: str, names: str) -> Any:
     """Flag, off by default; `text`: its help, `names`: its spellings, separated by spaces."""
-    return typer.Option(False, *names.split(), help=text, show_default=False)
+    return option(text, "", names, False)
 
 
 def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> Any:
     """Argument of a command; `text`: its help."""
-    show = default not in (None, ...)
-    return typer.Argument(default, metavar=metavar, help=text, show_default=show, **settings)
+    return typer.Argument(default, metavar=metavar, help=text, **settings)
 
 
 def with_options(name: str, group: Callable[..., Any]) -> Callable[[Callable], Callable]:
@@ -92,57 +94,65 @@ def complete_target(incomplete: str) -> list[str]:
     return [name for name in [*named_muscles(), *files] if name.startswith(incomplete)]
 
 
-_TARGET = (
-    "Muscle or bundle file, a named example (see `fascicle muscles`) or a measured muscle"
-    " (`fascicle muscles --measured`)."
-)
-TARGET = argument("FILE", _TARGET, autocompletion=complete_target)
-TARGET_OR_EXAMPLE = argument("FILE", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
+def _shared(text: str, metavar: str = "", *names: str, **settings: Any) -> Any:
+    """Description of an option in the type of parameters, which have the default."""
+    return typer.Option(*names, help=text, metavar=metavar or None, **settings)
+
+
+Target = Annotated[
+    str,
+    typer.Argument(
+        metavar="FILE",
+        help="Muscle or bundle file, or a name from `fascicle muscles` [--measured].",
+        autocompletion=complete_target,
+    ),
+]
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
-PRESSURE = option(
-    "Gauge pressures: one (34.5kPa), a list (0kPa,5psi) or a range (start:stop:step).",
-    "--pressure -p",
-    metavar="LIST",
-    default=DEFAULT_PRESSURE,
-)
-PRESSURES = option(
-    "Gauge pressures, one value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeat for"
-    " more; default: the recruitment states at full pressure.",
-    "--pressure -p",
-    metavar="LIST",
-)
-STRAIN = option(
-    "Contractions: one (0.1), a list (0,0.1) or a range (start:stop:step, ends included).",
-    "--strain -s",
-    metavar="LIST",
-    default="0:0.33:0.03",
-)
-SPACE_STRAIN = option(
-    "Contractions in rising order; default: up to the largest free strain.",
-    "--strain -s",
-    metavar="LIST",
-)
-NO_RESISTANCE = flag(
-    "Without resistance: muscles don't push back past their free strain.", "--no-resistance"
-)
-UNITS = option(
-    "Numbers of muscles of the motor units that FILE's muscle makes: 1,4.", metavar="LIST"
-)
-SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
-SCHEME = option(
-    f"Recruitment scheme: {format_names()}; default: the bundle's.",
-    "--scheme",
-    autocompletion=lambda: list(SCHEMES),
-)
-SEED = option("Random seed.", "--seed", default=0, min=0)
-JSON = flag("JSON in SI units on standard output.", "--json")
-CSV = flag("CSV in SI units on standard output.", "--csv")
-VERBOSE = flag("Tables and details on the terminal, too.", "--verbose")
-OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
-PLOT = option("Figure file: .png, .svg or .pdf.", "--plot", metavar="PATH")
-OVERWRITE = flag(
-    "Replacement of existing files, including files not created by fascicle.", "--overwrite"
-)
+Pressures = Annotated[
+    Texts,
+    _shared(
+        "Gauge pressures, a value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
+        " default: the recruitment states at full pressure.",
+        "LIST",
+        "--pressure",
+        "-p",
+    ),
+]
+DEFAULT_STRAIN = "0:0.33:0.03"
+Strain = Annotated[
+    str,
+    _shared("Contractions: 0.1, or 0,0.1, or start:stop:step.", "LIST", "--strain", "-s"),
+]
+RisingStrain = Annotated[
+    Text,
+    _shared("Contractions that rise; default: up to the free strain.", "LIST", "--strain", "-s"),
+]
+NoResistance = Annotated[
+    bool, _shared("Muscles don't push back past their free strain.", "", "--no-resistance")
+]
+Units = Annotated[
+    Text, _shared("Numbers of muscles of the motor units that FILE's muscle makes: 1,4.", "LIST")
+]
+Supply = Annotated[Text, _shared("Supply pressure; default: the bundle's.", "PRESSURE")]
+Scheme = Annotated[
+    Text,
+    _shared(
+        f"Recruitment scheme: {format_names()}; default: the bundle's.",
+        autocompletion=lambda: list(SCHEMES),
+    ),
+]
+Seed = Annotated[int, _shared("Random seed.", min=0)]
+Json = Annotated[bool, _shared("JSON in SI units on standard output.", "", "--json")]
+Csv = Annotated[bool, _shared("CSV in SI units on standard output.", "", "--csv")]
+Verbose = Annotated[bool, _shared("Tables and details on the terminal, too.", "", "--verbose")]
+Out = Annotated[Text, _shared("Result file: .nc, .zarr, .csv or .json.", "PATH", "--out", "-o")]
+OutFolder = Annotated[
+    Text, _shared("Folder of results; default: by the input's name.", "FOLDER", "--out", "-o")
+]
+Plot = Annotated[Text, _shared("Figure file: .png, .svg or .pdf.", "PATH")]
+Overwrite = Annotated[
+    bool, _shared("Replacement of any existing files, also foreign ones.", "", "--overwrite")
+]
 
 
 class Command(TyperCommand):
@@ -158,8 +168,7 @@ class Command(TyperCommand):
                     name, remedy = _longest_spelling(parameter), "give it once"
                     if parameter.metavar == "LIST":
                         remedy = f"pass one comma-separated list: {name} VALUE,VALUE"
-                    times = "twice" if count == 2 else f"{count} times"
-                    raise UserError(f"{name} was given {times}: {remedy}.")
+                    raise UserError(f"{name} was given {count} times: {remedy}.")
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
@@ -167,23 +176,13 @@ class Command(TyperCommand):
         try:
             return super().invoke(ctx)
         except UserError as error:
-            error.args = (self._with_option_names(error),)
+            if isinstance(cause := error.__cause__, InvalidInputError):
+                options = {p.name: p for p in self.params if p.param_type_name == "option"}
+                parameter = options.get(_PARAMETERS.get(cause.argument, cause.argument))
+                if parameter is not None:
+                    error.args = (cause.line(_longest_spelling(parameter)),)
             raise
-
-    def _with_option_names(self, error: UserError) -> str:
-        """Message of an error with option names in place of Python's arguments."""
-        text, cause = str(error), error.__cause__
-        if not isinstance(cause, InvalidInputError):
-            return text
-        names = {p.name: _longest_spelling(p) for p in self.params if p.param_type_name == "option"}
-        names |= {argument: names[p] for argument, p in _PARAMETERS.items() if p in names}
-        if cause.argument == "supply_pressure" and cause.value is None and "supply" in names:
-            return f"--supply is required: {cause.remedy}; give one, such as --supply 400kPa."
-        # of a remedy in Python and in options, such as `path="isotonic" (--path isotonic)`
-        text = re.sub(r"\w+=\S+ \((--[^)]+)\)", r"\1", text)
-        return re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), text)
 
 
 def _longest_spelling(parameter: Any) -> str:
-    """Longest spelling of an option, the first of several."""
     return max(parameter.opts, key=len)

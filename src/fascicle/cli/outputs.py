@@ -8,7 +8,6 @@ import sys
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,16 +36,14 @@ def print_line(line: str, error: bool = False) -> None:
 @contextlib.contextmanager
 def warnings_last() -> Iterator[None]:
     """Print the warnings of a command after its output."""
-    show, caught = warnings.showwarning, list[Callable[[], None]]()
-    warnings.showwarning = lambda *arguments: caught.append(partial(show, *arguments))
-    try:
-        yield
-    finally:
-        warnings.showwarning = show
-        with contextlib.suppress(OSError, ValueError):  # standard output may be lost
-            sys.stdout.flush()
-        for print_warning in caught:
-            print_warning()
+    with warnings.catch_warnings(record=True) as caught:
+        try:
+            yield
+        finally:
+            with contextlib.suppress(OSError, ValueError):  # standard output may be lost
+                sys.stdout.flush()
+    for warning in caught:
+        warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
 
 
 def print_text(text: str, style: str = "") -> None:
@@ -78,38 +75,40 @@ def print_table(
     Cells have one line or several.
     """
     from rich.box import SIMPLE_HEAD
-    from rich.cells import cell_len
     from rich.table import Table
     from rich.text import Text
 
     console = _console()
+    labels = [escape_invisible(head) for head in heads]
     texts = [["\n".join(map(sanitize_line, cell.split("\n"))) for cell in row] for row in rows]
+    keys, others = [*range(key_columns)], [*range(key_columns, len(heads))]
 
-    def column_widths(heads: Sequence[str]) -> list[int]:
-        """Characters of each column's longest line."""
-        columns = zip(heads, *texts, strict=True)
-        return [max(cell_len(line) for x in column for line in x.split("\n")) for column in columns]
-
-    shown = [escape_invisible(head) for head in heads]
-    widths = column_widths(shown)
-    narrow = sum(widths) + 3 * len(widths) > console.width
-    if narrow:  # heads are broken at spaces, and columns have no padding
-        shown = [head.replace(" ", "\n") for head in shown]
-        widths = column_widths(shown)
-    names, start, suffix = list(range(key_columns)), key_columns, ""
-    while start < len(heads):
-        width, end = sum(widths[:key_columns]) + key_columns + 2, start
-        while end < len(heads) and (end == start or width + widths[end] < console.width):
-            width, end = width + widths[end] + 1, end + 1
-        end = end if narrow else len(heads)
-        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
-        for index in [*names, *range(start, end)]:
-            table.add_column(Text(shown[index]), justify="right", no_wrap=True)
+    def table(columns: Sequence[int], narrow: bool) -> Table:
+        """Table of some columns; a narrow one has heads broken at spaces, and no padding."""
+        made = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
+        for column in columns:
+            label = labels[column].replace(" ", "\n") if narrow else labels[column]
+            made.add_column(Text(label), justify="right", no_wrap=True)
         for row in texts:
-            table.add_row(*(Text(row[index]) for index in [*names, *range(start, end)]))
-        print_text(f"{title}{suffix}", "bold")
-        console.print(table)
-        start, suffix = end, " (continued)"
+            made.add_row(*(Text(row[column]) for column in columns))
+        return made
+
+    def width(columns: Sequence[int], narrow: bool) -> int:
+        made, unlimited = table(columns, narrow), console.options.update(max_width=_MAX_WIDTH)
+        return made.__rich_measure__(console, unlimited).maximum
+
+    parts = [others]
+    if narrow := width([*keys, *others], False) >= console.width:
+        parts, room = [], 0
+        for column in others:
+            needed = width([column], True) - 1  # without the left edge
+            if needed > room:
+                parts, room = [*parts, []], console.width - width(keys, True)
+            parts[-1].append(column)
+            room -= needed
+    for index, part in enumerate(parts):
+        print_text(f"{title}{' (continued)' if index else ''}", "bold")
+        console.print(table([*keys, *part], narrow))
     if caption:
         print_text(caption)
 
@@ -120,14 +119,16 @@ def count_decimals(values: Any) -> int:
     return min(max(3 - math.floor(math.log10(largest or 1.0)), 0), 9)
 
 
+def kilopascals(pressure: float) -> str:
+    """A pressure [Pa] in kPa."""
+    return f"{pressure / 1e3:.6g}"
+
+
 def number(value: float, decimals: int) -> str:
     """A value with so many decimals; "-" if it is not finite."""
     if not math.isfinite(value):
         return "-"
     return f"{round(float(value), decimals) + 0.0:.{decimals}f}"  # + 0.0: no minus before a zero
-
-
-_updates: list[Callable[[str], None]] = []  # function that changes the displayed status, if any
 
 
 @contextlib.contextmanager
@@ -136,10 +137,6 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda _: None
         return
-    if _updates:  # inside another status: one line shows both
-        _updates[-1](text)
-        yield _updates[-1]
-        return
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -147,15 +144,7 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
     console = Console(stderr=True, markup=False)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(sanitize_line(text), total=None)
-
-        def update(text: str) -> None:
-            progress.update(task, description=sanitize_line(text), refresh=True)
-
-        _updates.append(update)
-        try:
-            yield update
-        finally:
-            _updates.pop()
+        yield lambda text: progress.update(task, description=sanitize_line(text), refresh=True)
 
 
 def check_file(
@@ -227,13 +216,12 @@ class Outputs:
 
     def __init__(
         self,
-        as_json: bool = options.JSON,
-        as_csv: bool = options.CSV,
-        out: str | None = options.OUT,
-        plot: str | None = options.PLOT,
-        overwrite: bool = options.OVERWRITE,
+        as_json: options.Json = False,
+        as_csv: options.Csv = False,
+        out: options.Out = None,
+        plot: options.Plot = None,
+        overwrite: options.Overwrite = False,
     ):
-        """**Arguments:** values of the options --json, --csv, --out, --plot and --overwrite."""
         if as_json and as_csv:
             raise UserError("--json and --csv: only one can be printed, drop one.")
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot

@@ -1,11 +1,11 @@
 """`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .errors import UserError, user_errors
 from .inputs import read_scenario
-from .options import argument, flag, option, with_options
+from .options import Text, argument, flag, option, with_options
 from .outputs import (
     Outputs,
     check_file,
@@ -17,6 +17,11 @@ from .outputs import (
     write_text,
 )
 
+
+if TYPE_CHECKING:
+    from ..dynamics.audit import Audit, Balance
+    from ..dynamics.simulate import Trajectory
+    from ..files.scenario import Scenario
 
 _UNTRUSTED = 1  # exit code
 _MAX_EVENTS = 5  # lines: the summary stays below ten
@@ -38,14 +43,11 @@ def simulate(
         " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
         autocompletion=_complete_scenario,
     ),
-    report: str | None = option("HTML page with traces and energy balances.", metavar="PATH"),
-    policy: str | None = option(
-        "Control policy: orderly, batch, threshold or hand_over; default: the scenario's.",
-        metavar="NAME",
-    ),
+    report: Text = option("HTML page with traces and energy balances.", "PATH"),
+    policy: Text = option("Policy, such as batch or hand_over; default: the file's.", "NAME"),
     compare: bool = flag("Comparison of all policies: drawdown against energy.", "--compare"),
     compensate: bool | None = option(
-        "Friction feedforward; default: the scenario's.", "--compensate/--no-compensate"
+        "Friction feedforward; default: the scenario's.", names="--compensate/--no-compensate"
     ),
 ) -> int:
     """Simulate a bundle over time and check its energy balance.
@@ -56,54 +58,47 @@ def simulate(
         check_file("--report", report, outputs.overwrite, [".html"])
     if compare and policy is not None:
         raise UserError("--compare runs every policy: drop --policy.")
-    with status("reading the scenario") as update:
-        study = read_scenario(scenario)
-        if policy is not None or compensate is not None:
-            with user_errors():
-                study = study.with_policy(policy, compensate)
-        if not compare:
-            update(f"simulating {study.duration:g} s in {round(study.duration / study.dt)} steps")
-            return _simulate(study, outputs, report)
-    return _compare_policies(study, outputs, report)
+    study = read_scenario(scenario)
+    if policy is not None or compensate is not None:
+        with user_errors():
+            study = study.with_policy(policy, compensate)
+    return (_compare_policies if compare else _simulate)(study, outputs, report)
 
 
-def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
+def _simulate(study: "Scenario", outputs: Outputs, report: str | None) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
     from ..dynamics.audit import audit_run
-    from ..report.simulation import scenario_notes
+    from ..report import simulation as pages
     from ..results.tables import simulated
 
-    with user_errors():
+    steps = f"{study.duration:g} s in {round(study.duration / study.dt)} steps"
+    with status(f"simulating {steps}"), user_errors():
         result = study.run()
     balances, doubts = audit_run(study.plant, result)
     control = study.control
-    controller = () if control is None else (control.controller, control.reference)
+    controlled = (control.controller, control.reference) if control else (None, None)
 
     def figure() -> Any:
         from ..plot.trajectory import traces
-        from ..report.simulation import run_demand
 
-        return traces(study.plant, result, run_demand(study, result))
+        return traces(study.plant, result, pages.run_demand(study, result))
 
-    notes = [
-        *scenario_notes(study),
-        *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else []),
-    ]
+    notes = pages.scenario_notes(study)
+    if doubts:
+        notes = [*notes, f"can't be trusted: {'; '.join(doubts)}"]
     outputs.write(
-        simulated(study.plant, result, balances, *controller),
+        simulated(study.plant, result, balances, *controlled),
         lambda: _print(study, result, balances, doubts),
         figure,
         title=f"Simulation of {study.name}",
         notes=" ".join(notes),
     )
     if report is not None:
-        from ..report.simulation import report as page
-
-        _write_report(report, outputs, page(study, result, balances, doubts, today()))
+        _write_report(report, outputs, pages.report(study, result, balances, doubts, today()))
     return _print_doubts({f"{study.name}: the run": doubts})
 
 
-def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
+def _compare_policies(study: "Scenario", outputs: Outputs, report: str | None) -> int:
     """Run all policies on one scenario; returns the exit code."""
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
@@ -123,6 +118,7 @@ def _compare_policies(study: Any, outputs: Outputs, report: str | None) -> int:
             _, doubts = audit_run(variant.plant, result)
             tracking = pages.run_demand(variant, result)
             assert tracking is not None
+            assert variant.control is not None
             metrics = pages.run_metrics(variant.control, result)
             runs[policy] = pages.PolicyRun(variant.control, result, metrics, tracking, doubts)
     metrics = [run.metrics for run in runs.values()]
@@ -172,7 +168,9 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
     return _UNTRUSTED if any(doubts.values()) else 0
 
 
-def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
+def _print(
+    study: "Scenario", result: "Trajectory", audited: "Audit | None", doubts: list[str]
+) -> None:
     from ..dynamics import events
     from ..report import simulation as pages
 
@@ -208,26 +206,20 @@ def _print(study: Any, result: Any, audited: Any, doubts: list[str]) -> None:
         _print_balances(balances)
 
 
-def _print_balances(balances: Any) -> None:
+def _print_balances(balances: "tuple[Balance, ...]") -> None:
     rows = []
     for balance in balances:
         smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
-        sides = (
-            "\n".join(
-                f"{name} {value:.3g} {balance.unit}"
-                for name, value in terms.items()
-                if abs(value) > smallest
-            )
-            for terms in (balance.inputs, balance.outputs)
-        )
-        verdict = f"{balance.relative_residual:.0e}\n" + (
-            "closes" if balance.closes else "DOES NOT\nCLOSE"
-        )
-        rows.append([balance.name.replace(" of ", "\nof "), *sides, verdict])
+        sides = []
+        for terms in (balance.inputs, balance.outputs):
+            large = {name: x for name, x in terms.items() if abs(x) > smallest}
+            sides.append("\n".join(f"{name} {x:.3g} {balance.unit}" for name, x in large.items()))
+        closes = "closes" if balance.closes else "DOES NOT\nCLOSE"
+        name = balance.name.replace(" of ", "\nof ")
+        rows.append([name, *sides, f"{balance.relative_residual:.0e}\n{closes}"])
     caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
-    print_table(
-        "Balances", ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"], rows, caption
-    )
+    heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"]
+    print_table("Balances", heads, rows, caption)
 
 
 COMMANDS = {"simulate": simulate}
