@@ -5,7 +5,7 @@ from typing import Any
 
 from . import options
 from .errors import UserError, user_errors
-from .inputs import bundle_of, is_scenario, read_list, read_scenario, read_target
+from .inputs import is_scenario, read_bundle, read_list, read_scenario, read_target
 from .options import Text, option
 from .outputs import Outputs, check_file, print_line, replace_output, status, write_text
 
@@ -47,9 +47,7 @@ def export(
     """
     files = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
     _check_outputs(table, files, pressure, overwrite)
-    target = _read_exported(file, page is not None)
-    if units is not None:
-        target = bundle_of(target, units)
+    target = _read_exported(file, units, page is not None)
     from .. import export
     from ..export.c_files import check_c_name
     from ..muscle import Muscle
@@ -110,10 +108,12 @@ def _check_outputs(
             check_file(name, path, overwrite, _ENDINGS[name])
 
 
-def _read_exported(file: str, page: bool) -> Any:
+def _read_exported(file: str, units: str | None, page: bool) -> Any:
     """Read a muscle, a bundle, or a scenario's controller, which a `page` can't show."""
     if not is_scenario(file):
-        return read_target(file)
+        return read_target(file) if units is None else read_bundle(file, units)
+    if units is not None:
+        raise UserError(f"--units: {file} is a scenario, which has its motor units.")
     if page:
         raise UserError(f"--page: {file} is a scenario, a page is of a bundle: give --table.")
     scenario = read_scenario(file)

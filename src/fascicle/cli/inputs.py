@@ -124,13 +124,9 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
     return muscle
 
 
-def read_bundle(target: str, units: str | None = None) -> "Bundle":
+def read_bundle(name: str, units: str | None = None) -> "Bundle":
     """Read a bundle, or a muscle as a bundle of its `units`, such as "1,4"; default: of one."""
-    return bundle_of(read_target(target), units)
-
-
-def bundle_of(target: "Muscle | Bundle", units: str | None) -> "Bundle":
-    """The bundle `target`, or one of the muscle with its numbers in each of the motor `units`."""
+    target = read_target(name)
     from ..bundle import Bundle, MotorUnit
 
     if isinstance(target, Bundle):
