@@ -1,9 +1,7 @@
 r"""Objectives of designs: one evaluator, for all designs and arrays, on one table of forces.
 
 Designs of one drawing are evaluated together, on a table of all the muscles they are made of: of
-the largest force alone if their states depend on no more, else of the forces at every level. Only
-designs of several muscles whose curves are needed are evaluated one by one: so can a single design
-of JAX's arrays be, to be differentiated.
+the largest force alone if their states depend on no more, else of the forces at every level.
 
 Levels $u = p/P_s$ are denser at low pressure, $u_i = (i/n)^{3/2}$, where collapse and free
 strain change fastest. A table of every level is the whole force law there. Most designs need only
@@ -15,31 +13,20 @@ of the supply, the whole law is evaluated at every level.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ..bundle.schemes import AbstractScheme
 from ..bundle.states import is_prefix_consistent
-from ..core.array_namespace import array_namespace, maximum, minimum, stack, where
+from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
-from ..core.types import Float, Int, Numbers, Whole
+from ..core.types import Float, Int, Numbers
+from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.buckling import ROUNDING
-from ..muscle.piecewise import Piecewise, PressurizedMuscle
+from ..muscle.piecewise import Piecewise
 from .designs import Designs, Sizes
 from .objectives import check_objectives, needs, objective_values
-from .outcome import (
-    Demand,
-    ForceTable,
-    Outcome,
-    existing_states,
-    largest_overlap,
-    outcome,
-    recruitment_states,
-    reversal_depth,
-    uniform_reversal_depths,
-)
+from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_states, reversal_depths
 from .task import Task
 
 
@@ -71,7 +58,7 @@ def evaluate(
     task: Task,
     objectives: Iterable[str],
     resolution: Resolution | None = None,
-    force_factor: Numbers | float = 1.0,
+    force_factor: Float[np.ndarray, " design"] | float = 1.0,
 ) -> Values:
     """Objectives of designs for a task.
 
@@ -100,10 +87,9 @@ def outcomes(
     task: Task,
     needs: tuple[str, ...] = (),
     resolution: Resolution | None = None,
-    force_factor: Numbers | float = 1.0,
-) -> Iterator[tuple[Any, Outcome]]:
-    """Indices and outcome of the designs of each batch; a single index for an outcome without an
-    axis for designs.
+    force_factor: Float[np.ndarray, " design"] | float = 1.0,
+) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
+    """Indices and outcome of the designs of each batch.
 
     `needs`: of the objectives, "size", "curves", both or nothing; others as of `evaluate`.
     """
@@ -112,81 +98,33 @@ def outcomes(
         raise InvalidInputError("wall_thickness", rule, None)
     if np.any(designs.counts.sum(axis=1) < 1):
         raise InvalidInputError("counts", "must hold at least one muscle in every design", None)
-    demand, factor = Demand.from_task(task), np.broadcast_to(force_factor, len(designs))
+    scheme, factor = task.scheme, np.broadcast_to(force_factor, len(designs))
+    units, columns = designs.units, designs.counts.shape[1]
+    if scheme.independent or is_prefix_consistent(scheme, columns):
+        units = np.full(len(designs), columns)  # fewer have the first states of more
     # together: designs of one drawing and number of units, either all of one muscle each or not
-    uniform = designs.uniform
-    keys = np.stack([designs.kind, evaluated_units(designs, task.scheme), uniform], axis=1)
+    keys = np.stack([designs.kind, units, designs.uniform], axis=1)
     for key in np.unique(keys, axis=0):
         index = np.flatnonzero(np.all(keys == key, axis=1))
         group = designs.take(index, int(key[1]))
-        states = recruitment_states(demand.scheme, int(key[1]))
-        res = resolution or (UNIFORM if key[2] and states.gapless else MIXED)
-        if key[2] or "curves" not in needs:
-            for portion, batch in _batches(group, bool(key[2]), demand, needs, res, factor[index]):
-                yield index[portion], batch
-            continue
-        for i, design in enumerate(index):
-            drawing, sizes, factor_i = group.drawing(i), group.sizes(i), factor[design]
-            yield (
-                design,
-                design_outcome(drawing, group.counts[i], sizes, demand, needs, res, factor_i),
-            )
-
-
-def design_outcome(
-    drawing: Muscle,
-    counts: Whole,
-    sizes: Sizes,
-    demand: Demand,
-    needs: tuple[str, ...],
-    resolution: Resolution = MIXED,
-    force_factor: Numbers | float = 1.0,
-) -> Outcome:
-    """Outcome of a single design, computed at every level, without an axis for designs: by JAX,
-    where any array is JAX's.
-
-    `drawing`: with material, laws and tuning of all muscles; `counts` of muscles and their `sizes`
-    by unit; `needs`: of the objectives, "size", "curves", both or nothing; `force_factor`: forces
-    over the model's [-].
-    """
-    exists, states = counts > 0, recruitment_states(demand.scheme, len(counts))
-    top = depth = overlap = None
-    if "curves" in needs:
-        top = where(exists, _free_strain(drawing, sizes, demand), 0.0).max()
-    table, curves = every_level_table(drawing, sizes, demand, needs, resolution, top)
-    table, curves = table.scale_forces(force_factor), curves * force_factor
-    if top is not None:
-        depth = reversal_depth(counts, curves, top, states)
-        existing = existing_states(demand.scheme, exists)
-        overlap = largest_overlap(counts, curves, curves, states, existing)
-    return outcome(counts, table, sizes.length[0], demand, depth, overlap)
-
-
-def evaluated_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, " design"]:
-    """Number of motor units that each design is evaluated with: the largest of all; the design's
-    own if fewer units aren't the first states of more.
-    """
-    columns = designs.counts.shape[1]
-    if scheme.independent or is_prefix_consistent(scheme, columns):
-        return np.full(len(designs), columns)
-    return designs.units
+        for portion, batch in _batches(group, task, needs, resolution, factor[index]):
+            yield index[portion], batch
 
 
 def _batches(
     designs: Designs,
-    uniform: bool,
-    demand: Demand,
+    task: Task,
     needs: tuple[str, ...],
-    resolution: Resolution,
+    resolution: Resolution | None,
     force_factor: Float[np.ndarray, " design"],
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
-    """Outcomes of designs of one drawing, batch by batch, with the batch's indices."""
-    drawing, units = designs.drawing(0), designs.counts.shape[1]
-    states = recruitment_states(demand.scheme, units)
+    """Outcomes of designs of one drawing, all or none uniform, with their indices."""
+    drawing, units, uniform = designs.drawing(0), designs.counts.shape[1], bool(designs.uniform[0])
+    states = recruitment_states(task.scheme, units)
+    resolution = resolution or (UNIFORM if uniform and states.gapless else MIXED)
     largest_only = states.gapless and (uniform or states.separable)
-    points = demand.travel.size * (1 if largest_only else resolution.levels)
-    step = max(1, _BATCH // (points * units))
-    columns = 1 if uniform else units
+    points = len(task) * (1 if largest_only else resolution.levels)
+    step, columns = max(1, _BATCH // (points * units)), 1 if uniform else units
     sizes = [x[:, :columns] for x in (designs.radius, designs.wall, designs.angle)]
     rows = np.stack([designs.length[:, None] + 0.0 * sizes[0], *sizes], axis=-1)
     muscles, muscle_of = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
@@ -198,144 +136,104 @@ def _batches(
         (members,) = np.nonzero(batch_of == number)
         used, index = np.unique(muscle_of[members], return_inverse=True)
         sizes, index = Sizes(*muscles[used].T), index.reshape(-1, columns)
-        if largest_only:
-            table = largest_force_table(drawing, sizes, demand, needs, resolution)
-        else:
-            table, _ = every_level_table(drawing, sizes, demand, needs, resolution)
-        depth = overlap = None
-        if "curves" in needs:
-            depth, overlap = np.empty((2, len(members)))
-            for muscle in range(len(used)):
-                (twins,) = np.nonzero(index[:, 0] == muscle)
-                counts = designs.counts[members[twins]].T
-                depth[twins], overlap[twins] = _curve_objectives(
-                    drawing, sizes.take([muscle]), counts, demand, resolution
-                )
-        for start in range(0, len(members), step):
-            cut = slice(start, start + step)
-            batch = members[cut]
-            factor, counts, length = force_factor[batch], designs.counts[batch].T, designs.length
-            units_table = table.take(index[cut].T).scale_forces(factor)
-            curves = ()
-            if depth is not None and overlap is not None:
-                curves = (depth[cut], factor * overlap[cut])
-            yield batch, outcome(counts, units_table, length[batch], demand, *curves)
+        table = force_table(drawing, sizes, task, needs, resolution, largest_only)
+        curves = np.empty((2, len(members)))  # depth and overlap
+        for unit_muscles in np.unique(index, axis=0) if "curves" in needs else ():
+            (twins,) = np.nonzero(np.all(index == unit_muscles, axis=1))
+            counts, muscle = designs.counts[members[twins]].T, sizes.take(unit_muscles)
+            top, forces = _force_curves(muscle.muscle(drawing), task.supply_pressure, resolution)
+            curves[0, twins] = reversal_depths(counts, forces, top, states)
+            curves[1, twins] = overlaps(counts, forces, task.scheme)
+        for cut in slices(len(members), step):
+            batch, factor, depth, overlap = members[cut], force_factor[members[cut]], None, None
+            if "curves" in needs:
+                depth, overlap = curves[0, cut], factor * curves[1, cut]
+            units_table = table.take(index[cut].T, factor)
+            counts, length = designs.counts[batch].T, designs.length[batch]
+            yield batch, outcome(counts, units_table, length, task, depth, overlap)
 
 
-def _curve_objectives(
+def _force_curves(
+    muscle: Muscle, supply: float, resolution: Resolution
+) -> tuple[float, Float[np.ndarray, "level strain muscle"]]:
+    """Largest free strain of some muscles [-] at the `supply` pressure [Pa], and their forces [N]
+    at every level at even strains up to there.
+    """
+    zero = 0.0 * muscle.length
+    top = float(np.max(muscle.law.tension.free_strain(supply + zero)))
+    strain = top * np.linspace(0.0, 1.0, resolution.strains)[:, None] + zero
+    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
+        pressurized = muscle.law.at(resolution.level[:, None, None] * supply + zero)
+        return top, pressurized.force(strain)[0]
+
+
+def force_table(
     drawing: Muscle,
     sizes: Sizes,
-    counts: Int[np.ndarray, "unit design"],
-    demand: Demand,
+    task: Task,
+    needs: tuple[str, ...],
     resolution: Resolution,
-) -> tuple[Float[np.ndarray, " design"], Float[np.ndarray, " design"]]:
-    """Reversal depth [-] and overlap width [N] of designs of one muscle."""
-    top = float(_free_strain(drawing, sizes, demand)[0])
-    curves = every_level_table(drawing, sizes, demand, (), resolution, top)[1][..., 0]
-    states, width = recruitment_states(demand.scheme, len(counts)), np.empty(counts.shape[1])
-    exists = existing_states(demand.scheme, counts > 0)
-    ends = np.stack([curves.min(axis=0), curves.max(axis=0)])[..., None, None]
-    step = max(1, _BATCH // (ends.size * len(counts)))
-    for start in range(0, len(width), step):
-        cut = (slice(None), slice(start, start + step))
-        width[cut[1]] = largest_overlap(
-            counts[cut], curves[..., None, None], ends, states, exists[cut]
-        )
-    return uniform_reversal_depths(counts, curves, top, states), width
-
-
-def _free_strain(drawing: Muscle, sizes: Sizes, demand: Demand) -> Numbers:
-    """Free strain [-] of muscles of `sizes` at the demand's supply pressure."""
-    law = sizes.muscle(drawing).law
-    return law.tension.free_strain(demand.supply + 0.0 * sizes.length)
-
-
-def largest_force_table(
-    drawing: Muscle, sizes: Sizes, demand: Demand, needs: tuple[str, ...], resolution: Resolution
+    largest_only: bool,
 ) -> ForceTable:
-    """Table of muscles of `sizes`, NumPy's, on one axis, with the largest force over all levels
-    alone; radius and bulge if "size" is among the `needs`.
+    """Table of muscles of `sizes`, on one axis: with the forces at every level, or `largest_only`;
+    radius and bulge if "size" is among the `needs`.
     """
     muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
-    law, strain, supply = muscle.law, demand.strain(sizes.length) + zero, demand.supply + zero
+    law, supply = muscle.law, task.supply_pressure
+    strain = np.minimum(task.strain_of(sizes.length), LARGEST_STRAIN)
+    radius = bulge = None
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
         vented = law.at(zero)
-        vented_force, full = vented.force(strain)[0], _tension_force(law, supply, strain)
-        largest, pressure = maximum(vented_force, full), resolution.level[1:] * demand.supply
-        # a tuning's tables bend what is linear
-        if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
-            step = max(1, _IN_CACHE // largest.size)
-            for start in range(0, len(pressure), step):
-                P = pressure[start : start + step, None, None] + zero
-                largest = maximum(largest, _tension_force(law, P, strain).max(axis=0))
-        pushes = full < 0  # as it does wherever even the largest force is less
-        points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
-        step = max(1, _IN_CACHE // max(1, points.size * len(pressure)))
-        for start in range(0, muscles.size, step):
-            block = np.ix_(points, muscles[start : start + step])
-            block_sizes = sizes.take(block[1][0])
-            pressurized = block_sizes.muscle(drawing).law.at(
-                pressure[:, None, None] + 0.0 * block_sizes.length
-            )
-            force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
-            full[block] = where(pushes[block], force[-1], full[block])
-            largest[block] = maximum(largest[block], force.max(axis=0))
-        return _force_table(muscle, demand, needs, vented, vented_force, full, largest[None])
+        if largest_only:
+            vented_force = vented.force(strain)[0]
+            full, largest = _largest_force(drawing, sizes, supply, strain, vented_force, resolution)
+            levels = largest[None]
+        else:
+            levels = law.at(resolution.level[:, None, None] * supply + zero).force(strain)[0]
+            vented_force, full = levels[0], levels[-1]
+        if "size" in needs:
+            largest = strain.max(axis=0)
+            # it bows deepest where it collapses, if it does before, else at the end
+            deepest = np.stack([largest, np.minimum(vented.collapse_strain, largest)])
+            radius, bulge = muscle.braid.radius_at(largest), vented.deflection(deepest).max(axis=0)
+    volume = muscle.braid.volume(strain) - muscle.braid.volume(zero)
+    blocked = law.tension.force(supply + zero, zero)
+    return ForceTable(vented_force, full, levels, volume, blocked, radius, bulge)
 
 
-def every_level_table(
+def _largest_force(
     drawing: Muscle,
     sizes: Sizes,
-    demand: Demand,
-    needs: tuple[str, ...],
+    supply: float,
+    strain: np.ndarray,
+    vented: np.ndarray,
     resolution: Resolution,
-    curves_to: Numbers | None = None,
-) -> tuple[ForceTable, Numbers]:
-    """Table of muscles of `sizes`, NumPy's or JAX's, on one axis, at every level; and their forces
-    [N] by level, strain and muscle along curves from rest to the strain `curves_to` [-], if given.
-    """
-    muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
-    strain = demand.strain(sizes.length) + zero
-    xp, points = array_namespace(strain), len(strain)
-    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        pressurized = muscle.law.at(resolution.level[:, None, None] * demand.supply + zero)
-        if curves_to is not None:
-            # one call for all strains, so that JAX compiles the law once
-            even = np.linspace(0.0, 1.0, resolution.strains)[:, None]
-            strain = xp.concatenate([strain, curves_to * even + zero])
-        force = pressurized.force(strain)[0]
-        levels = force[:, :points]
-        vented = muscle.law.at(zero) if "size" in needs else None
-        table = _force_table(muscle, demand, needs, vented, levels[0], levels[-1], levels)
-    return table, force[:, points:]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Force at the `supply` pressure [Pa], and the largest over all levels [N]."""
+    law, zero = sizes.muscle(drawing).law, 0.0 * sizes.length
+    full = _tension_force(law, supply + zero, strain)
+    largest, pressure = np.maximum(vented, full), resolution.level[1:, None, None] * supply
+    # a tuning's tables bend what is linear
+    if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
+        for block in slices(len(pressure), max(1, _IN_CACHE // largest.size)):
+            pulls = _tension_force(law, pressure[block] + zero, strain)
+            largest = np.maximum(largest, pulls.max(axis=0))
+    pushes = full < 0  # as it does wherever even the largest force is less
+    points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
+    step = max(1, _IN_CACHE // max(1, points.size * len(pressure)))
+    for start in range(0, muscles.size, step):
+        block = np.ix_(points, muscles[start : start + step])
+        block_sizes = sizes.take(block[1][0])
+        pressurized = block_sizes.muscle(drawing).law.at(pressure + 0.0 * block_sizes.length)
+        force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
+        full[block] = np.where(pushes[block], force[-1], full[block])
+        largest[block] = np.maximum(largest[block], force.max(axis=0))
+    return full, largest
 
 
-def _force_table(
-    muscle: Muscle,
-    demand: Demand,
-    needs: tuple[str, ...],
-    vented: PressurizedMuscle | None,
-    vented_force: Numbers,
-    full: Numbers,
-    levels: Numbers,
-) -> ForceTable:
-    """Force table of computed forces, with volume, blocked force and sizes of the muscles."""
-    zero = 0.0 * muscle.length
-    strain = demand.strain(muscle.length) + zero
-    radius = bulge = None
-    if "size" in needs and vented is not None:
-        largest = strain.max(axis=0)
-        # it bows deepest where it collapses, if it does before, else at the end
-        deepest = stack([largest, minimum(vented.collapse_strain, largest)])
-        radius, bulge = muscle.braid.radius_at(largest), vented.deflection(deepest).max(axis=0)
-    volume = muscle.braid.volume(strain) - muscle.braid.volume(zero)
-    blocked = muscle.law.tension.force(demand.supply + zero, zero)
-    return ForceTable(vented_force, full, levels, volume, blocked, muscle.length, radius, bulge)
-
-
-def _tension_force(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
+def _tension_force(law: Piecewise, pressure: Numbers, strain: Numbers) -> np.ndarray:
     """Force of the tension law [N] at a `pressure` [Pa] and a `strain` [-]; minus infinity past the
     free strain, where the law doesn't hold.
     """
     pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
-    return where(pulls, law.tension.force(pressure, strain), -np.inf)
+    return np.where(pulls, law.tension.force(pressure, strain), -np.inf)

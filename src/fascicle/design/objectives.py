@@ -16,11 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bundle.schemes import AbstractScheme
-from ..core.array_namespace import array_namespace, stack, where
 from ..core.errors import InvalidInputError
-from ..core.types import Bool, Float, Numbers
+from ..core.types import Bool, Float
 from ..core.validation import check_choice, distinct_texts
-from .outcome import Outcome
+from .outcome import Outcome, PerDesign
 
 
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
@@ -32,7 +31,6 @@ ALWAYS = (
 )
 _ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
 
-PerDesign = Numbers
 Function = Callable[[Outcome], PerDesign]
 
 
@@ -93,16 +91,16 @@ def mean_efficiency(outcome: Outcome) -> PerDesign:
     """
     works = outcome.work > 0
     # a divisor where there is nothing to divide; at work the fluid's volume has grown
-    E = where(works, outcome.energy, 1.0)
-    efficiency = where(works & outcome.reached, outcome.work, 0.0) / E
-    weight = where(works, outcome.weight, 0.0)
+    E = np.where(works, outcome.energy, 1.0)
+    efficiency = np.where(works & outcome.reached, outcome.work, 0.0) / E
+    weight = np.where(works, outcome.weight, 0.0)
     return (weight * efficiency).sum(axis=0) / weight.sum(axis=0)
 
 
 @objective("J", "min")
 def peak_energy(outcome: Outcome) -> PerDesign:
     """Largest fluid energy that any point of the task takes [J]."""
-    return _largest(outcome.energy)
+    return outcome.energy.max(axis=0)
 
 
 @objective("J", "min")
@@ -114,13 +112,13 @@ def mean_energy(outcome: Outcome) -> PerDesign:
 @objective("-", "min")
 def not_reached(outcome: Outcome) -> PerDesign:
     """Share of the task, by weight, that no recruitment state reaches [-]."""
-    return _weighted_mean(outcome, where(outcome.reached, 0.0, 1.0))
+    return _weighted_mean(outcome, ~outcome.reached)
 
 
 @objective("-", "min")
 def points_not_reached(outcome: Outcome) -> PerDesign:
     """Share of the task's points, by number, that no recruitment state reaches [-]."""
-    return where(outcome.reached, 0.0, 1.0).mean(axis=0)
+    return np.mean(~outcome.reached, axis=0)
 
 
 @objective("N", "max")
@@ -128,7 +126,7 @@ def margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over the task's points [N], negative where one isn't reached; the
     demanded load could be larger by that everywhere.
     """
-    return -_largest(-outcome.spare)
+    return outcome.spare.min(axis=0)
 
 
 @objective("-", "max")
@@ -136,7 +134,7 @@ def relative_margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over what is demanded there [-], over the task's largest force where
     nothing is; negative where a point isn't reached.
     """
-    return -_largest(-outcome.spare / outcome.reference)
+    return np.min(outcome.spare / outcome.reference, axis=0)
 
 
 @objective("N", "min")
@@ -148,7 +146,7 @@ def shortfall(outcome: Outcome) -> PerDesign:
 @objective("N", "min")
 def worst_shortfall(outcome: Outcome) -> PerDesign:
     """Largest distance from what is demanded to what is reachable [N]."""
-    return _largest(outcome.shortfall)
+    return outcome.shortfall.max(axis=0)
 
 
 @objective("-", "min")
@@ -156,7 +154,7 @@ def relative_shortfall(outcome: Outcome) -> PerDesign:
     """Largest shortfall over what is demanded there [-], over the task's largest force where
     nothing is.
     """
-    return _largest(outcome.shortfall / outcome.reference)
+    return np.max(outcome.shortfall / outcome.reference, axis=0)
 
 
 @objective("N", "max")
@@ -170,7 +168,7 @@ def force_resolution(outcome: Outcome) -> PerDesign:
     """Largest step of the blocked force from one fully active state to the next [N], which
     is what full pressure alone can't tell apart.
     """
-    return _largest(outcome.blocked)
+    return outcome.blocked.max(axis=0)
 
 
 @objective("-", "min")
@@ -186,7 +184,8 @@ def envelope(outcome: Outcome) -> PerDesign:
 
     Every unit but a lone one can be vented while others contract it, and then bows sideways.
     """
-    return _require_computed(outcome.size, "size")
+    assert outcome.size is not None
+    return outcome.size
 
 
 @objective("-", "min", "curves")
@@ -194,7 +193,8 @@ def reversal_depth(outcome: Outcome) -> PerDesign:
     """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
     ones at the supply's [-]; 0 for a lone unit.
     """
-    return _require_computed(outcome.depth, "depth")
+    assert outcome.depth is not None
+    return outcome.depth
 
 
 @objective("N", "max", "curves")
@@ -202,29 +202,13 @@ def overlap_width(outcome: Outcome) -> PerDesign:
     """Largest height in force of what two successive states both reach, at forces of zero and
     above [N].
     """
-    return _require_computed(outcome.overlap, "overlap")
+    assert outcome.overlap is not None
+    return outcome.overlap
 
 
-def _weighted_mean(outcome: Outcome, values: Numbers) -> PerDesign:
+def _weighted_mean(outcome: Outcome, values: np.ndarray) -> PerDesign:
     """Mean of `values` over the task's points, by weight."""
     return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
-
-
-def _largest(values: Numbers) -> PerDesign:
-    """Largest over the first axis, of points or of units."""
-    xp = array_namespace(values)
-    if xp is np:
-        return values.max(axis=0)
-    # by its index: a compiler may evaluate what it compares a second time, with other last bits,
-    # and none is then equal to the largest, nor has any its derivative
-    return xp.take_along_axis(values, xp.argmax(values, axis=0)[None], axis=0)[0]
-
-
-def _require_computed(values: PerDesign | None, name: str) -> PerDesign:
-    """The `values`; `InvalidInputError` if they weren't computed."""
-    if values is None:
-        raise InvalidInputError("outcome", f"holds no `{name}`", None, f"compute it with `{name}`")
-    return values
 
 
 def check_objectives(names: Iterable[str], scheme: AbstractScheme | None = None) -> tuple[str, ...]:
@@ -247,9 +231,9 @@ def needs(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
-def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
+def objective_values(outcome: Outcome, names: Iterable[str]) -> Float[np.ndarray, "name design"]:
     """Objectives of an `outcome`, a row for each of their `names`, in its unit [SI]."""
-    return stack([OBJECTIVES[name].function(outcome) for name in names])
+    return np.stack([OBJECTIVES[name].function(outcome) for name in names])
 
 
 class Limit(NamedTuple):
@@ -326,9 +310,11 @@ def recorded_objectives(
     senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
 ) -> tuple[str, ...]:
     """Names of the objectives that a search computes: of its senses, of its limits, the `extra`
-    ones, and those of every search.
+    ones, and those of every search; `ValueError` as of `check_search`.
     """
-    return check_objectives([*senses, *limits, *extra, *ALWAYS])
+    names = check_objectives([*senses, *limits, *extra, *ALWAYS])
+    check_search(senses, limits)
+    return names
 
 
 def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
@@ -342,22 +328,14 @@ def other_limits(limits: Limits) -> dict[str, Limit]:
 
 
 def as_minimization(values: Values, senses: Mapping[str, str]) -> Matrix:
-    """Objectives with `senses` as columns in which smaller is better, a row for each design [SI].
-
-    `values`: an array for each objective [SI]; `senses`: "min" or "max" by name, else `ValueError`.
-    """
-    for name, sense in senses.items():
-        check_choice(sense, ("min", "max"), name)
+    """Objectives with `senses` as columns in which smaller is better, a row a design [SI]."""
     columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
     return np.stack(columns, axis=1) + 0.0
 
 
 def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
-    """Mask of the points that no other point dominates.
-
-    **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
-
-    **Returns:** the mask; all of several equal points are in it.
+    """Mask of the points, a row each, that no other dominates: smaller is better, a NaN is worse
+    than all; all of several equal points are in it.
     """
     import moocore
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..bundle.schemes import AbstractScheme, Orderly, scheme_of
 from ..core.errors import InvalidInputError
-from ..core.types import Float
+from ..core.types import Float, Numbers
 from ..core.validation import (
     HIGHEST_PRESSURE,
     LARGEST_STRAIN,
@@ -150,16 +150,20 @@ class Task:
         weight = np.gradient(t) * np.where((np.arange(t.size) % (t.size - 1)) == 0, 0.5, 1.0)
         return replace(cls.of(force, strain, supply_pressure, weight, **more), time=t)
 
-    def strain_of(self, length: float) -> Points:
-        """Contractions demanded of a bundle [-]; `length`: at rest [m].
+    def strain_of(self, length: Numbers) -> Points:
+        """Contractions demanded of bundles [-], points first; `length`: at rest [m].
 
         A stroke that is longer than the bundle is a strain above 1.
         """
-        return self.stroke / length if self.strain is None else self.strain  # type: ignore[operator]
+        if self.strain is None:
+            return np.divide.outer(self.stroke, length)
+        return np.multiply.outer(self.strain, np.ones_like(length))
 
-    def stroke_of(self, length: float) -> Points:
-        """Shortening demanded of a bundle [m]; `length`: at rest [m]."""
-        return self.strain_of(length) * length if self.stroke is None else self.stroke
+    def stroke_of(self, length: Numbers) -> Points:
+        """Shortening demanded of bundles [m], points first; `length`: at rest [m]."""
+        if self.strain is None:
+            return np.multiply.outer(self.stroke, np.ones_like(length))
+        return np.multiply.outer(self.strain, length)
 
     @property
     def reference(self) -> Points:

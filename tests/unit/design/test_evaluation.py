@@ -1,22 +1,15 @@
-"""Objectives of whole batches: of one design, of different units, and their gradients."""
+"""Objectives of whole batches: of one design, and of different units."""
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
-from fascicle.design.evaluation import Resolution, design_outcome
-from fascicle.design.objectives import objective_values
-from fascicle.design.outcome import Demand
 from fascicle.design.space import compositions
 
 
 NAMES = tuple(OBJECTIVES)
-NEEDS = ("curves", "size")
-COARSE = Resolution(17, 65)
 
 
 @pytest.fixture(scope="module")
@@ -73,38 +66,3 @@ def test_unknown_objectives_and_invalid_designs_are_refused(five, task):
     )
     with pytest.raises(ValueError, match="`wall_thickness` must be less"):
         evaluate(thick, task, ["valves"])
-
-
-def test_gradients_against_differences(muscle, task):
-    """By length, radius, wall and angle of a unit, of every objective that is smooth."""
-    demand = Demand.from_task(task)
-    smooth = tuple(name for name in NAMES if name not in ("valves", "not_reached"))
-    designs = Designs.of(muscle, [(1, 2)])
-    sizes = jax.tree.map(jnp.asarray, designs.sizes(0))
-    scale = jnp.array([0.127, 6.35e-3, 1.6e-3, 0.576])
-
-    def objectives(z):
-        length, radius, wall, angle = z * scale
-        moved = sizes._replace(
-            length=length + 0.0 * sizes.length,
-            radius=sizes.radius.at[1].set(radius),
-            wall=sizes.wall.at[1].set(wall),
-            angle=sizes.angle.at[1].set(angle),
-        )
-        outcome = design_outcome(muscle, designs.counts[0], moved, demand, NEEDS, COARSE)
-        return objective_values(outcome, smooth)
-
-    @jax.jit
-    def along(z, way):  # values and slopes of one program
-        return jax.jvp(objectives, (z,), (way,))
-
-    # off the corner where both units are alike
-    z = jnp.array([1.0, 1.05, 1.02, 0.98])
-    ways, h = jnp.eye(4), 1e-5
-    exact = np.stack([along(z, way)[1] for way in ways], axis=1)
-    assert np.all(np.isfinite(exact))
-    plain = [(along(z + h * way, way)[0] - along(z - h * way, way)[0]) / (2 * h) for way in ways]
-    plain = np.stack(plain, axis=1)
-    size = np.abs(np.asarray(along(z, ways[0])[0]))[:, None]
-    # central differences err by h² of the third derivative, and by rounding over h
-    assert_allclose(exact, plain, rtol=1e-4, atol=1e-5 * (1e-3 + size.max(axis=1)).max())

@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
 from fascicle.design.designs import Sizes
-from fascicle.design.evaluation import Resolution, largest_force_table
-from fascicle.design.outcome import Demand
+from fascicle.design.evaluation import Resolution, force_table
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
@@ -53,7 +52,7 @@ def test_largest_force_equals_that_of_the_whole_law(laws, count):
     muscle, sizes = drawing(laws), random_sizes(count)
     strain = np.concatenate([np.linspace(0.0, 0.42, 60), [1e-9, 0.6]])
     task = Task.of(np.ones(strain.size), strain, SUPPLY)
-    table = largest_force_table(muscle, sizes, Demand.from_task(task), (), COARSE)
+    table = force_table(muscle, sizes, task, (), COARSE, largest_only=True)
     for i in range(count):
         one = sizes.take(i).muscle(muscle)
         with np.errstate(all="ignore"):  # of branches that aren't taken
