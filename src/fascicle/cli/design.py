@@ -246,7 +246,6 @@ def sweep(
     for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:
         require(library)
     load_laws()
-    import numpy as np
 
     from ..design.exhaustive_search import conclude
     from ..design.objectives import check_search, recorded_objectives, with_reach_limits
@@ -285,12 +284,8 @@ def sweep(
             name, reason = error.filename or folder, error.strerror or error
             raise UserError(f"{name}: {reason}; remove the cause; {hint}") from None
     with status("looking for the front") as update, user_errors():
-        index = np.arange(len(task.space))
-        result = conclude(
-            *(task.space, task.task, task.senses, task.limits, index, values),
-            catalog=task.catalog,
-            least_margin=task.least_margin,
-        )
+        problem = (task.space, task.task, task.senses, task.limits)
+        result = conclude(*problem, values, (), task.catalog, task.least_margin)
         answer = _judge(result, task, update)
         variables = front_variables(answer.result) | case_variables(answer.summary)
         with replace_output("", front, overwrite or resume) as draft:

@@ -265,7 +265,7 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
         if result.best is None and keeping < len(values) and result.judged <= len(values):
             ends = {"least": float(values.min()), "most": float(values.max())}
             add("limit_costs", note, objective=name, keeping=keeping, **ends)
-    for name, reason in result.excluded_products.items():
+    for name, reason in result.catalog.excluded(result.space.drawings, result.task).items():
         add("product_excluded", note, product=name, reason=reason)
     if result.best is None:
         return findings

@@ -25,22 +25,20 @@ Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold f
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import sqrt
 
 import numpy as np
 
+from ..core.array_namespace import slices
 from ..core.types import Bool, Float, Int
 from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
 from .objectives import (
     OBJECTIVES,
-    SHARES,
     Limit,
     Limits,
     Matrix,
     as_minimization,
-    check_search,
     non_dominated,
     other_limits,
     reaches_task,
@@ -63,6 +61,8 @@ _MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
 _SLOWER = 8  # times as long a draw takes if it has a muscle of its own, as of a calibration
 
+Rows = Int[np.ndarray, " row"]
+
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
@@ -75,11 +75,11 @@ class SearchResult:
       first objective; if none is safe, of nominal sizes.
     - `nearest`: index of the one that comes nearest to the task, or that is surest, if none is
       recommended.
-    - `all_designs`: gives designs by these indices.
     - `judged`: number of evaluated designs.
     - `extra`: further objectives to report.
     - `catalog`: products and prices.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
+    - `unlisted`: the recorded designs, if the space doesn't list them.
     - `safety`: judgement in draws of scatter and the model's error, by `judge_safety`, or `None`.
     - `cycle`: for which summaries of designs size valves, or `None`.
     """
@@ -88,27 +88,33 @@ class SearchResult:
     task: Task
     senses: dict[str, str]
     limits: dict[str, Limit]
-    index: Int[np.ndarray, " design"]
+    index: Rows
     values: Values
     allowed: Bool[np.ndarray, " design"]
-    front: Int[np.ndarray, " front"]
+    front: Rows
     nearest: int | None
-    all_designs: Callable[[Int[np.ndarray, " index"]], Designs]
     judged: int
     extra: tuple[str, ...] = ()
     catalog: Catalog = field(default_factory=Catalog)
     least_margin: float = LEAST_MARGIN
+    unlisted: Designs | None = None
     safety: Safety | None = None
     cycle: Cycle | None = None
+
+    def all_designs(self, rows: Rows) -> Designs:
+        """Recorded designs, by their indices."""
+        return (
+            self.space.at(self.index[rows]) if self.unlisted is None else self.unlisted.take(rows)
+        )
 
     @cached_property
     def designs(self) -> Designs:
         """The designs on the front."""
         return self.all_designs(self.front)
 
-    def points_of(self, rows: Int[np.ndarray, " design"]) -> Matrix:
-        """Objectives [SI] of recorded designs, by their indices, turned so that smaller is better;
-        with the price [-], if it is known.
+    def _points_of(self, rows: Rows) -> Matrix:
+        """Objectives [SI] of recorded designs, turned so that smaller is better; with the price
+        [-], if it is known.
         """
         points = as_minimization(self.values, self.senses)[rows]
         if not self.catalog.is_priced(self.space.drawings):
@@ -117,14 +123,14 @@ class SearchResult:
 
     @property
     def points(self) -> Matrix:
-        """The front's objectives, turned so that smaller is better [SI]."""
-        return self.points_of(self.front)
+        """The front's objectives, and the price if it is known; smaller is better [SI]."""
+        return self._points_of(self.front)
 
-    def pareto_front(self, candidates: Int[np.ndarray, " candidate"]) -> Int[np.ndarray, " front"]:
+    def pareto_front(self, candidates: Rows) -> Rows:
         """Indices of the `candidates` that no other dominates, best first in the first objective;
         of those that are equal in all objectives, the smallest ones alone.
         """
-        points = self.points_of(candidates)
+        points = self._points_of(candidates)
         mask = non_dominated(points)
         front, points, size = candidates[mask], points[mask], self._sizes(candidates[mask])
         _, group = np.unique(np.round(points, 12), axis=0, return_inverse=True)
@@ -133,7 +139,7 @@ class SearchResult:
         smallest = size <= least[group.ravel()] * (1 + 10.0**-_DIGITS)
         return front[smallest][np.lexsort((front[smallest], *points[smallest].T[::-1]))]
 
-    def _sizes(self, rows: Int[np.ndarray, " design"]) -> Float[np.ndarray, " design"]:
+    def _sizes(self, rows: Rows) -> Float[np.ndarray, " design"]:
         """Volume of all muscles at rest, over π [m³]."""
         designs = self.all_designs(rows)
         return designs.length * np.sum(designs.counts * designs.radius**2, axis=1)
@@ -185,15 +191,10 @@ class SearchResult:
         return reaches_task(self.values, self.limits)
 
     @property
-    def excluded_products(self) -> dict[str, str]:
-        """Reasons why products must not be used for the task, by the drawing's name."""
-        return self.catalog.excluded(self.space.drawings, self.task)
-
-    @property
     def reported_objectives(self) -> tuple[str, ...]:
         """Objectives with a sense or a limit, the extra ones, and the relative margin."""
-        limited = (name for name in self.limits if name not in SHARES)
-        return tuple(dict.fromkeys((*self.senses, *limited, *self.extra, "relative_margin")))
+        names = (*self.senses, *other_limits(self.limits), *self.extra, "relative_margin")
+        return tuple(dict.fromkeys(names))
 
 
 def search(
@@ -224,22 +225,15 @@ def search(
 
     **Raises:** `ValueError` for unknown objectives.
     """
-    senses = dict(USUAL if senses is None else senses)
-    limits = with_reach_limits(limits)
-    names = recorded_objectives(senses, limits, extra)
-    check_search(senses, limits)
-    size = len(space)
-    blocks = []
-    for start in range(0, size, _BLOCK):
-        index = np.arange(start, min(start + _BLOCK, size))
+    senses, limits = USUAL if senses is None else senses, with_reach_limits(limits)
+    names, size, blocks = recorded_objectives(senses, limits, extra), len(space), []
+    for block in slices(size, _BLOCK):
+        index = np.arange(size)[block]
         blocks.append(evaluate(space.at(index), task, names))
         if progress is not None:
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
-    return conclude(
-        *(space, task, senses, limits, np.arange(size), values, extra, catalog),
-        least_margin=least_margin,
-    )
+    return conclude(space, task, senses, limits, values, extra, catalog, least_margin)
 
 
 def conclude(
@@ -247,25 +241,21 @@ def conclude(
     task: Task,
     senses: Mapping[str, str],
     limits: Limits,
-    index: Int[np.ndarray, " design"],
     values: Values,
     extra: tuple[str, ...] = (),
     catalog: Catalog | None = None,
+    least_margin: float = LEAST_MARGIN,
     designs: Designs | None = None,
     judged: int | None = None,
-    least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
     """Find the front among evaluated designs: the result of a search.
 
-    `index`: of the designs in the space; `values`: their objectives, by name [SI], with those of
-    `recorded_objectives`; `designs`: in the order of `values`, if the space doesn't list them;
-    `judged`: number of all evaluated designs [-]; default: these; others as of `search`.
+    `values`: their objectives, by name [SI], with those of `recorded_objectives`; `designs`: in the
+    order of `values`; default: those of the space; `judged`: number of all evaluated designs [-];
+    default: these; others as of `search`.
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
-
-    def all_designs(rows: Int[np.ndarray, " index"]) -> Designs:
-        return space.at(index[rows]) if designs is None else designs.take(rows)
-
+    index = np.arange(len(space)) if designs is None else np.full(len(designs), -1)
     excluded = catalog.excluded(space.drawings, task)
     kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
     permitted = ~np.isin(space.kind(index), kinds)
@@ -275,19 +265,15 @@ def conclude(
         # of those that miss as much, up to rounding, the one with fewer valves
         misses = np.round(values["relative_shortfall"], _DIGITS)
         nearest = int(np.lexsort((values["valves"], misses, ~keeps_limits))[0])
-    count = len(index) if judged is None else judged
     result = SearchResult(
         *(space, task, dict(senses), limits, index, dict(values), allowed, np.arange(0), nearest),
-        *(all_designs, count, tuple(extra), catalog, least_margin),
+        *(judged or len(index), tuple(extra), catalog, least_margin, designs),
     )
     return replace(result, front=result.pareto_front(np.flatnonzero(allowed)))
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
     """Keep the designs on the front that hold the task in most draws.
-
-    A design that is dominated by unsafe ones alone is on the front of the safe ones, so designs are
-    judged front by front, without those found unsafe, until all of a front hold.
 
     **Arguments:**
 
@@ -316,15 +302,13 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     safe = np.flatnonzero(probability >= uncertainty.share)
     unsafe = np.where(probability < uncertainty.share, probability, np.nan)
     surest = None if np.all(np.isnan(unsafe)) else int(np.nanargmax(unsafe))
-    if safe.size:
-        result = replace(result, front=result.pareto_front(safe))
-    else:
-        result = replace(result, nearest=surest)
-    row = result.nearest if result.best is None else result.best
-    alone = _spread_of_rows(result, np.array([row]), uncertainty, uncertainty.draws, ())
+    changed = {"front": result.pareto_front(safe)} if safe.size else {"nearest": surest}
+    result = replace(result, **changed)
+    row = np.array([result.nearest if result.best is None else result.best])
+    alone = _spread_of_rows(result, row, uncertainty, uncertainty.draws, ())
     draws = _MOST_REPORTED // slower // max(1, len(result.front))
     draws = max(_DRAWS[0], min(uncertainty.draws, draws))
-    reported = _spread_of_rows(result, result.front, uncertainty, draws)
+    reported = _spread_of_rows(result, result.front, uncertainty, draws, tuple(result.values))
     number = int(np.sum(~np.isnan(probability)))
     safety = Safety(
         *(uncertainty, float(alone.probability[0]), number, safe.size, complete, reported),
@@ -335,7 +319,7 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
 
 
 def _probabilities(
-    result: SearchResult, rows: Int[np.ndarray, " design"], uncertainty: Uncertainty
+    result: SearchResult, rows: Rows, uncertainty: Uncertainty
 ) -> tuple[Float[np.ndarray, " design"], int]:
     """Share of draws in which each design with these `rows` holds [-], from as few draws as tell
     whether it is large enough; and the number of designs in draws that were evaluated.
@@ -343,9 +327,9 @@ def _probabilities(
     share, probability, drawn = uncertainty.share, np.empty(len(rows)), 0
     unclear = np.arange(len(rows))
     for draws in (*(n for n in _DRAWS if n < uncertainty.draws), uncertainty.draws):
-        held = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
-        probability[unclear], drawn = held.probability, drawn + draws * len(unclear)
-        deviation = sqrt(share * (1 - share) / draws)
+        holding = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
+        probability[unclear], drawn = holding.probability, drawn + draws * len(unclear)
+        deviation = np.sqrt(share * (1 - share) / draws)
         unclear = unclear[np.abs(probability[unclear] - share) < _DEVIATIONS * deviation]
         if not unclear.size:
             break
@@ -354,16 +338,14 @@ def _probabilities(
 
 def _spread_of_rows(
     result: SearchResult,
-    rows: Int[np.ndarray, " design"],
+    rows: Rows,
     uncertainty: Uncertainty,
     draws: int,
-    names: tuple[str, ...] | None = None,
+    names: tuple[str, ...],
 ) -> Spread:
-    """Spread of the designs with these `rows`; `names` of objectives: default, the recorded."""
-    names = tuple(result.values) if names is None else names
+    """Spread of the designs with these `rows`; `names` of objectives, but those with curves."""
     drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")
     limits = {n: limit for n, limit in result.limits.items() if OBJECTIVES[n].needs != "curves"}
-    return spread(
-        *(result.all_designs(rows), result.task, drawn, limits, uncertainty.scatter),
-        *(uncertainty.muscles, draws),
-    )
+    designs, task = result.all_designs(rows), result.task
+    scatter, muscles = uncertainty.scatter, uncertainty.muscles
+    return spread(designs, task, drawn, limits, scatter, muscles, draws)

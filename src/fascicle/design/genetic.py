@@ -25,7 +25,6 @@ from .exhaustive_search import LEAST_MARGIN, SearchResult, conclude
 from .objectives import (
     Limits,
     as_minimization,
-    check_search,
     other_limits,
     reaches_task,
     recorded_objectives,
@@ -44,12 +43,8 @@ class GenomeDecoder:
     """Translation of genomes to designs of a space."""
 
     def __init__(self, space: Space, continuous: bool):
-        """**Arguments:**
-
-        - `space`: of one drawing, with all compositions.
-        - `continuous`: true if sizes may lie between those listed.
-
-        **Raises:** `ValueError` for a space that isn't so.
+        """**Raises:** `ValueError` for a `space` of several drawings, or not of all compositions.
+        `continuous`: true if sizes may lie between those listed.
         """
         if len(space.drawings) != 1:
             rule, remedy = "must hold one muscle for NSGA-II", "search each in a file of its own"
@@ -61,11 +56,7 @@ class GenomeDecoder:
         self.muscles = np.array(sorted(set(space.muscles)))
         self.largest = int(self.muscles[-1])
         self.units = min(self.largest, space.most_units or self.largest)
-
-    @property
-    def genes(self) -> int:
-        """Length of a genome [-]."""
-        return 1 + len(_AXES) + (self.largest - 1) + self.units
+        self.genes = 1 + len(_AXES) + (self.largest - 1) + self.units
 
     def designs(self, genomes: Genomes) -> Designs:
         """Designs of `genomes` [-], a row each."""
@@ -86,8 +77,7 @@ class GenomeDecoder:
             self._decode_gene(getattr(self.space, axis) or (default,), gene)
             for axis, default, gene in zip(_AXES, drawing_sizes(drawing), sizes.T, strict=True)
         )
-        radius = radius * self.space.scale(counts, factor)
-        kind = np.zeros(len(genomes), int)
+        radius, kind = radius * self.space.scale(counts, factor), np.zeros(len(genomes), int)
         return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
 
     def _decode_gene(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
@@ -120,20 +110,14 @@ def evolve(
 ) -> SearchResult:
     """Search a space by NSGA-II, an evolutionary algorithm.
 
-    **Arguments:**
+    **Arguments:** as of `search`, and
 
     - `space`: of one drawing, with all compositions.
-    - `task`: what is demanded.
-    - `senses`: "min" or "max" by objective.
-    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `population`: designs in a generation [-].
     - `generations`: their number [-].
     - `seed`: random seed.
     - `continuous`: true if sizes may lie between those listed.
     - `watch`: called with the number of finished generations [-].
-    - `extra`: objectives to record that don't make the front.
-    - `catalog`: products and prices [-]; default: no price is known.
-    - `least_margin`: relative margin [-] below which the recommended one has a warning.
 
     **Returns:** the result, with the designs of the last generation.
 
@@ -145,9 +129,7 @@ def evolve(
     from pymoo.optimize import minimize
 
     limits, senses = with_reach_limits(limits), dict(senses)
-    names = recorded_objectives(senses, limits)
-    check_search(senses, limits)
-    decoder = GenomeDecoder(space, continuous)
+    names, decoder = recorded_objectives(senses, limits), GenomeDecoder(space, continuous)
 
     class Search(Problem):
         """Objectives and broken limits of a generation."""
@@ -164,22 +146,16 @@ def evolve(
             if watch is not None:
                 watch(algorithm.n_iter)
 
-    problem = Search(
-        n_var=decoder.genes,
-        n_obj=len(senses),
-        n_ieq_constr=1 + len(other_limits(limits)),
-        xl=0.0,
-        xu=1.0,
-    )
+    n_limits = 1 + len(other_limits(limits))
+    problem = Search(decoder.genes, n_obj=len(senses), n_ieq_constr=n_limits, xl=0.0, xu=1.0)
     algorithm = NSGA2(pop_size=population)
     end: Any = minimize(problem, algorithm, ("n_gen", generations), callback=Progress(), seed=seed)
     designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, recorded_objectives(senses, limits, extra))
-    index = np.full(len(designs), -1)
     return conclude(
-        *(space, task, senses, limits, index, values, extra, catalog, designs),
-        *(population * generations, least_margin),
+        *(space, task, senses, limits, values, extra, catalog, least_margin, designs),
+        judged=population * generations,
     )
 
 

@@ -175,13 +175,16 @@ def outcome(
         spare = np.where(reached, spare, np.minimum(spare, -miss))
     state = np.where(reached, state, has_state.sum(axis=0) - 1)
     fluid = np.take_along_axis(pressurized_sum(volume), state[None], axis=0)[0]
+    work = (
+        F * stroke if task.strain is None else np.multiply.outer(task.force * task.strain, length)
+    )
     units, size = existing.sum(axis=0), None
     if table.radius is not None and table.bulge is not None:
         # a lone unit is fed, and doesn't bow
         bulge = np.where(units > 1, np.where(existing, table.bulge, 0.0).max(axis=0), 0.0)
         size = 2 * (packed_radius((table.radius + 0.0 * counts).T, counts.T) + bulge)
     return Outcome(
-        *(F, task.weight[:, None], F * stroke, reached, np.where(reached, 0.0, miss), spare),
+        *(F, task.weight[:, None], work, reached, np.where(reached, 0.0, miss), spare),
         *(task.supply_pressure * fluid, counts * table.blocked, units, size, depth, overlap),
     )
 

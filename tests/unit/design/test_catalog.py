@@ -73,7 +73,7 @@ def test_excluded_products(space):
     catalog = Catalog({name: Product(name, largest_strain=0.1) for name in space.drawings})
     result = search(space, task, ONE_VALVE, catalog=catalog)
     assert result.recommended is None and np.all(result.reaches_task)
-    assert set(result.excluded_products) == {"small", "large"}
+    assert set(result.catalog.excluded(result.space.drawings, result.task)) == {"small", "large"}
 
 
 def test_a_limit_is_not_rounded_to_what_exceeds_it():
